@@ -1,0 +1,88 @@
+//! The same sheet on `bevy_drape`, `bevy_silk` and `rapier3d`, in one run and on one thread.
+//!
+//! ```text
+//! cargo run --release -- --sizes 16,30,64,128 --frames 300 --runs 3
+//! ```
+//!
+//! What is compared, and how, is in `README.md`.
+
+mod measure;
+mod ours;
+mod peer;
+mod rapier;
+mod report;
+mod sheet;
+mod silk;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::measure::Row;
+use crate::peer::{Engine, Peer, Scene};
+
+/// Measures the same cloth on three engines.
+#[derive(Parser)]
+struct Arguments {
+    /// Vertices along each side of the sheet, separated by commas.
+    #[arg(long, value_delimiter = ',', default_values_t = [16, 30, 64, 128], value_parser = clap::value_parser!(u32).range(3..=512))]
+    sizes: Vec<u32>,
+    /// Frames of 1/60 s; the first fifth is not timed.
+    #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(5..=100_000))]
+    frames: u32,
+    /// Engines to run, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Engine::ALL)]
+    only: Vec<Engine>,
+    /// Runs of everything; of each row, the one with the median time is shown.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=99))]
+    runs: u32,
+    /// Prints one line of JSON instead of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let mut runs = Vec::new();
+    for run in 1..=arguments.runs {
+        let rows = measure_all(&arguments, run);
+        runs.push(rows);
+    }
+    let rows = measure::median_rows(runs);
+    let timed = measure::timed_frames(arguments.frames);
+    let text = if arguments.json {
+        format!("{}\n", report::json(&rows, arguments.frames, timed, arguments.runs))
+    } else {
+        report::tables(&rows, arguments.frames, timed, arguments.runs)
+    };
+    // A closed pipe is no reason to panic.
+    match io::stdout().write_all(text.as_bytes()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) => ExitCode::FAILURE,
+    }
+}
+
+/// Every scene, size and engine once, in the order of the tables.
+fn measure_all(arguments: &Arguments, run: u32) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for scene in Scene::ALL {
+        for &size in &arguments.sizes {
+            for engine in Engine::ALL.into_iter().filter(|engine| arguments.only.contains(engine)) {
+                let Some(mut peer) = start(engine, scene, size) else { continue };
+                eprintln!("run {run} of {}: {scene} {size} x {size} on {engine}", arguments.runs);
+                rows.push(measure::row(engine, scene, size, peer.as_mut(), arguments.frames));
+            }
+        }
+    }
+    rows
+}
+
+/// A scene at rest on an engine; nothing where the engine cannot run it.
+fn start(engine: Engine, scene: Scene, size: u32) -> Option<Box<dyn Peer>> {
+    match engine {
+        Engine::Ours => Some(Box::new(ours::Ours::new(scene, size))),
+        Engine::Silk => silk::Silk::new(scene, size).map(|silk| Box::new(silk) as Box<dyn Peer>),
+        Engine::Rapier => Some(Box::new(rapier::Rapier::new(scene, size))),
+    }
+}

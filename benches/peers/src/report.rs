@@ -1,0 +1,142 @@
+//! Rows as Markdown tables or as JSON.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use crate::measure::Row;
+use crate::peer::{Engine, Scene};
+
+/// Size at which engines are compared, if it was run.
+const COMPARED: u32 = 64;
+
+/// One engine against ours, in one scene at one size.
+struct Ratio {
+    scene: Scene,
+    size: u32,
+    engine: Engine,
+    /// Its time of a frame over ours (dimensionless).
+    frame: f64,
+    /// Its time of a projection over ours (dimensionless).
+    projection: f64,
+    /// Its worst edge.
+    edge: f64,
+    /// Our worst edge.
+    our_edge: f64,
+}
+
+/// A table per scene, then the ratios.
+pub fn tables(rows: &[Row], frames: u32, timed: u32, runs: u32) -> String {
+    let mut text = format!(
+        "Frames of 1/60 s: {frames}, of which the last {timed} are timed, on every engine and size. \
+         Runs: {runs}; of each row the one with the median time.\n"
+    );
+    for scene in Scene::ALL {
+        let rows: Vec<&Row> = rows.iter().filter(|row| row.scene == scene).collect();
+        if !rows.is_empty() {
+            table(&mut text, scene, &rows);
+        }
+    }
+    for ratio in ratios(rows) {
+        // Writing to a `String` cannot fail.
+        let _ = write!(
+            text,
+            "\n{} {}²: {} takes {:.2} x our time for a frame and {:.2} x for a projection; worst edge {:.2}, ours {:.2}.",
+            ratio.scene, ratio.size, ratio.engine, ratio.frame, ratio.projection, ratio.edge, ratio.our_edge
+        );
+    }
+    text.push('\n');
+    text
+}
+
+fn table(text: &mut String, scene: Scene, rows: &[&Row]) {
+    let (last, rule) = match scene {
+        Scene::Hang => ("drop [m]", "---:"),
+        Scene::Ball => ("drop [m] | gap [mm]", "---:|---:"),
+    };
+    let _ = writeln!(
+        text,
+        "\n{scene}\n\n\
+         | N | engine | ms p50 | ms p95 | ns per projection | projections | worst edge | mean edge | worst spring | {last} |\n\
+         |---:|---|---:|---:|---:|---:|---:|---:|---:|{rule}|"
+    );
+    for row in rows {
+        let _ = write!(
+            text,
+            "| {} | {} | {:.3} | {:.3} | {:.2} | {} | {:.3} | {:.4} | {:.3} | {:.3} |",
+            row.size,
+            row.engine,
+            row.p50,
+            row.p95,
+            row.projection,
+            row.projections,
+            row.edge.worst,
+            row.edge.mean,
+            row.spring.worst,
+            row.drop
+        );
+        if let Some(gap) = row.gap {
+            let _ = write!(text, " {:.1} |", gap * 1.0e3);
+        }
+        text.push('\n');
+    }
+}
+
+/// One line with everything. Numbers that are not finite are null.
+pub fn json(rows: &[Row], frames: u32, timed: u32, runs: u32) -> Value {
+    let rows_json = rows.iter().map(|row| {
+        json!({
+            "scene": row.scene.to_string(),
+            "size": row.size,
+            "engine": row.engine.to_string(),
+            "frame_ms_p50": row.p50,
+            "frame_ms_p95": row.p95,
+            "projection_ns": row.projection,
+            "projections": row.projections,
+            "worst_edge": row.edge.worst,
+            "mean_edge": row.edge.mean,
+            "worst_spring": row.spring.worst,
+            "mean_spring": row.spring.mean,
+            "drop": row.drop,
+            "gap": row.gap,
+        })
+    });
+    let ratios_json = ratios(rows).into_iter().map(|ratio| {
+        json!({
+            "scene": ratio.scene.to_string(),
+            "size": ratio.size,
+            "engine": ratio.engine.to_string(),
+            "frame": ratio.frame,
+            "projection": ratio.projection,
+        })
+    });
+    json!({
+        "frames": frames,
+        "timed": timed,
+        "runs": runs,
+        "rows": rows_json.collect::<Vec<_>>(),
+        "ratios_to_ours": ratios_json.collect::<Vec<_>>(),
+    })
+}
+
+/// Every other engine against ours at [`COMPARED`], or at the last size when that was not run.
+fn ratios(rows: &[Row]) -> Vec<Ratio> {
+    let Some(last) = rows.last() else { return Vec::new() };
+    let size = if rows.iter().any(|row| row.size == COMPARED) { COMPARED } else { last.size };
+    let mut ratios = Vec::new();
+    for row in rows.iter().filter(|row| row.size == size && row.engine != Engine::Ours) {
+        let ours = rows.iter().find(|r| r.size == size && r.scene == row.scene && r.engine == Engine::Ours);
+        if let Some(ours) = ours {
+            ratios.push(Ratio {
+                scene: row.scene,
+                size,
+                engine: row.engine,
+                frame: row.p50 / ours.p50,
+                projection: row.projection / ours.projection,
+                edge: row.edge.worst,
+                our_edge: ours.edge.worst,
+            });
+        }
+    }
+    ratios
+}

@@ -1,0 +1,181 @@
+//! From pins on vertices of a mesh to anchors of particles.
+
+use bevy::math::{Affine3A, DVec3, Mat3, Vec3A, Vec4};
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+
+use super::placement::seen_from;
+use super::{Authored, Placement};
+use crate::components::{ClothError, ClothErrorKind, ClothPins, ColorChannel, PinSelect};
+use crate::solver::rest::RestShape;
+use crate::solver::step::Anchors;
+
+/// What holds the anchors.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct AnchorSets {
+    pub sets: Vec<AnchorSet>,
+    /// Set of each anchor.
+    pub set_of: Vec<u32>,
+    /// Position of each anchor [m], in the space that its set moves.
+    pub local: Vec<Vec3>,
+}
+
+/// One pin set and its target.
+#[derive(Clone, Debug)]
+pub(crate) struct AnchorSet {
+    /// None: the cloth's own entity, or its skin.
+    pub target: Option<Entity>,
+    /// Where the cloth was, as seen from the target, when the two were joined: the target moves this space.
+    pub relation: Affine3A,
+    /// Where the target was last, in the world.
+    pub at: Affine3A,
+    /// Whether the target is gone.
+    pub lost: bool,
+    /// Whether the set was let go.
+    pub released: bool,
+}
+
+impl AnchorSet {
+    /// Held by the cloth's own entity or skin.
+    pub fn own(placement: &Placement) -> Self {
+        let at = Affine3A::from_rotation_translation(placement.rotation, placement.translation);
+        Self { target: None, relation: Affine3A::IDENTITY, at, lost: false, released: false }
+    }
+
+    /// Held by another entity, which is at `affine` while the cloth is at `placement`.
+    pub fn new(target: Entity, affine: &Affine3A, placement: &Placement) -> Self {
+        let own = Self::own(placement);
+        // Differences first: far from the origin the two translations are large and close together.
+        let offset = (placement.translation.as_dvec3() - Vec3::from(affine.translation).as_dvec3()).as_vec3();
+        let inverse = affine.matrix3.inverse();
+        let relation = Affine3A { matrix3: inverse * own.at.matrix3, translation: inverse * Vec3A::from(offset) };
+        Self { target: Some(target), relation, at: *affine, ..own }
+    }
+
+    /// The space of the anchors as seen from `origin`.
+    pub fn space_from(&self, origin: DVec3) -> Affine3A {
+        seen_from(&self.at, origin) * self.relation
+    }
+}
+
+/// Which particles are held, how firmly and by which set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Resolved {
+    pub particles: Vec<u32>,
+    pub weights: Vec<f32>,
+    pub set_of: Vec<u32>,
+    /// Vertices that the mesh does not have.
+    pub bad_pins: Vec<u32>,
+}
+
+/// Resolves pins on a mesh; sets for which `released` holds are left out.
+pub(crate) fn resolve(
+    pins: &ClothPins,
+    released: impl Fn(usize) -> bool,
+    mesh: &Mesh,
+    authored: &Authored,
+    rest: &RestShape,
+) -> Result<Resolved, ClothError> {
+    let mut held: Vec<(f32, u32)> = vec![(0.0, 0); rest.positions.len()];
+    let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
+    let mut resolved = Resolved::default();
+    for (s, set) in pins.sets.iter().enumerate().filter(|(s, _)| !released(*s)) {
+        let mut hold = |vertex: u32, weight: f32| {
+            let Some(&particle) = rest.particle_of_vertex.get(vertex as usize) else {
+                resolved.bad_pins.push(vertex);
+                return;
+            };
+            // `max` and `min` let no NaN through.
+            let weight = (weight * set.weight).max(0.0).min(1.0);
+            let best = &mut held[particle as usize];
+            if weight > best.0 && isolated.binary_search(&vertex).is_err() {
+                *best = (weight, s as u32);
+            }
+        };
+        match &set.select {
+            PinSelect::Vertices(vertices) => vertices.iter().for_each(|&v| hold(v, 1.0)),
+            PinSelect::Weighted(weights) => weights.iter().for_each(|&(v, w)| hold(v, w)),
+            PinSelect::Position(predicate) => (0..)
+                .zip(&authored.positions)
+                .filter(|(_, p)| predicate.holds(**p))
+                .for_each(|(v, _)| hold(v, 1.0)),
+            PinSelect::Color(channel) => (0..).zip(color(mesh, *channel)?).for_each(|(v, w)| hold(v, w)),
+            PinSelect::Attribute(name) => (0..).zip(attribute(mesh, name)?).for_each(|(v, w)| hold(v, w)),
+        }
+    }
+    resolved.bad_pins.sort_unstable();
+    resolved.bad_pins.dedup();
+    for (particle, &(weight, set)) in (0..).zip(&held).filter(|(_, (w, _))| *w > 0.0) {
+        resolved.particles.push(particle);
+        resolved.weights.push(weight);
+        resolved.set_of.push(set);
+    }
+    Ok(resolved)
+}
+
+/// Where anchors of a cloth that is already simulated stay: an old anchor of the same set keeps its place, a new one is held where its particle is.
+pub(crate) struct Continuing<'a> {
+    pub sets: &'a AnchorSets,
+    pub anchors: &'a Anchors,
+    /// Positions of the particles in the world, less `origin` [m].
+    pub positions: &'a [Vec4],
+    pub origin: DVec3,
+    /// From the old scale to the new one.
+    pub rescale: Mat3,
+}
+
+impl Resolved {
+    /// Anchors and the sets that hold them. Targets are filled in by the frame.
+    pub fn into_anchors(self, sets: Vec<AnchorSet>, rest: &RestShape, before: Option<&Continuing<'_>>) -> (Anchors, AnchorSets) {
+        let place = |(&particle, &set): (&u32, &u32)| {
+            let at_rest = rest.positions[particle as usize];
+            let Some(before) = before else { return (at_rest, None) };
+            let old = before.anchors.particles.binary_search(&particle).ok();
+            if let Some(old) = old.filter(|&old| before.sets.set_of[old] == set) {
+                return (before.rescale * before.sets.local[old], Some(before.anchors.to[old]));
+            }
+            let now = before.positions[particle as usize].truncate();
+            let space = sets.get(set as usize).map(|s| s.space_from(before.origin).inverse());
+            (space.map_or(at_rest, |space| space.transform_point3(now)), Some(now))
+        };
+        let places: Vec<(Vec3, Option<Vec3>)> = self.particles.iter().zip(&self.set_of).map(place).collect();
+        let to: Vec<Vec3> = places.iter().map(|(local, to)| to.unwrap_or(*local)).collect();
+        let local = places.into_iter().map(|(local, _)| local).collect();
+        let anchors = Anchors { particles: self.particles, weights: self.weights, from: to.clone(), to };
+        (anchors, AnchorSets { sets, set_of: self.set_of, local })
+    }
+}
+
+fn color(mesh: &Mesh, channel: ColorChannel) -> Result<impl Iterator<Item = f32> + '_, ClothError> {
+    let Ok(VertexAttributeValues::Float32x4(colors)) = mesh.try_attribute(Mesh::ATTRIBUTE_COLOR) else {
+        return Err(ClothError {
+            kind: ClothErrorKind::NoPinAttribute,
+            detail: "its pins name a colour channel, but its mesh has no vertex colours: paint and export them".into(),
+        });
+    };
+    Ok(colors.iter().map(move |c| c[channel as usize]))
+}
+
+fn attribute<'a>(mesh: &'a Mesh, name: &str) -> Result<Box<dyn Iterator<Item = f32> + 'a>, ClothError> {
+    let plain = |n: &str| n.trim_start_matches('_').to_ascii_lowercase();
+    let values = mesh
+        .try_attributes()
+        .ok()
+        .and_then(|mut all| all.find(|(attribute, _)| plain(attribute.name) == plain(name)))
+        .map(|(_, values)| values);
+    let first: Option<Box<dyn Iterator<Item = f32> + 'a>> = match values {
+        Some(VertexAttributeValues::Float32(v)) => Some(Box::new(v.iter().copied())),
+        Some(VertexAttributeValues::Float32x2(v)) => Some(Box::new(v.iter().map(|x| x[0]))),
+        Some(VertexAttributeValues::Float32x3(v)) => Some(Box::new(v.iter().map(|x| x[0]))),
+        Some(VertexAttributeValues::Float32x4(v)) => Some(Box::new(v.iter().map(|x| x[0]))),
+        Some(VertexAttributeValues::Unorm8x4(v)) => Some(Box::new(v.iter().map(|x| f32::from(x[0]) / 255.0))),
+        _ => None,
+    };
+    first.ok_or_else(|| ClothError {
+        kind: ClothErrorKind::NoPinAttribute,
+        detail: format!(
+            "its pins name the attribute `{name}`, but its mesh has no float attribute of that name: \
+             insert it, or register it with `GltfPlugin::add_custom_vertex_attribute` before loading a glTF"
+        ),
+    })
+}

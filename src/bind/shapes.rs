@@ -1,0 +1,90 @@
+//! From a collider's data to a shape of the solver.
+
+use bevy::prelude::*;
+
+use super::read;
+use crate::components::{ColliderPart, ColliderShape, MeshFit};
+use crate::solver::body::shape::{self, ShapeError};
+use crate::solver::body::{Pose, SharedShape};
+
+/// Why a collider has no shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum ColliderError {
+    /// The mesh it is fitted to is not loaded, or missing.
+    #[error("it is fitted to a mesh that is not loaded")]
+    NoMesh,
+    /// The mesh it is fitted to cannot be read.
+    #[error("{0}")]
+    Unreadable(String),
+    /// The shape is not one.
+    #[error("{0}")]
+    Shape(#[from] ShapeError),
+}
+
+/// The shape, unscaled.
+pub(crate) fn shape_of(shape: &ColliderShape, mesh: Option<&Mesh>) -> Result<SharedShape, ColliderError> {
+    Ok(match shape {
+        ColliderShape::Ball { radius } => shape::ball(*radius)?,
+        ColliderShape::Capsule { radius, length } => shape::capsule(*radius, 0.5 * length)?,
+        ColliderShape::Cuboid { size } => shape::cuboid(0.5 * *size)?,
+        ColliderShape::Cylinder { radius, height } => shape::cylinder(*radius, 0.5 * height)?,
+        ColliderShape::Cone { radius, height } => shape::cone(*radius, 0.5 * height)?,
+        ColliderShape::HalfSpace { normal } => shape::half_space(*normal)?,
+        ColliderShape::ConvexHull { points } => shape::convex_hull(points)?,
+        ColliderShape::TriMesh { vertices, triangles, solid: false } => shape::trimesh(vertices.clone(), triangles.clone())?,
+        ColliderShape::TriMesh { vertices, triangles, solid: true } => {
+            shape::solid_trimesh(vertices.clone(), triangles.clone())?
+        }
+        ColliderShape::HeightField { rows, columns, heights, size } => {
+            shape::heightfield(*rows as usize, *columns as usize, heights, *size)?
+        }
+        ColliderShape::Compound { parts } => {
+            let parts: Result<Vec<_>, ColliderError> = parts.iter().map(|part| part_of(part, mesh)).collect();
+            shape::compound(parts?)?
+        }
+        ColliderShape::Mesh(fit) => fitted(*fit, mesh.ok_or(ColliderError::NoMesh)?)?,
+        ColliderShape::Parry(shape) => shape.0.clone().ok_or(ShapeError::Empty)?,
+    })
+}
+
+fn part_of(part: &ColliderPart, mesh: Option<&Mesh>) -> Result<(Pose, SharedShape), ColliderError> {
+    Ok((Pose::from_parts(part.translation, part.rotation), shape_of(&part.shape, mesh)?))
+}
+
+fn fitted(fit: MeshFit, mesh: &Mesh) -> Result<SharedShape, ColliderError> {
+    let authored = read(mesh).map_err(|error| ColliderError::Unreadable(error.detail))?;
+    let fold = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
+    let (low, high) = authored.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold);
+    let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let moved = |shape| shape::compound(vec![(Pose::from_translation(center), shape)]);
+    let centred = center.length() <= 1.0e-4 * half.length();
+    Ok(match fit {
+        MeshFit::Ball => {
+            let radius = authored.positions.iter().map(|p| p.distance_squared(center)).fold(0.0, f32::max).sqrt();
+            let ball = shape::ball(radius)?;
+            if centred { ball } else { moved(ball)? }
+        }
+        MeshFit::Cuboid => {
+            let cuboid = shape::cuboid(half)?;
+            if centred { cuboid } else { moved(cuboid)? }
+        }
+        MeshFit::Capsule => {
+            let axis = if half.x > half.y && half.x > half.z {
+                Vec3::X
+            } else if half.z > half.y {
+                Vec3::Z
+            } else {
+                Vec3::Y
+            };
+            let radius = (half * (Vec3::ONE - axis)).max_element();
+            let reach = (half.max_element() - radius).max(0.0);
+            shape::capsule_between(center - axis * reach, center + axis * reach, radius)?
+        }
+        MeshFit::ConvexHull => shape::convex_hull(&authored.positions)?,
+        MeshFit::TriMesh => shape::trimesh(authored.positions, authored.triangles)?,
+        MeshFit::HalfSpace => {
+            let plane = shape::half_space(Vec3::Y)?;
+            if centred { plane } else { moved(plane)? }
+        }
+    })
+}

@@ -1,0 +1,101 @@
+//! A cloth whose mesh is skinned: pinned particles and the animated pose follow the joints.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::math::{Affine3A, DVec3};
+use bevy::mesh::VertexAttributeValues;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::prelude::*;
+
+use super::placement::seen_from;
+use super::Authored;
+use crate::solver::rest::RestShape;
+
+/// Joints and weights of every particle.
+#[derive(Clone, Debug)]
+pub(crate) struct Skin {
+    /// Joints and their inverse bind poses.
+    joints: Vec<(Entity, Affine3A)>,
+    /// Up to four joints of each particle, with weights that sum to one.
+    weights: Vec<([u16; 4], [f32; 4])>,
+    /// Positions of the particles in the space of the mesh [m].
+    points: Vec<Vec3>,
+}
+
+/// Transforms of joints and targets; disabled ones still hold.
+pub(crate) type Transforms<'w, 's> = Query<'w, 's, &'static GlobalTransform, Allow<Disabled>>;
+
+impl Skin {
+    /// Joints and inverse bind poses of a mesh, as far as they go together.
+    pub fn joints(skinned: &SkinnedMesh, bindposes: &SkinnedMeshInverseBindposes) -> Vec<(Entity, Affine3A)> {
+        skinned.joints.iter().copied().zip(bindposes.iter().map(|m| Affine3A::from_mat4(*m))).collect()
+    }
+
+    /// None when the mesh has no joints or weights that can be used.
+    pub fn new(mesh: &Mesh, authored: &Authored, rest: &RestShape, joints: Vec<(Entity, Affine3A)>) -> Option<Self> {
+        let Ok(VertexAttributeValues::Uint16x4(indices)) = mesh.try_attribute(Mesh::ATTRIBUTE_JOINT_INDEX) else {
+            return None;
+        };
+        let Ok(VertexAttributeValues::Float32x4(amounts)) = mesh.try_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT) else {
+            return None;
+        };
+        let particles = rest.positions.len();
+        let mut skin = Self { joints, weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles], points: vec![Vec3::ZERO; particles] };
+        // Backwards, so that of welded vertices the first one counts; isolated ones never do.
+        let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
+        for (v, &particle) in rest.particle_of_vertex.iter().enumerate().rev() {
+            let (Some(&index), Some(&amount), Some(&point)) = (indices.get(v), amounts.get(v), authored.positions.get(v)) else {
+                continue;
+            };
+            if isolated.binary_search(&(v as u32)).is_ok() {
+                continue;
+            }
+            let sum: f32 = amount.iter().sum();
+            let known = index.iter().all(|&j| usize::from(j) < skin.joints.len());
+            if sum > 0.0 && sum.is_finite() && known {
+                skin.weights[particle as usize] = (index, amount.map(|w| w / sum));
+            }
+            skin.points[particle as usize] = point;
+        }
+        Some(skin)
+    }
+
+    /// Skinning matrices as seen from `origin`; a joint that is gone or not finite keeps its last one. False if there was none yet.
+    pub fn matrices(&self, transforms: &Transforms, origin: DVec3, matrices: &mut Vec<Affine3A>) -> bool {
+        skinning_matrices(&self.joints, transforms, origin, matrices)
+    }
+
+    /// Skinned position of a particle.
+    pub fn pose(&self, matrices: &[Affine3A], particle: usize) -> Vec3 {
+        let (Some((joints, weights)), Some(&point)) = (self.weights.get(particle), self.points.get(particle)) else {
+            return Vec3::ZERO;
+        };
+        let place = |(&joint, &weight): (&u16, &f32)| match matrices.get(usize::from(joint)) {
+            Some(matrix) if weight != 0.0 => matrix.transform_point3(point) * weight,
+            _ => Vec3::ZERO,
+        };
+        joints.iter().zip(weights).map(place).sum()
+    }
+}
+
+/// As [`Skin::matrices`], before there is a skin.
+pub(crate) fn skinning_matrices(
+    joints: &[(Entity, Affine3A)],
+    transforms: &Transforms,
+    origin: DVec3,
+    matrices: &mut Vec<Affine3A>,
+) -> bool {
+    let complete = matrices.len() == joints.len();
+    if !complete {
+        matrices.clear();
+    }
+    for (i, (joint, inverse_bind)) in joints.iter().enumerate() {
+        let affine = transforms.get(*joint).ok().map(GlobalTransform::affine).filter(Affine3A::is_finite);
+        match (affine, complete) {
+            (Some(affine), true) => matrices[i] = seen_from(&affine, origin) * *inverse_bind,
+            (Some(affine), false) => matrices.push(seen_from(&affine, origin) * *inverse_bind),
+            (None, true) => {}
+            (None, false) => return false,
+        }
+    }
+    !joints.is_empty()
+}

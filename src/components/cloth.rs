@@ -1,0 +1,31 @@
+//! The marker that makes a mesh a cloth.
+
+use bevy::prelude::*;
+
+use super::{ClothBuildReport, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothStatus};
+
+/// Makes the [`Mesh3d`] of its entity a cloth.
+///
+/// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is
+/// simulated and where it is held; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
+///
+/// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh back. The cloth starts
+/// where the entity is and then lives in the world: moving the entity moves what is pinned to it, and the rest follows by physics.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+/// commands.spawn((
+///     Mesh3d(meshes.add(Plane3d::default().mesh().size(2.0, 2.0).subdivisions(40))),
+///     Cloth,
+///     ClothMaterial::SILK,
+///     ClothPins::where_position(|p| p.z < -0.99),
+/// ));
+/// # }
+/// ```
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[require(ClothMaterial, ClothSolver, ClothPins, ClothStatus, ClothReport, ClothBuildReport, Transform)]
+pub struct Cloth;

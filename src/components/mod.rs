@@ -1,0 +1,28 @@
+//! What users spawn and read: one file per concern.
+
+pub(crate) mod checked;
+
+mod cloth;
+mod material;
+mod solver;
+mod pins;
+mod layers;
+mod collider;
+mod shape;
+mod wind;
+mod status;
+mod report;
+
+pub use cloth::Cloth;
+pub use collider::ClothCollider;
+pub use layers::ClothLayers;
+pub use material::ClothMaterial;
+pub use pins::{ClothPins, ColorChannel, OnTargetLost, PinSelect, PinSet, PositionPredicate};
+pub use report::{ClothBuildReport, ClothReport};
+pub use shape::{ColliderPart, ColliderShape, MeshFit};
+pub use solver::{ClothGravity, ClothSolver, TeleportMode};
+pub use status::{
+    ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, ClothTargetLost,
+    ClothTeleported, RecoveryCause, RecoveryLevel, WaitingFor,
+};
+pub use wind::{ClothWind, GlobalWind, WindZone, WindZoneShape};

@@ -1,0 +1,196 @@
+//! Where a cloth is held.
+
+use std::sync::Arc;
+
+use bevy::ecs::entity::MapEntities;
+use bevy::prelude::*;
+
+/// Where a cloth is held, and by what.
+///
+/// A list of sets, each with its own weight and target. Pinned vertices keep their place relative to the target: the cloth's own
+/// entity unless [`ClothPins::to`] names another, or the skin when the mesh is skinned.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn pins(left_hand: Entity) -> ClothPins {
+/// ClothPins::vertices([0, 40]).to(left_hand).and(ClothPins::color(ColorChannel::R).weighted(0.5))
+/// # }
+/// ```
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothPins {
+    /// The sets. Where two hold one vertex, the heavier weight holds it; with equal weights the first.
+    #[entities]
+    pub sets: Vec<PinSet>,
+    /// What happens when the target of a set is despawned. Default [`OnTargetLost::Hold`].
+    pub on_target_lost: OnTargetLost,
+}
+
+/// Vertices that are held by one target.
+#[derive(Clone, Debug, PartialEq, Reflect, MapEntities)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Clone, Debug, PartialEq)]
+pub struct PinSet {
+    /// Which vertices.
+    pub select: PinSelect,
+    /// How firmly: 1 = rigidly, 0 = not at all (dimensionless). Default 1, range 0 to 1. Multiplies the weights of the selection.
+    pub weight: f32,
+    /// What holds them; the cloth's own entity if `None`.
+    #[entities]
+    pub target: Option<Entity>,
+}
+
+/// Which vertices of the mesh a set holds.
+#[derive(Clone, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum PinSelect {
+    /// Vertices of the mesh by index. Indices past the end are ignored and listed in [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
+    Vertices(Vec<u32>),
+    /// Vertices of the mesh by index, each with a weight from 0 to 1.
+    Weighted(Vec<(u32, f32)>),
+    /// Vertices at whose position, in the space of the mesh [m], the predicate holds.
+    #[cfg_attr(feature = "serialize", serde(skip))]
+    Position(PositionPredicate),
+    /// A channel of the vertex colour is the weight.
+    Color(ColorChannel),
+    /// A float attribute of that name is the weight, such as `"_PIN"` in a glTF.
+    Attribute(String),
+}
+
+/// A channel of the vertex colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum ColorChannel {
+    /// Red.
+    #[default]
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// Alpha.
+    A,
+}
+
+/// A test on positions.
+#[derive(Clone, Reflect)]
+#[reflect(opaque)]
+#[reflect(Clone, Debug, PartialEq)]
+pub struct PositionPredicate(Arc<dyn Fn(Vec3) -> bool + Send + Sync>);
+
+impl PositionPredicate {
+    /// Wraps a function of the position in the space of the mesh [m].
+    pub fn new(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
+        Self(Arc::new(predicate))
+    }
+
+    /// Whether it holds at `position` [m].
+    #[must_use]
+    pub fn holds(&self, position: Vec3) -> bool {
+        (self.0)(position)
+    }
+}
+
+impl core::fmt::Debug for PositionPredicate {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("PositionPredicate(..)")
+    }
+}
+
+/// Equal when they are the same function object.
+impl PartialEq for PositionPredicate {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// What happens when the target of a pin set is despawned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum OnTargetLost {
+    /// The set stays where it is.
+    #[default]
+    Hold,
+    /// The set falls.
+    Release,
+    /// The cloth is despawned.
+    Despawn,
+}
+
+impl From<PinSelect> for ClothPins {
+    fn from(select: PinSelect) -> Self {
+        Self { sets: vec![PinSet { select, weight: 1.0, target: None }], on_target_lost: OnTargetLost::Hold }
+    }
+}
+
+impl ClothPins {
+    /// No pins.
+    pub const NONE: Self = Self { sets: Vec::new(), on_target_lost: OnTargetLost::Hold };
+
+    /// Holds vertices of the mesh by index.
+    #[must_use]
+    pub fn vertices(indices: impl IntoIterator<Item = u32>) -> Self {
+        PinSelect::Vertices(indices.into_iter().collect()).into()
+    }
+
+    /// Holds vertices of the mesh by index, each with a weight from 0 to 1.
+    #[must_use]
+    pub fn weights(weights: impl IntoIterator<Item = (u32, f32)>) -> Self {
+        PinSelect::Weighted(weights.into_iter().collect()).into()
+    }
+
+    /// Holds the vertices at whose position in the space of the mesh [m] the predicate holds.
+    #[must_use]
+    pub fn where_position(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
+        PinSelect::Position(PositionPredicate::new(predicate)).into()
+    }
+
+    /// Holds vertices by a channel of the vertex colour: 1 = rigidly, 0 = not at all.
+    #[must_use]
+    pub fn color(channel: ColorChannel) -> Self {
+        PinSelect::Color(channel).into()
+    }
+
+    /// Holds vertices by a float attribute of the mesh: 1 = rigidly, 0 = not at all.
+    #[must_use]
+    pub fn attribute(name: impl Into<String>) -> Self {
+        PinSelect::Attribute(name.into()).into()
+    }
+
+    /// Hands the last set to another entity.
+    #[must_use]
+    pub fn to(mut self, target: Entity) -> Self {
+        if let Some(set) = self.sets.last_mut() {
+            set.target = Some(target);
+        }
+        self
+    }
+
+    /// How firmly the last set holds, from 0 to 1.
+    #[must_use]
+    pub fn weighted(mut self, weight: f32) -> Self {
+        if let Some(set) = self.sets.last_mut() {
+            set.weight = weight;
+        }
+        self
+    }
+
+    /// Adds the sets of another.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.sets.extend(other.sets);
+        self
+    }
+
+    /// What happens when the target of a set is despawned.
+    #[must_use]
+    pub fn on_target_lost(mut self, reaction: OnTargetLost) -> Self {
+        self.on_target_lost = reaction;
+        self
+    }
+}

@@ -1,0 +1,74 @@
+//! What happened: read-only for users.
+
+use std::borrow::Cow;
+
+use bevy::prelude::*;
+
+use crate::solver::rest::BuildReport;
+
+/// What the last simulated frame did, and what happened so far.
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothReport {
+    /// Substeps taken in the last frame.
+    pub substeps: u32,
+    /// Largest edge length over rest length (dimensionless).
+    pub worst_edge: f32,
+    /// Particles that touched a body at the end of the frame.
+    pub body_contacts: u32,
+    /// Bodies that could touch the cloth.
+    pub bodies: u32,
+    /// Particles that are pinned.
+    pub pinned: u32,
+    /// Simulated time since the start [s].
+    pub time: f32,
+    /// Time that was too much to simulate, since the start [s].
+    pub lost_time: f32,
+    /// Times the cloth was taken back to its last good state.
+    pub restores: u32,
+    /// Times the cloth was taken back to its pose at rest.
+    pub resets: u32,
+    /// Settings that are out of range and used clamped.
+    pub clamped: Vec<Cow<'static, str>>,
+}
+
+/// How the mesh became a cloth, and what had to be repaired on the way.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothBuildReport {
+    /// Vertices of the mesh.
+    pub vertices: u32,
+    /// Particles left after welding vertices at one position.
+    pub particles: u32,
+    /// Triangles simulated.
+    pub faces: u32,
+    /// Triangles dropped because an index was past the end of the vertices.
+    pub out_of_range: u32,
+    /// Triangles dropped because they had no area.
+    pub degenerate: u32,
+    /// Triangles dropped because another had the same corners.
+    pub duplicate: u32,
+    /// Vertices that no simulated triangle uses; they ride on the nearest particle.
+    pub isolated: u32,
+    /// Pins that name a vertex the mesh does not have; ignored.
+    pub bad_pins: Vec<u32>,
+}
+
+impl ClothBuildReport {
+    pub(crate) fn new(report: &BuildReport) -> Self {
+        let BuildReport { vertices, particles, faces, out_of_range, degenerate, duplicate, isolated } = *report;
+        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        Self {
+            vertices: count(vertices),
+            particles: count(particles),
+            faces: count(faces),
+            out_of_range: count(out_of_range),
+            degenerate: count(degenerate),
+            duplicate: count(duplicate),
+            isolated: count(isolated),
+            bad_pins: Vec::new(),
+        }
+    }
+}

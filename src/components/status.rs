@@ -1,0 +1,159 @@
+//! How a cloth fares: waiting, simulated or failed, and the events on the way.
+
+use bevy::prelude::*;
+
+/// Whether a cloth is simulated.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub enum ClothStatus {
+    /// Something is missing that may still come.
+    Waiting(WaitingFor),
+    /// It is simulated.
+    Active,
+    /// It cannot be simulated; [`ClothError`] on the entity says why.
+    Failed,
+    /// It has not been looked at yet.
+    #[default]
+    New,
+}
+
+/// What a cloth waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum WaitingFor {
+    /// A `Mesh3d` on the entity.
+    Mesh,
+    /// The mesh asset to load.
+    Asset,
+    /// A transform whose scale is finite and not zero along any axis.
+    Scale,
+    /// The target of a pin set to be spawned.
+    Target,
+    /// The joints or bind poses of its skin.
+    Skin,
+}
+
+impl WaitingFor {
+    pub(crate) const fn cure(self) -> &'static str {
+        match self {
+            Self::Mesh => "it has no `Mesh3d`: insert one",
+            Self::Asset => "its mesh asset is not loaded: keep the handle's loader running, or check the path",
+            Self::Scale => "its transform has a zero or non-finite part: set a finite scale that is not zero",
+            Self::Target => "the target of a pin set has no `GlobalTransform`: spawn it with a `Transform`",
+            Self::Skin => "a joint or the inverse bind poses of its `SkinnedMesh` are missing: spawn them, or remove `SkinnedMesh`",
+        }
+    }
+}
+
+/// Why a cloth cannot be simulated. On the entity for as long as that is so; the authored mesh is drawn meanwhile.
+#[derive(Component, Clone, Debug, PartialEq, Eq, Reflect, thiserror::Error)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Clone, Debug, PartialEq)]
+#[error("{detail}")]
+pub struct ClothError {
+    /// What kind of failure.
+    pub kind: ClothErrorKind,
+    /// What exactly, and what helps.
+    pub detail: String,
+}
+
+/// Kinds of failures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum ClothErrorKind {
+    /// The mesh asset failed to load.
+    LoadFailed,
+    /// The mesh is only in the render world, where it cannot be read.
+    RenderWorldOnly,
+    /// The mesh has no positions, or not as `Float32x3`.
+    NoPositions,
+    /// The mesh is made of lines or points.
+    NotTriangles,
+    /// The mesh has too few vertices, no triangle that can be simulated, or a position that is not finite.
+    BadMesh,
+    /// A pin set names a colour channel or attribute that the mesh does not have.
+    NoPinAttribute,
+    /// It blew up again and again and was stopped.
+    Unstable,
+}
+
+impl ClothErrorKind {
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::LoadFailed => "LoadFailed",
+            Self::RenderWorldOnly => "RenderWorldOnly",
+            Self::NoPositions => "NoPositions",
+            Self::NotTriangles => "NotTriangles",
+            Self::BadMesh => "BadMesh",
+            Self::NoPinAttribute => "NoPinAttribute",
+            Self::Unstable => "Unstable",
+        }
+    }
+}
+
+/// A cloth cannot be simulated (any more).
+#[derive(EntityEvent, Clone, Debug)]
+pub struct ClothFailed {
+    /// The cloth.
+    pub entity: Entity,
+    /// Why.
+    pub error: ClothError,
+}
+
+/// A cloth blew up and was taken back.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothRecovered {
+    /// The cloth.
+    pub entity: Entity,
+    /// How far back it was taken.
+    pub level: RecoveryLevel,
+    /// What was wrong.
+    pub cause: RecoveryCause,
+}
+
+/// How far a cloth was taken back, mildest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum RecoveryLevel {
+    /// To its last good state, without velocity.
+    LastGood,
+    /// To its pose at rest.
+    Rest,
+    /// To its pose at rest, and stopped there.
+    Frozen,
+}
+
+/// What was wrong with a state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Clone, Debug, PartialEq)]
+pub enum RecoveryCause {
+    /// A position or velocity was not finite.
+    NotFinite,
+    /// A particle was faster than [`ClothSolver::max_speed`](crate::ClothSolver::max_speed).
+    TooFast,
+    /// An edge was longer than [`ClothSolver::reset_edge_ratio`](crate::ClothSolver::reset_edge_ratio) allows.
+    Overstretched,
+}
+
+/// The target of a pin set is gone; what happens is up to [`OnTargetLost`](crate::OnTargetLost).
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothTargetLost {
+    /// The cloth.
+    pub entity: Entity,
+    /// The target that is gone.
+    pub target: Entity,
+}
+
+/// The carrier of a cloth jumped, and the cloth went along as [`TeleportMode`](crate::TeleportMode) says.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothTeleported {
+    /// The cloth.
+    pub entity: Entity,
+    /// Length of the jump [m].
+    pub distance: f32,
+    /// Angle of the turn [rad].
+    pub angle: f32,
+}

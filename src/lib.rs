@@ -1,0 +1,42 @@
+//! Cloth for Bevy that does not stretch like rubber, does not tangle, and says so when it does.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_drape::prelude::*;
+//!
+//! fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+//!     commands.spawn((
+//!         Mesh3d(meshes.add(Plane3d::default().mesh().size(2.0, 2.0).subdivisions(40))),
+//!         Cloth,
+//!         ClothMaterial::SILK,
+//!         ClothPins::where_position(|p| p.z < -0.99),
+//!     ));
+//!     commands.spawn((Transform::from_xyz(0.0, -1.0, 0.0), ClothCollider::ball(0.5)));
+//! }
+//! ```
+
+pub mod plugin;
+pub mod components;
+mod bind;
+mod notices;
+pub mod simulation;
+mod systems;
+pub mod solver;
+pub mod scenes;
+
+pub use components::{
+    Cloth, ClothBuildReport, ClothCollider, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothLayers, ClothMaterial,
+    ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTargetLost, ClothTeleported, ClothWind,
+    ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate,
+    RecoveryCause, RecoveryLevel, TeleportMode, WaitingFor, WindZone, WindZoneShape,
+};
+pub use plugin::{ClothPlugin, ClothSystems};
+pub use simulation::{ClothParticles, ClothRest};
+
+/// What most apps need.
+pub mod prelude {
+    pub use crate::{
+        Cloth, ClothCollider, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothPlugin, ClothReport, ClothSolver,
+        ClothStatus, ClothSystems, ClothWind, ColorChannel, GlobalWind, MeshFit, OnTargetLost, WindZone,
+    };
+}

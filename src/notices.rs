@@ -1,0 +1,56 @@
+//! What users were told, so that they are told once.
+
+use std::borrow::Cow;
+
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+
+/// Warnings per entity: one for each kind or field.
+#[derive(Resource, Default)]
+pub(crate) struct Notices {
+    told: HashMap<Entity, Vec<Cow<'static, str>>>,
+}
+
+impl Notices {
+    /// Whether this is the first time; remembers it.
+    pub fn first(&mut self, entity: Entity, kind: impl Into<Cow<'static, str>>) -> bool {
+        let kind = kind.into();
+        let told = self.told.entry(entity).or_default();
+        let first = !told.contains(&kind);
+        if first {
+            told.push(kind);
+        }
+        first
+    }
+
+    /// Warns once for each setting that was clamped.
+    pub fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, fields: &[Cow<'static, str>]) {
+        for field in fields {
+            if self.first(entity, field.clone()) {
+                warn!(
+                    "{what} {} has `{field}` out of range: it is used clamped; the documentation of the field has the range",
+                    label(entity, name)
+                );
+            }
+        }
+    }
+
+    /// Forgets an entity.
+    pub fn forget(&mut self, entity: Entity) {
+        self.told.remove(&entity);
+    }
+
+    /// What was told of an entity.
+    #[cfg(test)]
+    pub fn of(&self, entity: Entity) -> &[Cow<'static, str>] {
+        self.told.get(&entity).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// How an entity is called in a warning.
+pub(crate) fn label(entity: Entity, name: Option<&Name>) -> String {
+    match name {
+        Some(name) => format!("`{name}` ({entity})"),
+        None => format!("{entity}"),
+    }
+}

@@ -1,0 +1,162 @@
+//! The plugin. The only file that orders anything.
+//!
+//! ```text
+//! PostUpdate (or the schedule that was asked for)
+//!   TransformSystems::Propagate
+//!     └─ Prepare ─ Integrate ─ Detect ─ Resolve ─ Evaluate ─ Respond ─ Sync
+//!                                                                      └─ AssetEventSystems, VisibilitySystems::CalculateBounds
+//! ```
+
+use bevy::app::{
+    FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpdate, PostStartup, PreStartup, RunFixedMainLoop, Startup,
+};
+use bevy::asset::AssetEventSystems;
+use bevy::camera::visibility::VisibilitySystems;
+use bevy::ecs::intern::Interned;
+use bevy::ecs::schedule::ScheduleLabel;
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+
+use crate::bind::{RestCache, Sources};
+use crate::components::{ClothGravity, GlobalWind};
+use crate::notices::Notices;
+use crate::systems::colliders::WorldBodies;
+use crate::systems::inputs::WorldAir;
+use crate::systems::{bind, colliders, evaluate, inputs, integrate, release, sources, sync};
+
+/// Simulates every entity with [`Cloth`](crate::Cloth).
+///
+/// By default in [`PostUpdate`], after transforms are propagated: animation is done, so that pinned cloth never lags. In a
+/// fixed schedule, `ClothPlugin::new(FixedPostUpdate)`, it runs in lockstep with physics, sees the transforms of the last frame,
+/// and what is shown is interpolated.
+///
+/// # Panics
+/// When it is added twice, to a schedule that runs once, or without meshes and their assets.
+pub struct ClothPlugin {
+    schedule: Interned<dyn ScheduleLabel>,
+}
+
+impl Default for ClothPlugin {
+    fn default() -> Self {
+        Self::new(PostUpdate)
+    }
+}
+
+impl ClothPlugin {
+    /// Simulates in `schedule`, with the clock of that schedule.
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
+
+/// The stages of a frame, chained in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClothSystems {
+    /// Binds meshes; gathers settings, anchors, bodies and wind.
+    Prepare,
+    /// Steps every cloth by a frame.
+    Integrate,
+    /// Looks for crossings and closeness.
+    Detect,
+    /// Untangles.
+    Resolve,
+    /// Judges the result; tells of recoveries.
+    Evaluate,
+    /// Answers contacts; feeds the next frame.
+    Respond,
+    /// Writes meshes and bounds. In `PostUpdate` when the other stages run in a fixed schedule.
+    Sync,
+}
+
+/// How the schedule of the cloths relates to what is shown.
+#[derive(Resource, Clone, Copy, Debug)]
+pub(crate) struct ClothClock {
+    /// Whether shown positions lie between the last two frames of a fixed clock.
+    pub interpolates: bool,
+}
+
+impl Plugin for ClothPlugin {
+    fn build(&self, app: &mut App) {
+        assert!(
+            !app.world().contains_resource::<ClothClock>(),
+            "ClothPlugin was added twice. Add it once: `app.add_plugins(ClothPlugin::default())`, \
+             or `app.add_plugins(ClothPlugin::new(FixedPostUpdate))` for a fixed clock."
+        );
+        let once = [PreStartup.intern(), Startup.intern(), PostStartup.intern()];
+        assert!(
+            !once.contains(&self.schedule) && self.schedule != RunFixedMainLoop.intern(),
+            "ClothPlugin cannot run in {:?}. Use a schedule that runs every frame or tick: `app.add_plugins(ClothPlugin::default())`.",
+            self.schedule
+        );
+        let fixed =
+            [FixedFirst.intern(), FixedPreUpdate.intern(), FixedUpdate.intern(), FixedPostUpdate.intern(), FixedLast.intern()];
+        let interpolates = fixed.contains(&self.schedule);
+        let shows = if interpolates { PostUpdate.intern() } else { self.schedule };
+
+        app.insert_resource(ClothClock { interpolates })
+            .init_resource::<ClothGravity>()
+            .init_resource::<GlobalWind>()
+            .init_resource::<RestCache>()
+            .init_resource::<Sources>()
+            .init_resource::<Notices>()
+            .init_resource::<WorldBodies>()
+            .init_resource::<WorldAir>()
+            .add_observer(release::on_remove_cloth)
+            .add_observer(release::on_remove_collider)
+            .add_observer(release::on_remove_zone);
+
+        order(app, self.schedule);
+        if shows != self.schedule {
+            order(app, shows);
+        }
+        app.add_systems(
+            self.schedule,
+            (
+                (
+                    sources::watch,
+                    bind::bind,
+                    colliders::shapes,
+                    (colliders::poses, inputs::air, inputs::settings, inputs::anchors, inputs::surroundings)
+                        .chain()
+                        .run_if(time_flows),
+                )
+                    .chain()
+                    .in_set(ClothSystems::Prepare),
+                integrate::integrate.run_if(time_flows).in_set(ClothSystems::Integrate),
+                evaluate::evaluate.in_set(ClothSystems::Evaluate),
+            ),
+        )
+        .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));
+    }
+
+    fn finish(&self, app: &mut App) {
+        assert!(
+            app.world().contains_resource::<Assets<Mesh>>(),
+            "ClothPlugin needs meshes. Add `DefaultPlugins`, or for a headless app \
+             `app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin))`."
+        );
+    }
+
+    fn is_unique(&self) -> bool {
+        // So that the panic in `build` says what to write.
+        false
+    }
+}
+
+/// Chains the stages in a schedule, after transforms and before whatever reads meshes.
+fn order(app: &mut App, schedule: Interned<dyn ScheduleLabel>) {
+    use ClothSystems::{Detect, Evaluate, Integrate, Prepare, Resolve, Respond, Sync};
+    app.configure_sets(
+        schedule,
+        (Prepare, Integrate, Detect, Resolve, Evaluate, Respond, Sync)
+            .chain()
+            .after(TransformSystems::Propagate)
+            .before(AssetEventSystems)
+            .before(VisibilitySystems::CalculateBounds),
+    );
+}
+
+/// Whether the clock of the schedule moved.
+fn time_flows(time: Res<Time>) -> bool {
+    time.delta_secs() > 0.0
+}

@@ -1,0 +1,418 @@
+//! Which particles may meet which body in this frame, and their contacts in each substep.
+
+use glam::{Mat3A, Quat, Vec3, Vec3A, Vec4};
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::math::Pose;
+use parry3d::shape::TypedShape;
+
+use super::distance::{self, Sample};
+use super::geometry::{self, Geometry};
+use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
+use super::sweep::{plane_at, sweep};
+use super::Body;
+
+/// What a frame may bring: the bound on how far a particle can get.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// Length of the frame [s].
+    pub dt: f32,
+    /// Length of the substep that lies between `previous` and `positions` [s]; 0 or less: the cloth is at rest.
+    pub substep: f32,
+    /// Gravity [m/s²].
+    pub gravity: Vec3,
+    /// Thickness of the fabric [m].
+    pub thickness: f32,
+    /// Distance beyond ballistic motion that a particle may be dragged in the frame [m], for example the longest way of an anchor, and of
+    /// the wind (`Wind::fastest() · dt`). 0 if unknown.
+    pub extra: f32,
+}
+
+/// The fabric's side of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// Distance kept to every body [m].
+    pub thickness: f32,
+    /// Static friction coefficient (dimensionless).
+    pub static_friction: f32,
+    /// Dynamic friction coefficient (dimensionless).
+    pub dynamic_friction: f32,
+}
+
+/// One particle that may meet one part of a body in this frame.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    particle: u32,
+    /// Running mean of the push per substep [m]; 0 out of contact.
+    load: f32,
+    /// A point of body space and a radius without any surface around it [m]: no query while the path stays inside.
+    clear_at: Vec3,
+    clear: f32,
+}
+
+/// One simple shape of a body, with its candidates.
+#[derive(Clone, Debug)]
+struct Part {
+    body: u32,
+    index: u32,
+    local: Pose,
+    planes: (u32, u32),
+    candidates: (u32, u32),
+    /// Farthest point of the part from its own origin [m]; infinite for a half-space.
+    radius: f32,
+}
+
+/// Contacts of one cloth with all bodies. Buffers are reused: nothing is allocated once they are warm.
+#[derive(Clone, Debug, Default)]
+pub struct BodyContacts {
+    parts: Vec<Part>,
+    planes: Vec<Vec4>,
+    candidates: Vec<Candidate>,
+    dt: f32,
+}
+
+impl BodyContacts {
+    /// Number of pairs of a particle and a part of a body that are tested in each substep of this frame.
+    #[must_use]
+    pub fn candidates(&self) -> usize {
+        self.candidates.len()
+    }
+
+    #[cfg(test)]
+    pub(super) fn capacities(&self) -> [usize; 3] {
+        [self.parts.capacity(), self.planes.capacity(), self.candidates.capacity()]
+    }
+
+    /// Once per frame, before its first substep: pairs each body with the particles that could reach it.
+    ///
+    /// A particle is a candidate when it lies in the box around the shape at both ends of the frame, widened by how far any particle can get:
+    /// `v dt + |g| dt² + b + extra + 2 thickness`, `v` the fastest particle's speed and `b` the longest way of a body, which may push
+    /// a particle against another body. Pinned (`w = 0`) and non-finite particles never are.
+    pub fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
+        self.parts.clear();
+        self.planes.clear();
+        self.candidates.clear();
+        self.dt = approach.dt;
+        let passes = approach.dt > 0.0;
+        if bodies.is_empty() || !passes {
+            return;
+        }
+        let thickness = finite_or_zero(approach.thickness);
+        let way = farthest_way(positions, previous, approach) + farthest_push(bodies) + 2.0 * thickness;
+        for (b, body) in (0_u32..).zip(bodies) {
+            let (Some(from), Some(to)) = (valid(body.from), valid(body.to)) else {
+                continue;
+            };
+            let reach = way + finite_or_zero(body.margin);
+            geometry::for_each_part(&*body.shape.0, |index, local, shape| {
+                let Some(local) = valid(local) else {
+                    return;
+                };
+                let (from, to) = (from * local, to * local);
+                let first_plane = self.planes.len() as u32;
+                let first = self.candidates.len() as u32;
+                let mut radius = f32::INFINITY;
+                match shape.as_typed_shape() {
+                    TypedShape::HalfSpace(s) => {
+                        self.gather_half_space(from, to, s.normal, reach, positions);
+                    }
+                    typed => {
+                        if let TypedShape::ConvexPolyhedron(polyhedron) = typed {
+                            geometry::hull_planes(polyhedron, &mut self.planes);
+                        }
+                        let local_box = shape.compute_local_aabb();
+                        radius = local_box.mins.abs().max(local_box.maxs.abs()).length();
+                        // Between its two poses a turning shape bulges out of both boxes, by less than r θ² / 8.
+                        let turn = chord(from.rotation, to.rotation);
+                        let swept = shape.compute_aabb(&from).merged(&shape.compute_aabb(&to));
+                        self.gather_box(&swept, reach + 0.125 * turn * turn * radius, positions);
+                    }
+                }
+                let candidates = (first, self.candidates.len() as u32);
+                if candidates.1 > candidates.0 {
+                    let planes = (first_plane, self.planes.len() as u32);
+                    self.parts.push(Part { body: b, index, local, planes, candidates, radius });
+                }
+            });
+        }
+    }
+
+    fn gather_box(&mut self, swept: &Aabb, reach: f32, positions: &[Vec4]) {
+        // The fourth lane asks for a positive inverse mass. NaN fails every comparison.
+        let low = (swept.mins - Vec3::splat(reach)).extend(f32::MIN_POSITIVE);
+        let high = (swept.maxs + Vec3::splat(reach)).extend(f32::MAX);
+        for (particle, p) in (0_u32..).zip(positions) {
+            if (p.cmpge(low) & p.cmple(high)).all() {
+                self.candidates.push(Candidate::new(particle));
+            }
+        }
+    }
+
+    fn gather_half_space(&mut self, from: Pose, to: Pose, normal: Vec3, reach: f32, positions: &[Vec4]) {
+        let plane = |pose: Pose| {
+            let n = pose.rotation * normal;
+            n.extend(-n.dot(pose.translation))
+        };
+        let (a, b) = (plane(from), plane(to));
+        for (particle, p) in (0_u32..).zip(positions) {
+            let q = p.truncate().extend(1.0);
+            if p.w > 0.0 && a.dot(q).min(b.dot(q)) <= reach {
+                self.candidates.push(Candidate::new(particle));
+            }
+        }
+    }
+
+    /// Once per substep, after every other constraint: resolves contacts.
+    ///
+    /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the substep is
+    /// recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Returns the number of contacts.
+    pub fn project(
+        &mut self,
+        bodies: &[Body],
+        s0: f32,
+        s1: f32,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+        touch: &Touch,
+    ) -> u32 {
+        let recovery = RECOVERY_SPEED * (s1 - s0).max(0.0) * self.dt;
+        let mut contacts = 0;
+        for part in &self.parts {
+            let Some(body) = bodies.get(part.body as usize) else {
+                continue;
+            };
+            let Some(shape) = geometry::part(&*body.shape.0, part.index) else {
+                continue;
+            };
+            let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
+            let geometry = Geometry::of(shape, planes);
+            let motion = Motion::new(body, part, s0, s1);
+            let Some(candidates) = self.candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize) else {
+                continue;
+            };
+            let keep = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
+            let setting = Setting {
+                motion,
+                keep,
+                clip: geometry.inner_radius().min(0.5 * keep),
+                recovery,
+                friction: Friction::between(
+                    (body.static_friction, body.dynamic_friction),
+                    (touch.static_friction, touch.dynamic_friction),
+                ),
+            };
+            let mut state = Particles { positions, previous };
+            contacts += match geometry {
+                Geometry::Ball { radius } => {
+                    setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius))
+                }
+                Geometry::Capsule { a, ab, inverse_length2, radius } => setting
+                    .project::<false>(candidates, &mut state, |q, _| distance::capsule(q, a, ab, inverse_length2, radius)),
+                Geometry::Cuboid { half } => {
+                    setting.project::<false>(candidates, &mut state, |q, _| distance::cuboid(q, half))
+                }
+                Geometry::HalfSpace { normal } => {
+                    setting.project::<false>(candidates, &mut state, |q, _| distance::half_space(q, normal))
+                }
+                Geometry::Cylinder { half_height, radius } => setting
+                    .project::<false>(candidates, &mut state, |q, _| distance::cylinder(q, half_height, radius)),
+                Geometry::Cone { half_height, radius, side } => setting
+                    .project::<false>(candidates, &mut state, |q, _| distance::cone(q, half_height, radius, side)),
+                Geometry::Hull { planes, polyhedron } => setting
+                    .project::<true>(candidates, &mut state, |q, reach| geometry::hull(q, reach, planes, polyhedron)),
+                Geometry::Mesh { mesh, solid } => setting
+                    .project::<true>(candidates, &mut state, |q, reach| geometry::mesh(q, reach, mesh, solid)),
+                Geometry::Heights { field } => {
+                    setting.project::<true>(candidates, &mut state, |q, reach| geometry::heights(q, reach, field))
+                }
+                Geometry::Other { shape } => {
+                    setting.project::<true>(candidates, &mut state, |q, reach| geometry::other(q, reach, shape))
+                }
+            };
+        }
+        contacts
+    }
+}
+
+impl Candidate {
+    fn new(particle: u32) -> Self {
+        Self { particle, load: 0.0, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY }
+    }
+}
+
+/// Positions at both ends of the substep.
+struct Particles<'a> {
+    positions: &'a mut [Vec4],
+    previous: &'a mut [Vec4],
+}
+
+/// World to body at the start and end of one substep.
+struct Motion {
+    rotation0: Mat3A,
+    translation0: Vec3A,
+    rotation1: Mat3A,
+    translation1: Vec3A,
+    /// Farthest that a point of the body moves in the substep [m]; infinite for a half-space that turns.
+    way: f32,
+}
+
+impl Motion {
+    fn new(body: &Body, part: &Part, s0: f32, s1: f32) -> Self {
+        let start = blend(&body.from, &body.to, s0) * part.local;
+        let end = blend(&body.from, &body.to, s1) * part.local;
+        let turn = chord(start.rotation, end.rotation);
+        let turning = if turn > 0.0 { turn * part.radius } else { 0.0 };
+        Self {
+            rotation0: Mat3A::from_quat(start.rotation),
+            translation0: start.translation.into(),
+            rotation1: Mat3A::from_quat(end.rotation),
+            translation1: end.translation.into(),
+            way: (end.translation - start.translation).length() + turning,
+        }
+    }
+}
+
+/// Everything that is the same for all candidates of one part in one substep.
+struct Setting {
+    motion: Motion,
+    keep: f32,
+    /// How deep a straight path may cut a corner between two points outside [m].
+    clip: f32,
+    recovery: f32,
+    friction: Friction,
+}
+
+impl Setting {
+    /// `COSTLY`: a sample is a search in a tree, so remember how far away nothing is.
+    #[inline]
+    fn project<const COSTLY: bool>(
+        &self,
+        candidates: &mut [Candidate],
+        particles: &mut Particles<'_>,
+        sample: impl Fn(Vec3A, f32) -> Sample,
+    ) -> u32 {
+        let to_body1 = self.motion.rotation1.transpose();
+        let to_body0 = self.motion.rotation0.transpose();
+        let band = BAND * self.keep;
+        let mut contacts = 0;
+        for candidate in candidates {
+            let i = candidate.particle as usize;
+            let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {
+                continue;
+            };
+            let x1 = Vec3A::from_vec4(*position);
+            let x0 = Vec3A::from_vec4(*before);
+            // The path relative to the body is no longer than this.
+            let way = (x1 - x0).length();
+            let path_bound = way + self.motion.way;
+            let q1 = to_body1 * (x1 - self.motion.translation1);
+            if COSTLY {
+                let off = (q1 - Vec3A::from(candidate.clear_at)).length();
+                // Every point of the path is within `path_bound` of its end.
+                if candidate.clear - off - path_bound >= self.keep + band {
+                    candidate.load = 0.0;
+                    continue;
+                }
+            }
+            // False for a particle that is not a number.
+            let finite = way < f32::MAX;
+            if !finite {
+                continue;
+            }
+            let reach = self.keep + band + if COSTLY { (4.0 * path_bound).max(self.keep) } else { path_bound };
+            let s1 = sample(q1, reach);
+            let (clear_at, clear) = (Vec3A::from(candidate.clear_at), candidate.clear);
+            if COSTLY {
+                candidate.clear_at = q1.into();
+                candidate.clear = s1.distance;
+            }
+            let gap1 = s1.distance - self.keep;
+            if gap1 >= path_bound && gap1 >= band {
+                candidate.load = 0.0;
+                continue;
+            }
+            let q0 = to_body0 * (x0 - self.motion.translation0);
+            // What is known of the distance at the start without asking for it: at rest it is enough.
+            let least = if COSTLY { (clear - (q0 - clear_at).length()).max(0.0) } else { 0.0 };
+            let swept = if s1.distance < 0.0 || path_bound >= least + self.clip {
+                let s0 = sample(q0, reach);
+                // Outside before; inside now, or far enough to have come out on the other side.
+                let crossed =
+                    s0.distance > 0.0 && (s1.distance < 0.0 || (q1 - q0).length() >= s0.distance + self.clip);
+                if crossed { sweep(&sample, (q0, s0), q1, self.keep) } else { None }
+            } else {
+                None
+            };
+            let (end, plane) = match swept {
+                Some(swept) => (swept.end, swept.plane),
+                None if gap1 < band && s1.normal != Vec3A::ZERO => (q1, plane_at(q1, s1, self.keep)),
+                None => {
+                    candidate.load = 0.0;
+                    continue;
+                }
+            };
+            if swept.is_none() && gap1 >= 0.0 && candidate.load <= 0.0 {
+                continue;
+            }
+            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, self.friction);
+            if !response.end.is_finite() {
+                continue;
+            }
+            candidate.load = response.load;
+            contacts += 1;
+            // As differences: a particle that stays keeps its bits.
+            *position += (self.motion.rotation1 * (response.end - q1)).extend(0.0);
+            if response.shift != Vec3A::ZERO {
+                *before += (self.motion.rotation0 * response.shift).extend(0.0);
+            }
+        }
+        contacts
+    }
+}
+
+/// Bound on the way of any particle in the frame [m].
+fn farthest_way(positions: &[Vec4], previous: &[Vec4], approach: &Approach) -> f32 {
+    let mut fastest2 = 0.0_f32;
+    if approach.substep > 0.0 {
+        for (p, q) in positions.iter().zip(previous) {
+            let way2 = (*p - *q).truncate().length_squared();
+            if way2 < f32::MAX {
+                fastest2 = fastest2.max(way2);
+            }
+        }
+        fastest2 = fastest2.sqrt() / approach.substep;
+    }
+    let way = fastest2 * approach.dt + approach.gravity.length() * approach.dt * approach.dt + approach.extra.max(0.0);
+    if way.is_finite() { way } else { f32::MAX.sqrt() }
+}
+
+/// Longest translation of a body in the frame [m].
+fn farthest_push(bodies: &[Body]) -> f32 {
+    let ways = bodies.iter().map(|body| (body.to.translation - body.from.translation).length());
+    ways.filter(|way| way.is_finite()).fold(0.0, f32::max)
+}
+
+/// A pose with finite numbers and a unit rotation.
+fn valid(pose: Pose) -> Option<Pose> {
+    let length2 = pose.rotation.length_squared();
+    if !(pose.is_finite() && length2 > 1.0e-6 && length2 < 1.0e6) {
+        return None;
+    }
+    Some(Pose::from_parts(pose.translation, pose.rotation.normalize()))
+}
+
+/// Pose at the fraction `s` of the frame. Rotations are blended linearly and normalized: within a frame the difference from constant angular speed is
+/// small, and there is no transcendental function in it, so every machine gives the same bits.
+fn blend(from: &Pose, to: &Pose, s: f32) -> Pose {
+    Pose::from_parts(from.translation.lerp(to.translation, s), from.rotation.lerp(to.rotation, s).normalize())
+}
+
+/// Angle between two rotations, as chord and with a little to spare [rad].
+fn chord(a: Quat, b: Quat) -> f32 {
+    let near = if a.dot(b) < 0.0 { -b } else { b };
+    let difference = Vec4::from(a) - Vec4::from(near);
+    2.3 * difference.length()
+}
+
+fn finite_or_zero(x: f32) -> f32 {
+    if x.is_finite() { x.max(0.0) } else { 0.0 }
+}

@@ -1,0 +1,61 @@
+//! Bodies that push the cloth: shapes with the pose they had and the pose they have.
+//!
+//! ```text
+//!  frame:    gather                 every body and every particle that could meet this frame (swept boxes)
+//!  substep:  project   sample  ->   signed distance and normal of the shape, in the body's own space
+//!                      sweep   ->   only when the particle could have crossed: first touch along its path
+//!                      respond ->   push out, friction, recovery without velocity
+//! ```
+//!
+//! All geometry happens in the space of the body. A particle goes from `q0 = X(s0)⁻¹ x_previous` to
+//! `q1 = X(s1)⁻¹ x`, where `X(s)` is the body's pose at the fraction `s` of the frame. In that space the body stands still, so
+//! one path covers a cloth that falls on a body, a body that is driven through a cloth and everything between, and
+//! `q1 - q0` is the motion relative to the surface that friction needs, rotation included.
+
+mod contacts;
+mod distance;
+mod geometry;
+mod respond;
+pub mod shape;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+pub use contacts::{Approach, BodyContacts, Touch};
+pub use parry3d::math::Pose;
+pub use parry3d::shape::SharedShape;
+pub use shape::ShapeError;
+
+/// A rigid body as one cloth sees it in one frame.
+///
+/// Whoever makes it has dropped sensors, disabled bodies and bodies that the cloth's layers do not meet, and has baked the scale into the shape
+/// ([`shape::scaled`]).
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// The shape, in the body's own space [m].
+    pub shape: SharedShape,
+    /// Pose at the start of the frame, in the cloth's frame of simulation [m]. A body whose poses are not finite is skipped.
+    pub from: Pose,
+    /// Pose at the end of the frame [m]. Equal to `from` for a body at rest.
+    pub to: Pose,
+    /// Static friction coefficient (dimensionless). Default 0.5, range 0 to 10. Combined with the fabric's by the geometric mean.
+    pub static_friction: f32,
+    /// Dynamic friction coefficient (dimensionless). Default 0.4, range 0 to 10.
+    pub dynamic_friction: f32,
+    /// Distance kept to the shape on top of the fabric's thickness [m]. Default 0, range 0 to 1.
+    pub margin: f32,
+}
+
+impl Body {
+    /// A body with default friction and no margin that moves from one pose to another in the frame.
+    #[must_use]
+    pub fn new(shape: SharedShape, from: Pose, to: Pose) -> Self {
+        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0 }
+    }
+
+    /// A body at rest.
+    #[must_use]
+    pub fn at_rest(shape: SharedShape, pose: Pose) -> Self {
+        Self::new(shape, pose, pose)
+    }
+}

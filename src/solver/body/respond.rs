@@ -1,0 +1,107 @@
+//! What a touched particle does: it is pushed out, it rubs, and it does not bounce.
+//!
+//! ```text
+//!        n        gap   g(q) = n · q - c          (c: the plane at one thickness from the surface)
+//!        ^        push  Δn   = max(0, g* - g(q1)),        g* = 0                    if g(q0) >= 0
+//!   -----|----- c                                         g* = min(0, g(q0) + v h)  if g(q0) <  0
+//!   ~~~~~~~~~~~ surface
+//! ```
+//!
+//! *No bounce.* Velocity is `(q1 - q0) / h`. A particle that was outside (`g0 >= 0`) ends on the plane with the approaching velocity `-g0 / h`:
+//! a plastic impact. One that was inside already (`g0 < 0`: overlap at the start, a teleported body) is brought out at the speed
+//! `v = RECOVERY_SPEED` at most, and `q0` is moved out with it, so that the recovery itself leaves no velocity (the split
+//! impulses of Catto 2006, in position form).
+//!
+//! *Friction* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the normal load `λ`:
+//! `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed down by its springs from
+//! substep to substep, so `λ` is not the push of this substep but its running mean, and it still acts within a thin band over the plane. The
+//! mean of the load is the mean of the pushes, hence the mean friction is Coulomb's.
+
+use glam::Vec3A;
+
+/// Speed at which particles that start inside a body are brought out [m/s]. Range 0.1 to 10: lower, an overlap stays
+/// visible; higher, springs of the cloth are stretched by it.
+pub(super) const RECOVERY_SPEED: f32 = 1.0;
+
+/// Share of the newest push in the running mean of the load (dimensionless), range 0.05 to 1. At 1 friction flickers with the springs.
+const LOAD_SHARE: f32 = 0.25;
+
+/// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
+pub(super) const BAND: f32 = 0.02;
+
+/// Friction coefficients of one body and one fabric (dimensionless).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Friction {
+    pub(super) fixed: f32,
+    pub(super) sliding: f32,
+}
+
+impl Friction {
+    /// Geometric mean of both partners; what is not a number counts as 0.
+    pub(super) fn between(body: (f32, f32), fabric: (f32, f32)) -> Self {
+        let in_range = |x: f32| if x.is_finite() { x.clamp(0.0, 10.0) } else { 0.0 };
+        let mean = |a, b| (in_range(a) * in_range(b)).sqrt();
+        let sliding = mean(body.1, fabric.1);
+        Self { fixed: mean(body.0, fabric.0).max(sliding), sliding }
+    }
+}
+
+/// The contact plane `n · q = c`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    pub(super) normal: Vec3A,
+    pub(super) offset: f32,
+}
+
+impl Plane {
+    /// Signed height of a point over the plane [m].
+    #[inline]
+    pub(super) fn gap(&self, q: Vec3A) -> f32 {
+        self.normal.dot(q) - self.offset
+    }
+}
+
+/// Where the particle and its previous position go, in body space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Response {
+    pub(super) end: Vec3A,
+    pub(super) shift: Vec3A,
+    pub(super) load: f32,
+}
+
+/// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one).
+#[inline]
+pub(super) fn respond(
+    plane: Plane,
+    start: Vec3A,
+    wanted: Vec3A,
+    end: Vec3A,
+    recovery: f32,
+    load: f32,
+    friction: Friction,
+) -> Response {
+    let n = plane.normal;
+    let gap_start = plane.gap(start);
+    let target = if gap_start < 0.0 { (gap_start + recovery).min(0.0) } else { 0.0 };
+    let gap_end = plane.gap(end);
+    // A sweep has put the end on the plane; without one it may be under it.
+    let swept = plane.gap(wanted) < gap_end;
+    let out = if swept { gap_end.min(target) } else { gap_end.max(target) };
+    let mut end = end + n * (out - gap_end);
+    // Only what recovery lifted: a particle that its own cloth pulls out keeps its velocity.
+    let pushed = n.dot(end - wanted).max(0.0);
+    let lift = if gap_start < 0.0 { (out - gap_start).max(0.0).min(pushed) } else { 0.0 };
+    let push = (pushed - lift).max(0.0);
+    let load = if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push };
+
+    let moved = end - start;
+    let slip = moved - n * n.dot(moved);
+    let length2 = slip.length_squared();
+    let stick = friction.fixed * load;
+    if length2 <= stick * stick {
+        end -= slip;
+    } else {
+        end -= slip * (friction.sliding * load / length2.sqrt()).min(1.0);
+    }
+    Response { end, shift: n * lift, load }
+}

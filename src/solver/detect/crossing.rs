@@ -1,0 +1,256 @@
+//! Crossings of edges with faces, by orientation signs only.
+//!
+//! ```text
+//! (u, v) crosses (p, q, r)  ⇔  orient(p,q,r,u) ≠ orient(p,q,r,v)  and
+//!                               orient(u,v,p,q) = orient(u,v,q,r) = orient(u,v,r,p)
+//!
+//!              u                       t  = d(u) / (d(u) - d(v)),   d(x) = orient(p, q, r, x)
+//!         p____|____r                  wₚ = orient(u,v,q,r) / sum of the three
+//!          \   x   /
+//!           \_ | _/       Pairs that share a particle are not asked: where surfaces cross at a shared particle,
+//!             q|          the contour ends there, in a loop vertex. Faces in one plane do not cross.
+//!              v
+//! ```
+
+use glam::{DVec3, Vec3A, Vec4};
+
+use crate::solver::rest::NONE;
+
+use super::orient::{Plane, Point, Side, Ties, orient};
+use super::surface::Surface;
+use super::tree::Tree;
+
+/// An edge passing through a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The edge.
+    pub edge: u32,
+    /// The face.
+    pub face: u32,
+    /// Where along the edge, from its first particle (0) to its second (1).
+    pub t: f32,
+    /// Weights of the face's corners at the crossing; not negative, sum 1.
+    pub weights: [f32; 3],
+    /// Whether some of the five orientations are exactly zero. It takes part in the contour like any other: surfaces of aligned grids
+    /// can cut straight through each other with nothing but such crossings.
+    pub touching: bool,
+}
+
+/// Finds crossings. Holds the search tree and reused buffers; allocates nothing once warm.
+#[derive(Clone, Debug, Default)]
+pub struct Detector {
+    pub(super) tree: Tree,
+    /// Bit `k` of entry `f`: face `f` asks for its edge `k`. Every edge is asked for by its first face only.
+    asks: Vec<u8>,
+    /// Cloths without a single free particle; two of them are not asked.
+    kinematic: Vec<bool>,
+    ties: Ties,
+    crossings: Vec<Crossing>,
+}
+
+impl Detector {
+    /// Prepares detection on a surface.
+    #[must_use]
+    pub fn new(surface: &Surface) -> Self {
+        let topology = &surface.topology;
+        let asks = topology.face_edges.iter().enumerate().map(|(f, edges)| {
+            let first = |k: usize| topology.edge_faces[edges[k] as usize][0] == f as u32;
+            (0..3).fold(0, |bits, k| bits | u8::from(first(k)) << k)
+        });
+        Self {
+            tree: Tree::new(surface),
+            asks: asks.collect(),
+            kinematic: vec![false; surface.parts.len()],
+            ties: Ties::default(),
+            crossings: Vec::new(),
+        }
+    }
+
+    /// Finds all crossings at `positions` ([m], `w` inverse mass), sorted by edge, then face.
+    ///
+    /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
+    pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
+        if positions.len() != surface.len() {
+            self.crossings.clear();
+            return &self.crossings;
+        }
+        self.tree.refit(surface, positions);
+        for (part, out) in surface.parts.iter().zip(&mut self.kinematic) {
+            let range = part.particles.start as usize..part.particles.end as usize;
+            *out = positions[range].iter().all(|p| p.w == 0.0);
+        }
+        self.ties.met = false;
+        self.ties.directions.clear();
+        self.cross(surface, positions);
+        if self.ties.met {
+            // Rare: some points lie exactly in a plane. Ask again, with a direction for everyone.
+            let direction = |v: u32| Ties::direction(normal(surface, positions, v), surface.part(v), v);
+            self.ties.directions.extend((0..surface.len() as u32).map(direction));
+            self.cross(surface, positions);
+        }
+        self.crossings.sort_unstable_by_key(|c| (u64::from(c.edge) << 32) | u64::from(c.face));
+        &self.crossings
+    }
+
+    fn cross(&mut self, surface: &Surface, positions: &[Vec4]) {
+        let Self { tree, asks, kinematic, ties, crossings } = self;
+        crossings.clear();
+        let fixed = kinematic.iter().any(|&k| k);
+        tree.pairs(surface, 0.0, |f, g| {
+            if fixed {
+                let still = |face: u32| kinematic[usize::from(surface.part_of_face(face))];
+                if still(f) && still(g) {
+                    return;
+                }
+            }
+            cross_faces(surface, positions, asks, f, g, ties, crossings);
+        });
+    }
+
+    /// The crossings found last.
+    #[must_use]
+    pub fn crossings(&self) -> &[Crossing] {
+        &self.crossings
+    }
+
+    /// Whether a cloth was left out of the last detection because a particle of it is not finite or absurdly far away.
+    #[must_use]
+    pub fn is_quarantined(&self, part: u16) -> bool {
+        self.tree.is_quarantined(part)
+    }
+
+    /// The search tree, fitted to the positions of the last detection.
+    pub fn tree(&mut self) -> &mut Tree {
+        &mut self.tree
+    }
+}
+
+#[inline]
+fn point(positions: &[Vec4], id: u32) -> Point {
+    let p = positions[id as usize];
+    Point { id, at: DVec3::new(f64::from(p.x), f64::from(p.y), f64::from(p.z)) }
+}
+
+/// Unit normal of the surface at a particle; zero where there is none.
+fn normal(surface: &Surface, positions: &[Vec4], particle: u32) -> DVec3 {
+    let topology = &surface.topology;
+    let mut sum = DVec3::ZERO;
+    for &(_, edge) in topology.around(particle) {
+        for face in topology.edge_faces[edge as usize] {
+            if face != NONE {
+                let [a, b, c] = topology.faces[face as usize].map(|v| point(positions, v).at);
+                sum += (b - a).cross(c - a);
+            }
+        }
+    }
+    let normal = sum.normalize_or_zero();
+    if normal.is_finite() { normal } else { DVec3::ZERO }
+}
+
+/// Asks the edges of two faces against the other face.
+fn cross_faces(
+    surface: &Surface,
+    positions: &[Vec4],
+    asks: &[u8],
+    f: u32,
+    g: u32,
+    ties: &mut Ties,
+    out: &mut Vec<Crossing>,
+) {
+    let (tf, tg) = (surface.topology.faces[f as usize], surface.topology.faces[g as usize]);
+    if are_apart(positions, tf, tg) {
+        return;
+    }
+    let (near_f, near_g) = (tf.map(|v| tg.contains(&v)), tg.map(|v| tf.contains(&v)));
+    if near_f.iter().filter(|&&n| n).count() >= 2 || (asks[f as usize] | asks[g as usize]) == 0 {
+        return;
+    }
+    let (pf, pg) = (tf.map(|v| point(positions, v)), tg.map(|v| point(positions, v)));
+    let Some(sides_f) = sides(&Plane::new(pg[0], pg[1], pg[2]), &pf, near_f, ties) else { return };
+    let Some(sides_g) = sides(&Plane::new(pf[0], pf[1], pf[2]), &pg, near_g, ties) else { return };
+    let mut cross = |face: u32, corners: &[Point; 3], sides: &[Option<Side>; 3], other: u32, target: &[Point; 3]| {
+        for k in 0..3 {
+            if asks[face as usize] & (1 << k) == 0 {
+                continue;
+            }
+            let j = (k + 1) % 3;
+            // In the direction of the stored edge, smaller particle first.
+            let (k, j) = if corners[k].id < corners[j].id { (k, j) } else { (j, k) };
+            let (Some(from), Some(to)) = (sides[k], sides[j]) else { continue };
+            if from.positive != to.positive {
+                let edge = surface.topology.face_edges[face as usize][if (k + 1) % 3 == j { k } else { j }];
+                out.extend(cross_edge(edge, corners[k], corners[j], [from, to], other, target, ties));
+            }
+        }
+    };
+    cross(f, &pf, &sides_f, g, &pg);
+    cross(g, &pg, &sides_g, f, &pf);
+}
+
+/// Whether a plane across the line between the centres has the faces on different sides, shared particles aside: a cheap way to dismiss
+/// almost all neighbours in a smooth sheet.
+#[inline]
+fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3]) -> bool {
+    let [a, b] = [f, g].map(|t| t.map(|v| Vec3A::from_vec4(positions[v as usize])));
+    let origin = b[0];
+    let axis = (a[0] + a[1] + a[2]) - (b[0] + b[1] + b[2]);
+    let (a, b) = (a.map(|p| (p - origin).dot(axis)), b.map(|p| (p - origin).dot(axis)));
+    let scale = a.into_iter().chain(b).fold(0.0, |m: f32, x| m.max(x.abs()));
+    // Rounding of the dot products is some 1e-6 of the scale of its terms.
+    let slack = 1.0e-4 * scale + f32::MIN_POSITIVE;
+    let shared = f.iter().position(|v| g.contains(v));
+    match shared {
+        None => a[0].min(a[1]).min(a[2]) > b[0].max(b[1]).max(b[2]) + slack,
+        Some(k) => {
+            let at = a[k];
+            (0..3).all(|i| g.contains(&f[i]) || a[i] > at + slack) && (0..3).all(|i| f.contains(&g[i]) || b[i] < at - slack)
+        }
+    }
+}
+
+/// Sides of three points, `None` for one shared with the plane; nothing when no crossing is possible: all are clear of the plane on
+/// one side, or all lie in it.
+#[inline]
+fn sides(plane: &Plane, points: &[Point; 3], shared: [bool; 3], ties: &mut Ties) -> Option<[Option<Side>; 3]> {
+    if (0..3).all(|k| shared[k] || plane.holds(points[k])) {
+        return None;
+    }
+    let sides = [0, 1, 2].map(|k: usize| if shared[k] { None } else { Some(plane.side(points[k], ties)) });
+    let clear = |positive: bool| sides.iter().flatten().all(|s| s.clear && s.positive == positive);
+    if clear(true) || clear(false) { None } else { Some(sides) }
+}
+
+/// Asks the edge `(u, v)`, whose ends lie on different sides of the plane of `face`, whether it passes inside the face.
+fn cross_edge(
+    edge: u32,
+    u: Point,
+    v: Point,
+    ends: [Side; 2],
+    face: u32,
+    &[p, q, r]: &[Point; 3],
+    ties: &mut Ties,
+) -> Option<Crossing> {
+    let around = [orient(u, v, q, r, ties), orient(u, v, r, p, ties), orient(u, v, p, q, ties)];
+    if around[0].positive != around[1].positive || around[1].positive != around[2].positive {
+        return None;
+    }
+    Some(Crossing {
+        edge,
+        face,
+        t: parameter(ends[0].value, ends[1].value),
+        weights: weights(around.map(|s| s.value)),
+        touching: around.iter().chain(&ends).any(|s| s.tie),
+    })
+}
+
+fn parameter(from: f64, to: f64) -> f32 {
+    let t = from / (from - to);
+    if t.is_finite() { t.clamp(0.0, 1.0) as f32 } else { 0.5 }
+}
+
+fn weights(around: [f64; 3]) -> [f32; 3] {
+    let sign = around.iter().sum::<f64>().signum();
+    let w = around.map(|a| (a * sign).max(0.0));
+    let sum: f64 = w.iter().sum();
+    if sum > 0.0 { w.map(|w| (w / sum) as f32) } else { [1.0 / 3.0; 3] }
+}

@@ -1,0 +1,17 @@
+//! Detect: where surfaces cross, and where they come close.
+//!
+//! Cloths are concatenated into one [`Surface`], so that a cloth meeting another and a cloth meeting itself are the same question.
+//!
+//! ```text
+//! positions ─► Tree::refit ─► pairs of faces whose boxes meet ─► orientation signs ─► crossings, sorted
+//! ```
+
+pub mod surface;
+pub mod tree;
+pub mod orient;
+pub mod crossing;
+pub mod proximity;
+
+pub use crossing::{Crossing, Detector};
+pub use proximity::{Proximity, ProximityKind, ProximitySettings};
+pub use surface::{Part, PartRef, Surface, SurfaceError};

@@ -1,0 +1,204 @@
+//! Several cloths in one index space.
+//!
+//! ```text
+//!            cloth 0        cloth 1     cloth 2
+//! particles [0 ....... n0)[n0 .... n1)[n1 .. n2)      edges and faces likewise, each cloth a contiguous range
+//! ```
+//!
+//! Because ranges are contiguous, comparing global ids orders whole cloths: two cloths that only touch give every tie of the
+//! orientation test the same sign, and count as not crossing.
+
+use core::ops::Range;
+use glam::{Vec3, Vec4};
+
+use crate::solver::rest::{NONE, Topology};
+
+/// One cloth to be concatenated into a [`Surface`].
+#[derive(Clone, Copy, Debug)]
+pub struct PartRef<'a> {
+    /// Connectivity of the cloth.
+    pub topology: &'a Topology,
+    /// Rest positions [m], one per particle; they give areas, edge lengths and the shape of the search tree.
+    pub rest: &'a [Vec3],
+    /// Order of layered garments: of two cloths, the one with the larger number is worn outside. Equal numbers have no order.
+    pub layer: i32,
+    /// Whether crossings of the cloth with itself count.
+    pub self_collision: bool,
+    /// Thickness of the cloth [m]: the distance at which two of its sides touch.
+    pub thickness: f32,
+}
+
+/// Where one cloth lies inside a [`Surface`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Its particles.
+    pub particles: Range<u32>,
+    /// Its edges.
+    pub edges: Range<u32>,
+    /// Its faces.
+    pub faces: Range<u32>,
+    /// Order of layered garments; larger is outside.
+    pub layer: i32,
+    /// Whether crossings of the cloth with itself count.
+    pub self_collision: bool,
+    /// Thickness [m].
+    pub thickness: f32,
+}
+
+/// Why cloths cannot be concatenated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SurfaceError {
+    /// A cloth has another number of rest positions than particles.
+    #[error("cloth {part} has {positions} rest positions for {particles} particles")]
+    RestLength {
+        /// Which cloth.
+        part: usize,
+        /// Rest positions given.
+        positions: usize,
+        /// Particles of its topology.
+        particles: usize,
+    },
+    /// More cloths or particles than the indices can hold.
+    #[error("more than {limit} {what} in one surface")]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// The largest number allowed.
+        limit: usize,
+    },
+}
+
+/// One or several cloths in one index space. Immutable; positions are passed beside it as concatenated slices.
+#[derive(Clone, Debug, Default)]
+pub struct Surface {
+    /// Connectivity over the particles of all cloths.
+    pub topology: Topology,
+    /// The cloths, in the order given.
+    pub parts: Vec<Part>,
+    /// Cloth of every particle.
+    pub part_of_particle: Vec<u16>,
+    /// Rest positions [m] of every particle.
+    pub rest: Vec<Vec3>,
+    /// Third of the rest area around every particle [m²].
+    pub areas: Vec<f32>,
+    /// Whether a particle lies on a border.
+    pub on_border: Vec<bool>,
+    /// Mean rest length of all edges [m].
+    pub mean_edge: f32,
+}
+
+impl Surface {
+    /// Concatenates cloths.
+    ///
+    /// # Errors
+    /// [`SurfaceError`] when rest positions do not match a topology, or when there are too many cloths or particles.
+    pub fn new(cloths: &[PartRef<'_>]) -> Result<Self, SurfaceError> {
+        let limit = usize::from(u16::MAX);
+        if cloths.len() > limit {
+            return Err(SurfaceError::TooMany { what: "cloths", limit });
+        }
+        let total: usize = cloths.iter().map(|c| c.topology.particles as usize).sum();
+        let limit = (u32::MAX / 8) as usize;
+        if total > limit {
+            return Err(SurfaceError::TooMany { what: "particles", limit });
+        }
+        let mut surface = Self::default();
+        surface.topology.neighbour_start.push(0);
+        for (i, cloth) in cloths.iter().enumerate() {
+            let particles = cloth.topology.particles as usize;
+            if cloth.rest.len() != particles {
+                return Err(SurfaceError::RestLength { part: i, positions: cloth.rest.len(), particles });
+            }
+            surface.append(i as u16, cloth);
+        }
+        surface.measure();
+        Ok(surface)
+    }
+
+    fn append(&mut self, index: u16, cloth: &PartRef<'_>) {
+        let (from, to) = (cloth.topology, &mut self.topology);
+        let (p0, e0, f0) = (to.particles, to.edges.len() as u32, to.faces.len() as u32);
+        let face = |f: u32| if f == NONE { NONE } else { f + f0 };
+        to.particles += from.particles;
+        to.faces.extend(from.faces.iter().map(|t| t.map(|v| v + p0)));
+        to.edges.extend(from.edges.iter().map(|e| e.map(|v| v + p0)));
+        to.edge_faces.extend(from.edge_faces.iter().map(|e| e.map(face)));
+        to.face_edges.extend(from.face_edges.iter().map(|t| t.map(|e| e + e0)));
+        let run0 = to.neighbours.len() as u32;
+        to.neighbour_start.extend(from.neighbour_start.iter().skip(1).map(|s| s + run0));
+        to.neighbours.extend(from.neighbours.iter().map(|&(v, e)| (v + p0, e + e0)));
+        self.rest.extend_from_slice(cloth.rest);
+        self.part_of_particle.resize(to.particles as usize, index);
+        self.parts.push(Part {
+            particles: p0..to.particles,
+            edges: e0..to.edges.len() as u32,
+            faces: f0..to.faces.len() as u32,
+            layer: cloth.layer,
+            self_collision: cloth.self_collision,
+            thickness: cloth.thickness,
+        });
+    }
+
+    fn measure(&mut self) {
+        self.areas = vec![0.0; self.rest.len()];
+        for t in &self.topology.faces {
+            let [a, b, c] = t.map(|v| self.rest[v as usize]);
+            let third = (b - a).cross(c - a).length() / 6.0;
+            for &v in t {
+                self.areas[v as usize] += third;
+            }
+        }
+        let edges = &self.topology.edges;
+        self.on_border = vec![false; self.rest.len()];
+        for (e, ends) in edges.iter().enumerate() {
+            if self.topology.is_border(e as u32) {
+                self.on_border[ends[0] as usize] = true;
+                self.on_border[ends[1] as usize] = true;
+            }
+        }
+        let sum: f64 =
+            edges.iter().map(|e| f64::from(self.rest[e[0] as usize].distance(self.rest[e[1] as usize]))).sum();
+        self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
+    }
+
+    /// Cloth of a particle.
+    #[must_use]
+    pub fn part(&self, particle: u32) -> u16 {
+        self.part_of_particle[particle as usize]
+    }
+
+    /// Cloth of a face.
+    #[must_use]
+    pub fn part_of_face(&self, face: u32) -> u16 {
+        self.part(self.topology.faces[face as usize][0])
+    }
+
+    /// Cloth of an edge.
+    #[must_use]
+    pub fn part_of_edge(&self, edge: u32) -> u16 {
+        self.part(self.topology.edges[edge as usize][0])
+    }
+
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Whether there are no particles.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rest.is_empty()
+    }
+}
+
+/// Largest coordinate [m] that is simulated; a cloth with a particle beyond it, or with one that is not finite, is left out.
+pub const FARTHEST: f32 = 1.0e6;
+
+/// Whether a position can be handed to the search tree.
+#[must_use]
+pub fn is_sane(p: Vec4) -> bool {
+    let p = p.truncate().abs();
+    // `NaN` compares false.
+    p.x <= FARTHEST && p.y <= FARTHEST && p.z <= FARTHEST
+}

@@ -1,0 +1,388 @@
+//! A hierarchy of boxes over the faces of a [`Surface`] (Mezger 2003).
+//!
+//! Built once over the rest shape, where neighbours stay neighbours however the cloth folds, and refitted bottom-up every time:
+//! for an inner node `box = box(left) ∪ box(right)`, for a leaf the union of its faces' boxes. The nodes stand in depth-first order,
+//! so the left child is the next node and one backward sweep refits the tree.
+//!
+//! ```text
+//! node i ──► left  = i + 1
+//!        └─► right = nodes[i].right          leaf: faces[first .. first + count]
+//! ```
+//!
+//! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not tested against
+//! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits and holes, so it is drawn
+//! only for nodes whose faces form a disc that contains no border of the mesh.
+//!
+//! A cloth with a particle that is not finite or absurdly far is *quarantined*: its leaves get the empty box, which meets nothing,
+//! so it contributes no pair and changes no box that another cloth's pairs depend on.
+
+use glam::{Vec3, Vec3A, Vec4};
+
+use super::surface::{Surface, is_sane};
+use crate::solver::rest::NONE;
+
+/// Faces per leaf at most.
+const LEAF: usize = 4;
+/// Set in [`Node::right`] of a leaf.
+const IS_LEAF: u32 = 1 << 31;
+/// [`Node::part`] of a node that holds more than one cloth.
+const MIXED: u16 = u16::MAX;
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Smallest corner [m].
+    pub min: Vec3A,
+    /// Largest corner [m].
+    pub max: Vec3A,
+}
+
+impl Bounds {
+    /// The box that meets nothing, not even itself.
+    pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    #[inline]
+    fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// For a box of unit normals: whether all lie within 45° of the direction of its centre.
+    #[inline]
+    fn within_45_degrees(&self) -> bool {
+        let axis = self.min + self.max;
+        let least = (axis * self.min).min(axis * self.max).element_sum();
+        least > 0.0 && least * least > 0.5 * axis.length_squared()
+    }
+
+    /// Whether two boxes come within `margin` [m] along every axis; touching counts.
+    #[inline]
+    #[must_use]
+    pub fn meets(&self, other: &Self, margin: Vec3A) -> bool {
+        (self.min - margin).cmple(other.max).all() && (other.min - margin).cmple(self.max).all()
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Bounds,
+    /// Right child, or `IS_LEAF | first` of a leaf.
+    right: u32,
+    /// Faces of a leaf.
+    count: u16,
+    part: u16,
+    /// Whether the faces below form a disc without a border of the mesh.
+    disc: bool,
+    /// Box of the unit normals below.
+    normals: Bounds,
+}
+
+/// The hierarchy. See the module.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    /// Faces in the order of the leaves.
+    faces: Vec<u32>,
+    /// Box of each entry of `faces`.
+    boxes: Vec<Bounds>,
+    /// Unit normal of each entry of `faces`.
+    normals: Vec<Vec3A>,
+    quarantined: Vec<bool>,
+    stack: Vec<(u32, u32)>,
+}
+
+impl Tree {
+    /// Builds the hierarchy over the rest shape.
+    #[must_use]
+    pub fn new(surface: &Surface) -> Self {
+        let mut tree = Self {
+            faces: (0..surface.topology.faces.len() as u32).collect(),
+            boxes: vec![Bounds::EMPTY; surface.topology.faces.len()],
+            normals: vec![Vec3A::ZERO; surface.topology.faces.len()],
+            quarantined: vec![false; surface.parts.len()],
+            ..Self::default()
+        };
+        let centre: Vec<Vec3> = surface
+            .topology
+            .faces
+            .iter()
+            .map(|t| t.iter().map(|&v| surface.rest[v as usize]).sum::<Vec3>() / 3.0)
+            .collect();
+        if !surface.parts.is_empty() {
+            tree.split_parts(surface, &centre, 0, surface.parts.len());
+        }
+        tree.find_discs(surface);
+        // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
+        tree.stack.reserve(256);
+        tree
+    }
+
+    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without a border of the mesh.
+    fn find_discs(&mut self, surface: &Surface) {
+        let topology = &surface.topology;
+        let mut owner = vec![u32::MAX; topology.faces.len()];
+        let mut seen_edge = vec![u32::MAX; topology.edges.len()];
+        let mut seen_vertex = vec![u32::MAX; surface.len()];
+        let mut queue = Vec::new();
+        for i in 0..self.nodes.len() {
+            let faces = self.faces_below(i);
+            let id = i as u32;
+            if self.nodes[i].part == MIXED || faces.is_empty() {
+                continue;
+            }
+            for &f in &self.faces[faces.clone()] {
+                owner[f as usize] = id;
+            }
+            let (mut vertices, mut edges, mut reached, mut border) = (0, 0, 0, false);
+            queue.clear();
+            queue.push(self.faces[faces.start]);
+            owner[self.faces[faces.start] as usize] = u32::MAX;
+            while let Some(f) = queue.pop() {
+                reached += 1;
+                for v in topology.faces[f as usize] {
+                    vertices += usize::from(seen_vertex[v as usize] != id);
+                    seen_vertex[v as usize] = id;
+                }
+                for e in topology.face_edges[f as usize] {
+                    edges += usize::from(seen_edge[e as usize] != id);
+                    seen_edge[e as usize] = id;
+                    border |= topology.is_border(e);
+                    for g in topology.edge_faces[e as usize] {
+                        if g != NONE && owner[g as usize] == id {
+                            owner[g as usize] = u32::MAX;
+                            queue.push(g);
+                        }
+                    }
+                }
+            }
+            self.nodes[i].disc = !border && reached == faces.len() && vertices + reached == edges + 1;
+        }
+    }
+
+    fn faces_below(&self, node: usize) -> core::ops::Range<usize> {
+        let (mut first, mut last) = (node, node);
+        while self.nodes[first].right & IS_LEAF == 0 {
+            first += 1;
+        }
+        while self.nodes[last].right & IS_LEAF == 0 {
+            last = self.nodes[last].right as usize;
+        }
+        self.nodes[first].run().start..self.nodes[last].run().end
+    }
+
+    fn split_parts(&mut self, surface: &Surface, centre: &[Vec3], first: usize, last: usize) {
+        if last - first == 1 {
+            let faces = &surface.parts[first].faces;
+            self.split_faces(first as u16, centre, faces.start as usize, faces.end as usize);
+            return;
+        }
+        let node = self.push(0, 0, MIXED);
+        let middle = usize::midpoint(first, last);
+        self.split_parts(surface, centre, first, middle);
+        self.nodes[node].right = self.nodes.len() as u32;
+        self.split_parts(surface, centre, middle, last);
+    }
+
+    fn split_faces(&mut self, part: u16, centre: &[Vec3], first: usize, last: usize) {
+        if last - first <= LEAF {
+            self.push(IS_LEAF | first as u32, (last - first) as u16, part);
+            return;
+        }
+        let node = self.push(0, 0, part);
+        let run = &mut self.faces[first..last];
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &f in run.iter() {
+            low = low.min(centre[f as usize]);
+            high = high.max(centre[f as usize]);
+        }
+        let size = high - low;
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        // A multiple of the leaf size, so that leaves are full.
+        let middle = ((last - first).div_ceil(2 * LEAF) * LEAF).min(last - first - 1);
+        run.select_nth_unstable_by(middle, |&a, &b| {
+            centre[a as usize][axis].total_cmp(&centre[b as usize][axis]).then(a.cmp(&b))
+        });
+        self.split_faces(part, centre, first, first + middle);
+        self.nodes[node].right = self.nodes.len() as u32;
+        self.split_faces(part, centre, first + middle, last);
+    }
+
+    fn push(&mut self, right: u32, count: u16, part: u16) -> usize {
+        self.nodes.push(Node { bounds: Bounds::EMPTY, right, count, part, disc: false, normals: Bounds::EMPTY });
+        self.nodes.len() - 1
+    }
+
+    /// Fits the boxes to the positions [m] and finds the cloths to leave out.
+    pub fn refit(&mut self, surface: &Surface, positions: &[Vec4]) {
+        for (part, out) in surface.parts.iter().zip(&mut self.quarantined) {
+            let range = part.particles.start as usize..part.particles.end as usize;
+            *out = !positions[range].iter().all(|&p| is_sane(p));
+        }
+        for ((bounds, normal), &f) in self.boxes.iter_mut().zip(&mut self.normals).zip(&self.faces) {
+            let [a, b, c] = surface.topology.faces[f as usize].map(|v| Vec3A::from_vec4(positions[v as usize]));
+            *bounds = Bounds { min: a.min(b).min(c), max: a.max(b).max(c) };
+            *normal = (b - a).cross(c - a).normalize_or_zero();
+        }
+        for i in (0..self.nodes.len()).rev() {
+            let node = self.nodes[i];
+            let (bounds, normals) = if node.right & IS_LEAF == 0 {
+                let (left, right) = (&self.nodes[i + 1], &self.nodes[node.right as usize]);
+                (left.bounds.union(right.bounds), left.normals.union(right.normals))
+            } else if self.quarantined[usize::from(node.part)] {
+                (Bounds::EMPTY, Bounds::EMPTY)
+            } else {
+                let run = node.run();
+                let bounds = self.boxes[run.clone()].iter().fold(Bounds::EMPTY, |sum, &b| sum.union(b));
+                let normals = &self.normals[run];
+                (bounds, normals.iter().fold(Bounds::EMPTY, |sum, &n| sum.union(Bounds { min: n, max: n })))
+            };
+            self.nodes[i].bounds = bounds;
+            self.nodes[i].normals = normals;
+        }
+    }
+
+    /// Whether a cloth was left out at the last [`Self::refit`].
+    #[must_use]
+    pub fn is_quarantined(&self, part: u16) -> bool {
+        self.quarantined[usize::from(part)]
+    }
+
+    /// Calls `found` once with every pair of different faces whose boxes come within `margin` [m]; in a cloth that does not
+    /// collide with itself, only with faces of other cloths.
+    pub fn pairs(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let margin = Vec3A::splat(margin);
+        let mut stack = core::mem::take(&mut self.stack);
+        stack.clear();
+        stack.push((0, 0));
+        while let Some((a, b)) = stack.pop() {
+            let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+            let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
+            if a == b {
+                if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {
+                    continue;
+                }
+                if left.disc && left.normals.within_45_degrees() {
+                    continue;
+                }
+                if leaf_a {
+                    self.within(left, margin, &mut found);
+                } else {
+                    stack.push((left.right, left.right));
+                    stack.push((a + 1, a + 1));
+                    if self.meet(a + 1, left.right, margin) {
+                        stack.push((a + 1, left.right));
+                    }
+                }
+            } else if leaf_a && leaf_b {
+                self.between(left, right, margin, &mut found);
+            } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
+                for child in [left.right, a + 1] {
+                    if self.meet(child, b, margin) {
+                        stack.push((child, b));
+                    }
+                }
+            } else {
+                for child in [right.right, b + 1] {
+                    if self.meet(a, child, margin) {
+                        stack.push((a, child));
+                    }
+                }
+            }
+        }
+        self.stack = stack;
+    }
+
+    #[inline]
+    fn meet(&self, a: u32, b: u32, margin: Vec3A) -> bool {
+        self.nodes[a as usize].bounds.meets(&self.nodes[b as usize].bounds, margin)
+    }
+
+    fn within(&self, leaf: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+        if self.quarantined[usize::from(leaf.part)] {
+            return;
+        }
+        let run = leaf.run();
+        for i in run.clone() {
+            for j in i + 1..run.end {
+                if self.boxes[i].meets(&self.boxes[j], margin) {
+                    found(self.faces[i], self.faces[j]);
+                }
+            }
+        }
+    }
+
+    fn between(&self, a: &Node, b: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+        for i in a.run() {
+            if !self.boxes[i].meets(&b.bounds, margin) {
+                continue;
+            }
+            for j in b.run() {
+                if self.boxes[i].meets(&self.boxes[j], margin) {
+                    found(self.faces[i], self.faces[j]);
+                }
+            }
+        }
+    }
+
+    /// Calls `found` with every face whose box a segment from `from` along `path` [m] may meet.
+    pub fn along(&mut self, from: Vec3, path: Vec3, mut found: impl FnMut(u32)) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let (a, b) = (Vec3A::from(from), Vec3A::from(from + path));
+        let segment = Bounds { min: a.min(b), max: a.max(b) };
+        let inverse = Vec3A::from(path).recip();
+        let hit = |bounds: &Bounds| {
+            if !bounds.meets(&segment, Vec3A::ZERO) {
+                return false;
+            }
+            // Slabs; an axis without motion gives infinities of both signs or NaN, which `max` and `min` let pass.
+            let (u, v) = ((bounds.min - a) * inverse, (bounds.max - a) * inverse);
+            let (near, far) = (u.min(v), u.max(v));
+            let near = near.x.max(near.y).max(near.z);
+            let far = far.x.min(far.y).min(far.z);
+            !(near > far * (1.0 + 1.0e-5) + 1.0e-6)
+        };
+        let mut stack = core::mem::take(&mut self.stack);
+        stack.clear();
+        stack.push((0, 0));
+        while let Some((i, _)) = stack.pop() {
+            let node = &self.nodes[i as usize];
+            if !hit(&node.bounds) {
+                continue;
+            }
+            if node.right & IS_LEAF == 0 {
+                stack.push((node.right, 0));
+                stack.push((i + 1, 0));
+            } else {
+                for k in node.run() {
+                    if hit(&self.boxes[k]) {
+                        found(self.faces[k]);
+                    }
+                }
+            }
+        }
+        self.stack = stack;
+    }
+}
+
+impl Node {
+    #[inline]
+    fn run(&self) -> core::ops::Range<usize> {
+        let first = (self.right & !IS_LEAF) as usize;
+        first..first + usize::from(self.count)
+    }
+}
+
+#[inline]
+fn extent(b: &Bounds) -> f32 {
+    (b.max - b.min).element_sum()
+}

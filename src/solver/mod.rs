@@ -1,0 +1,15 @@
+//! The cloth solver, free of the engine.
+//!
+//! Nothing below this module knows of entities, worlds, handles or clocks: it takes slices of numbers in
+//! SI units and gives numbers back, so that tests, benchmarks and other engines can call it directly.
+//! Modules stand in the order of the data flow.
+
+pub mod settings;
+pub mod rest;
+pub mod state;
+pub mod body;
+pub mod wind;
+pub mod integrate;
+pub mod step;
+pub mod recover;
+pub mod surface;

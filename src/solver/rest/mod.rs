@@ -1,0 +1,194 @@
+//! The rest shape: topology, rest lengths, areas and the order in which constraints are solved. Built once per mesh and scale,
+//! validated, immutable, and shared by every cloth made from it.
+
+mod batch;
+mod bends;
+pub mod geodesic;
+mod order;
+mod source;
+mod springs;
+mod topology;
+mod weld;
+
+pub use batch::LANES;
+pub use bends::Bends;
+pub use source::{BuildReport, RestError, SourceMesh};
+pub use springs::Springs;
+pub use topology::{NONE, Topology};
+
+use glam::Vec3;
+
+/// Faces below this fraction of the mesh's squared diagonal have no area (dimensionless).
+const AREA_FRACTION: f32 = 1.0e-11;
+
+/// A mesh at rest, ready to simulate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RestShape {
+    /// Connectivity over particles.
+    pub topology: Topology,
+    /// Rest positions [m] of the particles, in the scaled, unrotated frame of the mesh.
+    pub positions: Vec<Vec3>,
+    /// Third of the area of the faces around each particle [m²].
+    pub areas: Vec<f32>,
+    /// Particle of each render vertex.
+    pub particle_of_vertex: Vec<u32>,
+    /// Isolated render vertices: `(vertex, offset from its particle at rest [m])`.
+    pub isolated: Vec<(u32, Vec3)>,
+    /// Stretch and shear springs.
+    pub springs: Springs,
+    /// Bending elements.
+    pub bends: Bends,
+    /// Mean rest length of the edges [m].
+    pub mean_edge: f32,
+}
+
+impl RestShape {
+    /// Welds, cleans, renumbers and colours a mesh.
+    ///
+    /// # Errors
+    /// [`RestError`] when nothing can be simulated.
+    pub fn build(mesh: &SourceMesh) -> Result<(Self, BuildReport), RestError> {
+        let vertices = mesh.positions.len();
+        if vertices < 3 {
+            return Err(RestError::TooFewVertices(vertices));
+        }
+        if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
+            return Err(RestError::NotFinite(bad));
+        }
+        let (low, high) = bounds(&mesh.positions);
+        let diagonal = low.distance(high);
+        let leader = weld::weld(&mesh.positions, weld::WELD_FRACTION * diagonal);
+        let mut report = BuildReport { vertices, ..BuildReport::default() };
+        let triangles = clean(mesh, &leader, AREA_FRACTION * diagonal * diagonal, &mut report);
+        if triangles.is_empty() {
+            return Err(RestError::NoTriangles {
+                given: mesh.triangles.len(),
+                out_of_range: report.out_of_range,
+                degenerate: report.degenerate,
+            });
+        }
+
+        // Particles: the leaders that a face refers to, numbered for locality.
+        let mut compact = vec![NONE; vertices];
+        let mut origin = Vec::new();
+        for &v in triangles.iter().flatten() {
+            if compact[v as usize] == NONE {
+                compact[v as usize] = origin.len() as u32;
+                origin.push(v);
+            }
+        }
+        let given = Topology::new(
+            origin.len() as u32,
+            triangles.iter().map(|t| t.map(|v| compact[v as usize])).collect(),
+        );
+        let number = order::cuthill_mckee(&given);
+        let mut positions = vec![Vec3::ZERO; origin.len()];
+        for (old, &v) in origin.iter().enumerate() {
+            positions[number[old] as usize] = mesh.positions[v as usize];
+        }
+        let mut faces: Vec<[u32; 3]> = given.faces.iter().map(|t| t.map(|p| number[p as usize])).collect();
+        faces.sort_by_key(|t| (t.iter().copied().max(), *t));
+        let topology = Topology::new(origin.len() as u32, faces);
+
+        let mut shape = Self {
+            areas: vec![0.0; positions.len()],
+            particle_of_vertex: leader
+                .iter()
+                .map(|&l| compact[l as usize])
+                .map(|c| if c == NONE { NONE } else { number[c as usize] })
+                .collect(),
+            springs: Springs::new(&topology, &positions),
+            bends: Bends::new(&topology, &positions),
+            ..Self::default()
+        };
+        for face in &topology.faces {
+            let [a, b, c] = face.map(|p| positions[p as usize]);
+            for &p in face {
+                shape.areas[p as usize] += (b - a).cross(c - a).length() / 6.0;
+            }
+        }
+        let length: f64 =
+            topology.edges.iter().map(|e| f64::from(positions[e[0] as usize].distance(positions[e[1] as usize]))).sum();
+        shape.mean_edge = (length / topology.edges.len() as f64) as f32;
+        shape.topology = topology;
+        shape.positions = positions;
+        shape.attach_isolated(mesh);
+        report.particles = shape.positions.len();
+        report.faces = shape.topology.faces.len();
+        report.isolated = shape.isolated.len();
+        Ok((shape, report))
+    }
+
+    /// Vertices without a face ride on the nearest particle.
+    fn attach_isolated(&mut self, mesh: &SourceMesh) {
+        for (v, particle) in self.particle_of_vertex.iter_mut().enumerate().filter(|(_, p)| **p == NONE) {
+            let at = mesh.positions[v];
+            let nearest = (0..self.positions.len())
+                .min_by(|&a, &b| {
+                    let d = |i: usize| self.positions[i].distance_squared(at);
+                    d(a).total_cmp(&d(b))
+                })
+                .unwrap_or(0);
+            *particle = nearest as u32;
+            self.isolated.push((v as u32, at - self.positions[nearest]));
+        }
+    }
+
+    /// Distance constraints and bending elements solved per substep.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        self.springs.count + self.bends.count
+    }
+
+    /// Memory held by this shape [B].
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let of = size_of_val::<[f32]>;
+        let t = &self.topology;
+        of(&self.areas)
+            + size_of_val(&self.positions[..])
+            + size_of_val(&self.particle_of_vertex[..])
+            + size_of_val(&self.isolated[..])
+            + size_of_val(&t.faces[..])
+            + size_of_val(&t.edges[..])
+            + size_of_val(&t.edge_faces[..])
+            + size_of_val(&t.face_edges[..])
+            + size_of_val(&t.neighbour_start[..])
+            + size_of_val(&t.neighbours[..])
+            + self.springs.a.len() * (2 * size_of::<[u32; LANES]>() + 3 * 16)
+            + self.bends.rest.len() * (size_of::<[[u32; 4]; LANES]>() + 6 * 16)
+    }
+}
+
+/// Smallest and largest corner [m] of a non-empty set of points.
+fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
+}
+
+/// Welded triangles without those that are out of range, degenerate or repeated, either way round.
+fn clean(mesh: &SourceMesh, leader: &[u32], area: f32, report: &mut BuildReport) -> Vec<[u32; 3]> {
+    let mut kept: Vec<([u32; 3], [u32; 3])> = Vec::with_capacity(mesh.triangles.len());
+    for triangle in &mesh.triangles {
+        if triangle.iter().any(|&v| v as usize >= leader.len()) {
+            report.out_of_range += 1;
+            continue;
+        }
+        let corners = triangle.map(|v| leader[v as usize]);
+        let [a, b, c] = corners.map(|v| mesh.positions[v as usize]);
+        if !((b - a).cross(c - a).length() > 2.0 * area) {
+            report.degenerate += 1;
+            continue;
+        }
+        let mut key = corners;
+        key.sort_unstable();
+        kept.push((key, corners));
+    }
+    let mut order: Vec<usize> = (0..kept.len()).collect();
+    order.sort_by_key(|&i| (kept[i].0, i));
+    let mut repeated = vec![false; kept.len()];
+    for pair in order.windows(2) {
+        repeated[pair[1]] = kept[pair[0]].0 == kept[pair[1]].0;
+    }
+    report.duplicate = repeated.iter().filter(|r| **r).count();
+    kept.into_iter().zip(repeated).filter(|(_, r)| !r).map(|((_, corners), _)| corners).collect()
+}

@@ -1,0 +1,66 @@
+//! Springs along the edges of the mesh: stretch, and shear along the diagonals of quads.
+
+use glam::{Vec3, Vec4};
+
+use super::batch::{LANES, batches};
+use super::{NONE, Topology};
+
+/// A diagonal is this much longer than every other edge of its two faces (dimensionless; √2 in a square, 1 among equilateral triangles).
+const DIAGONAL_RATIO: f32 = 1.15;
+
+/// Distance constraints in batches of four. All arrays have one entry per batch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Springs {
+    /// First particle of each spring.
+    pub a: Vec<[u32; LANES]>,
+    /// Second particle of each spring.
+    pub b: Vec<[u32; LANES]>,
+    /// One over the squared rest length [1/m²].
+    pub inverse_square: Vec<Vec4>,
+    /// `ΣA / L²` (dimensionless): stiffness of the spring over that of the membrane (Van Gelder 1998).
+    pub width_ratio: Vec<Vec4>,
+    /// 1 where the spring is the diagonal of a quad, else 0.
+    pub shear: Vec<Vec4>,
+    /// Number of springs, lanes that repeat not counted.
+    pub count: usize,
+}
+
+impl Springs {
+    /// One spring per edge of `topology`, at rest at `positions` [m].
+    #[must_use]
+    pub fn new(topology: &Topology, positions: &[Vec3]) -> Self {
+        let length = |e: u32| {
+            let [a, b] = topology.edges[e as usize];
+            positions[a as usize].distance(positions[b as usize])
+        };
+        let area = |f: u32| {
+            let [a, b, c] = topology.faces[f as usize].map(|p| positions[p as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        let mut springs = Self { count: topology.edges.len(), ..Self::default() };
+        // By the later end: it follows the earlier one in memory and in the sweep.
+        let mut order: Vec<u32> = (0..topology.edges.len() as u32).collect();
+        order.sort_by_key(|&e| (topology.edges[e as usize][1], e));
+        let sorted: Vec<[u32; 2]> = order.iter().map(|&e| topology.edges[e as usize]).collect();
+        for batch in batches(topology.particles as usize, &sorted) {
+            let batch = batch.map(|i| order[i as usize]);
+            springs.a.push(batch.map(|e| topology.edges[e as usize][0]));
+            springs.b.push(batch.map(|e| topology.edges[e as usize][1]));
+            springs.inverse_square.push(Vec4::from_array(batch.map(|e| length(e).powi(2).recip())));
+            springs.width_ratio.push(Vec4::from_array(batch.map(|e| {
+                let around: f32 = topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE).map(|&f| area(f)).sum();
+                around / length(e).powi(2)
+            })));
+            springs.shear.push(Vec4::from_array(batch.map(|e| {
+                let diagonal = topology.edge_faces[e as usize].iter().all(|&f| {
+                    f != NONE
+                        && topology.face_edges[f as usize]
+                            .iter()
+                            .all(|&other| other == e || length(e) > DIAGONAL_RATIO * length(other))
+                });
+                f32::from(u8::from(diagonal))
+            })));
+        }
+        springs
+    }
+}

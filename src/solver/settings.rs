@@ -1,0 +1,68 @@
+//! What the user sets: material and solver parameters in SI units, independent of mesh resolution.
+
+/// Mechanical properties of a fabric. All values are SI and independent of the mesh's resolution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fabric {
+    /// Areal density [kg/m²]. Default 0.2, range 0.01 to 10. Too low for the substep rate: springs look stiffer than they are.
+    pub density: f32,
+    /// Membrane stiffness along mesh edges [N/m]: tension per unit of width for a strain of one.
+    /// A spring gets `k = K · ΣA / L²` (Van Gelder 1998). Default 2000, range 0 to 1e7.
+    pub stretch_stiffness: f32,
+    /// Membrane stiffness along the diagonals of quads [N/m]. Default 200, range 0 to 1e7. 0: quads shear freely.
+    pub shear_stiffness: f32,
+    /// Bending stiffness [N·m] of the quadratic isometric model (Bergou et al. 2006). Default 1e-5, range 0 to 1.
+    pub bend_stiffness: f32,
+    /// Damping of the springs [1/s]: rate at which stretching velocity decays. Default 2, range 0 to 1000.
+    pub damping: f32,
+    /// Drag against still air [1/s]: rate at which every velocity decays. Default 0.1, range 0 to 100.
+    pub drag: f32,
+    /// Largest elongation of an edge, as a fraction of its rest length (Provot 1995). Default 0.05, range 0 to 10; infinite: off.
+    pub strain_limit: f32,
+    /// Thickness of the fabric [m]: distance kept to bodies, and centre to centre between layers. Default 0.005, range 1e-4 to 1.
+    pub thickness: f32,
+    /// Static friction coefficient (dimensionless). Default 0.5, range 0 to 10. Combined with a body's by the geometric mean.
+    pub static_friction: f32,
+    /// Dynamic friction coefficient (dimensionless). Default 0.4, range 0 to 10.
+    pub dynamic_friction: f32,
+    /// Length of tethers over the geodesic rest distance to the pin (dimensionless). Default 1.0, range 0.1 to 10; infinite: off.
+    pub tether_scale: f32,
+    /// Aerodynamic drag coefficient across the surface (dimensionless). Default 1.2, range 0 to 10.
+    pub drag_coefficient: f32,
+    /// Aerodynamic lift coefficient (dimensionless). Default 0.6, range 0 to 10.
+    pub lift_coefficient: f32,
+}
+
+impl Default for Fabric {
+    fn default() -> Self {
+        Self {
+            density: 0.2,
+            stretch_stiffness: 2000.0,
+            shear_stiffness: 200.0,
+            bend_stiffness: 1.0e-5,
+            damping: 2.0,
+            drag: 0.1,
+            strain_limit: 0.05,
+            thickness: 0.005,
+            static_friction: 0.5,
+            dynamic_friction: 0.4,
+            tether_scale: 1.0,
+            drag_coefficient: 1.2,
+            lift_coefficient: 0.6,
+        }
+    }
+}
+
+/// How a frame is cut into substeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stepping {
+    /// Substeps per second of simulated time [Hz]. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`.
+    pub substep_rate: f32,
+    /// Longest frame that is simulated [s]; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
+    pub max_frame: f32,
+}
+
+impl Default for Stepping {
+    fn default() -> Self {
+        Self { substep_rate: 360.0, max_frame: 0.1 }
+    }
+}

@@ -1,0 +1,33 @@
+//! What changes from frame to frame.
+
+use glam::{Vec3, Vec4};
+
+/// Particles of one cloth in its frame of simulation (axes of the world, origin near the cloth).
+///
+/// Velocities are implicit, `(position - previous) / substep`: a kernel that moves both arrays by the same vector moves
+/// the cloth without adding velocity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClothState {
+    /// `xyz` position [m], `w` inverse mass [1/kg]; 0 = pinned. One per particle, in the order of `RestShape`.
+    pub positions: Vec<Vec4>,
+    /// `xyz` position [m] at the start of the last substep; `w` unused (0). One per particle.
+    pub previous: Vec<Vec4>,
+    /// Length of the last substep [s]; 0 before the first.
+    pub substep: f32,
+    /// Substeps taken since the start.
+    pub substeps: u64,
+    /// Simulated time since the start [s].
+    pub time: f64,
+}
+
+impl ClothState {
+    /// Velocity [m/s] of particle `i` over the last substep; zero before the first.
+    #[must_use]
+    pub fn velocity(&self, i: usize) -> Vec3 {
+        if self.substep > 0.0 {
+            (self.positions[i] - self.previous[i]).truncate() / self.substep
+        } else {
+            Vec3::ZERO
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! The whole frame of one cloth as one function: what systems, tests, benches and docs call.
+
+use glam::{Vec3, Vec4};
+
+use super::body::{Approach, Body, BodyContacts, Touch};
+use super::integrate::{anchor, bend, damp, predict, spring, tether};
+use super::rest::RestShape;
+use super::settings::{Fabric, Stepping};
+use super::state::ClothState;
+use super::wind::{Aerodynamics, Wind, WindForces};
+
+/// Particles that are held, and where.
+///
+/// Targets are in the frame of simulation and interpolated over the substeps of a frame. `from` and `to` are kept by the
+/// caller: each frame's `from` is the last frame's `to`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Anchors {
+    /// Held particles, sorted, each once.
+    pub particles: Vec<u32>,
+    /// How firmly each is held: 1 = rigidly (infinite mass), towards 0 = hardly. Same length as `particles`.
+    pub weights: Vec<f32>,
+    /// Target at the start of the frame [m].
+    pub from: Vec<Vec3>,
+    /// Target at the end of the frame [m].
+    pub to: Vec<Vec3>,
+}
+
+impl Anchors {
+    /// Longest way of a target in the frame [m].
+    fn longest_way(&self) -> f32 {
+        self.from.iter().zip(&self.to).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f32::max).sqrt()
+    }
+}
+
+/// Inputs of one frame.
+#[derive(Clone, Debug)]
+pub struct FrameInput<'a> {
+    /// Length of the frame [s]; 0, less or not finite: nothing moves.
+    pub dt: f32,
+    /// Gravity [m/s²].
+    pub gravity: Vec3,
+    /// Bodies, in the frame of simulation.
+    pub bodies: &'a [Body],
+    /// Wind at the cloth, in the frame of simulation.
+    pub wind: &'a Wind,
+}
+
+/// What one frame did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Substeps taken.
+    pub substeps: u32,
+    /// Time beyond [`Stepping::max_frame`] that was not simulated [s].
+    pub lost_time: f32,
+    /// Largest edge length over rest length after the frame (dimensionless); infinite when a position is not finite.
+    pub worst_edge: f32,
+    /// Mean edge length over rest length after the frame (dimensionless).
+    pub mean_edge: f32,
+    /// Particles that touched a body in the last substep.
+    pub body_contacts: u32,
+}
+
+/// Reused buffers and what [`prepare`] derives for one cloth; no allocation once warm.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    springs: spring::SpringFactors,
+    bends: bend::BendFactors,
+    tethers: tether::Tethers,
+    contacts: BodyContacts,
+    wind: WindForces,
+    rigid: Vec<u32>,
+    acceleration: Vec<Vec4>,
+    /// Worst edge of the last frame (dimensionless).
+    worst_edge: f32,
+    /// Substep the factors were computed for [s]; 0: none yet.
+    factors_for: f32,
+}
+
+impl Scratch {
+    /// Memory held [B].
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.springs.bytes() + self.bends.bytes() + self.tethers.bytes() + size_of_val(&self.acceleration[..])
+    }
+}
+
+/// Wind forces are evaluated at least this often [Hz].
+const WIND_RATE: f32 = 60.0;
+
+/// Bending elements are solved once in this many substeps, with the impulse of as many.
+const BEND_EVERY: u64 = 2;
+
+/// Beyond this many strain limits the springs are swept [`TAUT_SWEEPS`] times a substep in the next frame: a sheet of 256² that snaps taut.
+const TAUT: f32 = 2.0;
+const TAUT_SWEEPS: u32 = 3;
+
+/// Sets inverse masses from density and anchors, constraint factors and tethers.
+///
+/// Call after bind and whenever `fabric`, the set of anchored particles or their weights changed. Keeps positions and velocities.
+pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
+    for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
+        x.w = 1.0 / (fabric.density * area).max(1.0e-9);
+    }
+    let rigid = anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= anchor::RIGID);
+    let rigid: Vec<u32> = rigid.map(|(&p, _)| p).collect();
+    for &p in &rigid {
+        state.positions[p as usize].w = 0.0;
+    }
+    for (x, old) in state.positions.iter().zip(&mut state.previous) {
+        old.w = x.w;
+    }
+    if scratch.rigid != rigid || scratch.factors_for == 0.0 {
+        scratch.tethers = tether::Tethers::new(rest, &rigid);
+        scratch.rigid = rigid;
+    }
+    scratch.factors_for = 0.0;
+}
+
+/// Advances one cloth by one frame. [`prepare`] must have been called.
+pub fn step(
+    rest: &RestShape,
+    fabric: &Fabric,
+    stepping: &Stepping,
+    anchors: &Anchors,
+    input: &FrameInput<'_>,
+    state: &mut ClothState,
+    scratch: &mut Scratch,
+) -> StepReport {
+    let mut report = StepReport::default();
+    // NaN fails the comparison; `min` alone would let it pass as a whole frame.
+    if !(input.dt > 0.0) || state.positions.len() != rest.positions.len() {
+        return report;
+    }
+    let dt = input.dt.min(stepping.max_frame);
+    report.lost_time = input.dt - dt;
+    report.substeps = substeps(dt, stepping.substep_rate);
+    let h = dt / report.substeps as f32;
+    if scratch.factors_for != h {
+        scratch.springs.update(&rest.springs, fabric, &state.positions, h);
+        scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * BEND_EVERY as f32);
+        scratch.factors_for = h;
+    }
+    if fabric.damping > 0.0 {
+        damp::solve(&rest.springs, fabric.damping, dt, &state.positions, &mut state.previous);
+    }
+    let approach = Approach {
+        dt,
+        substep: state.substep,
+        gravity: input.gravity,
+        thickness: fabric.thickness,
+        extra: anchors.longest_way() + input.wind.fastest() * dt,
+    };
+    scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+    let touch = Touch {
+        thickness: fabric.thickness,
+        static_friction: fabric.static_friction,
+        dynamic_friction: fabric.dynamic_friction,
+    };
+    let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
+    let windy = input.wind.density > 0.0;
+    let sweeps = if scratch.worst_edge > 1.0 + TAUT * fabric.strain_limit { TAUT_SWEEPS } else { 1 };
+    let gusts = substeps(dt, WIND_RATE).min(report.substeps);
+
+    for n in 0..report.substeps {
+        let (s0, s1) = (n as f32 / report.substeps as f32, (n + 1) as f32 / report.substeps as f32);
+        let (x, old) = (&mut state.positions, &mut state.previous);
+        if windy && (n == 0 || n * gusts / report.substeps > (n - 1) * gusts / report.substeps) {
+            scratch.acceleration.clear();
+            scratch.acceleration.resize(x.len(), input.gravity.extend(0.0));
+            let hold = dt / gusts as f32;
+            let faces = &rest.topology.faces;
+            scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
+        }
+        let carry = if state.substep > 0.0 { h / state.substep * (-fabric.drag * h).exp() } else { 0.0 };
+        let push = 0.5 * h * (state.substep + h);
+        if windy {
+            predict::predict(x, old, &scratch.acceleration, carry, push);
+        } else {
+            predict::predict_uniform(x, old, input.gravity.extend(0.0), carry, push);
+        }
+        state.substep = h;
+        anchor::solve(anchors, s1, h, x);
+        if state.substeps % BEND_EVERY == 0 {
+            bend::solve(&rest.bends, &scratch.bends, x);
+        }
+        scratch.tethers.solve(fabric.tether_scale, x);
+        for _ in 0..sweeps {
+            spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        }
+        report.body_contacts = scratch.contacts.project(input.bodies, s0, s1, x, old, &touch);
+        state.substeps += 1;
+    }
+    state.time += f64::from(dt);
+    (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+    scratch.worst_edge = report.worst_edge;
+    report
+}
+
+/// Substeps of equal length in a frame of `dt` [s] at `rate` [Hz]: at least one, and not one more for rounding.
+fn substeps(dt: f32, rate: f32) -> u32 {
+    ((dt * rate - 1.0e-3).ceil() as u32).max(1)
+}

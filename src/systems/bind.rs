@@ -1,0 +1,425 @@
+//! Prepare: a mesh becomes a cloth, again when mesh, scale or pins change, and says so when it cannot.
+
+use std::sync::Arc;
+
+use bevy::asset::LoadState;
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::math::{Affine3A, DVec3, Mat3, Vec4};
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::prelude::*;
+
+use super::release::take_apart;
+use crate::bind::{
+    AnchorSet, AnchorSets, Authored, Continuing, Placement, Resolved, RestCache, Skin, Sources, Surface, Transforms, corners,
+    instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
+};
+use crate::components::{
+    Cloth, ClothBuildReport, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPins, ClothReport, ClothSolver,
+    ClothStatus, PinSet, WaitingFor,
+};
+use crate::notices::{Notices, label};
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::solver::recover::Recovery;
+use crate::solver::rest::RestShape;
+use crate::solver::state::ClothState;
+
+/// Silence before a cloth that waits is mentioned [s].
+const PATIENCE: f64 = 5.0;
+
+/// A cloth, bound or not.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Bindable {
+    entity: Entity,
+    name: Option<&'static Name>,
+    mesh: Option<&'static mut Mesh3d>,
+    global: Option<&'static GlobalTransform>,
+    pins: Ref<'static, ClothPins>,
+    status: &'static mut ClothStatus,
+    report: &'static mut ClothReport,
+    build: &'static mut ClothBuildReport,
+    error: Option<&'static ClothError>,
+    material: Ref<'static, ClothMaterial>,
+    solver: Ref<'static, ClothSolver>,
+    waiting: Option<&'static mut WaitingSince>,
+    skinned: Option<&'static SkinnedMesh>,
+    skinned_bounds: Has<DynamicSkinnedMeshBounds>,
+    own_bounds: Has<NoAutoAabb>,
+    binding: Option<&'static mut Binding>,
+    rest: Option<&'static ClothRest>,
+    particles: Option<&'static mut ClothParticles>,
+    inputs: Option<&'static mut ClothInputs>,
+    shown: Option<&'static mut ClothShown>,
+}
+
+/// Where meshes, skins and scales come from.
+#[derive(SystemParam)]
+pub(crate) struct Assembly<'w, 's> {
+    meshes: ResMut<'w, Assets<Mesh>>,
+    bindposes: Option<Res<'w, Assets<SkinnedMeshInverseBindposes>>>,
+    server: Option<Res<'w, AssetServer>>,
+    cache: ResMut<'w, RestCache>,
+    sources: ResMut<'w, Sources>,
+    transforms: Transforms<'w, 's>,
+}
+
+/// What keeps a cloth from being bound.
+enum Obstacle {
+    Wait(WaitingFor),
+    Fail(ClothError),
+}
+
+impl From<ClothError> for Obstacle {
+    fn from(error: ClothError) -> Self {
+        Self::Fail(error)
+    }
+}
+
+/// What changed since a cloth was bound.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Change {
+    None,
+    Pins,
+    Scale,
+    Mesh,
+}
+
+/// Binds every cloth that is new or whose mesh, scale or pins changed.
+pub(crate) fn bind(
+    mut commands: Commands,
+    mut assembly: Assembly,
+    mut notices: ResMut<Notices>,
+    time: Res<Time<Real>>,
+    mut cloths: Query<Bindable, With<Cloth>>,
+) {
+    let now = time.elapsed_secs_f64();
+    for mut cloth in &mut cloths {
+        match bind_one(&mut commands, &mut assembly, &mut cloth) {
+            Ok(()) => {}
+            Err(Obstacle::Wait(reason)) => wait(&mut commands, &mut notices, &mut cloth, reason, now),
+            Err(Obstacle::Fail(error)) => fail(&mut commands, &mut notices, &mut cloth, &assembly.sources, error),
+        }
+    }
+}
+
+/// What a cloth should be bound to.
+struct Wanted {
+    source: Handle<Mesh>,
+    placement: Placement,
+    skinned: Option<SkinnedMesh>,
+    change: Change,
+}
+
+/// Everything that binding makes, before anything is written.
+struct Made {
+    rest: Arc<RestShape>,
+    report: ClothBuildReport,
+    authored: Authored,
+    resolved: Resolved,
+    sets: Vec<AnchorSet>,
+    skin: Option<Skin>,
+    joints: Vec<Affine3A>,
+    surface: Surface,
+    instance: Option<(Mesh, Option<(Vec3, Vec3)>)>,
+    origin: DVec3,
+    /// Whether the state goes on.
+    continues: bool,
+}
+
+fn bind_one(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem) -> Result<(), Obstacle> {
+    let wanted = want(assembly, cloth)?;
+    if wanted.change > Change::None {
+        let made = make(assembly, cloth, &wanted)?;
+        record(commands, assembly, cloth, wanted, made);
+        activate(commands, cloth);
+    } else if let Some(inputs) = &mut cloth.inputs
+        && cloth.error.is_none()
+    {
+        inputs.placement = wanted.placement;
+        inputs.active = true;
+        activate(commands, cloth);
+    }
+    Ok(())
+}
+
+/// Compares what is there with what was bound.
+fn want(assembly: &Assembly, cloth: &BindableItem) -> Result<Wanted, Obstacle> {
+    let shown = &cloth.mesh.as_ref().ok_or(Obstacle::Wait(WaitingFor::Mesh))?.0;
+    let bound = cloth.binding.as_ref().filter(|b| b.instance.as_ref().is_none_or(|i| i.id() == shown.id()));
+    let source = match bound {
+        Some(b) if b.instance.is_some() => b.source.clone(),
+        _ => assembly.sources.authored(shown),
+    };
+    let skinned = cloth.skinned.or(cloth.binding.as_ref().and_then(|b| b.skinned.as_ref())).cloned();
+    let placement = match &skinned {
+        Some(skinned) => skin_placement(assembly, skinned)?,
+        None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Scale))?,
+    };
+    let failed = cloth.error.is_some();
+    let unstable = cloth.error.is_some_and(|e| e.kind == ClothErrorKind::Unstable);
+    let tuned = cloth.material.is_changed() || cloth.solver.is_changed();
+    let change = match bound {
+        Some(b) if b.source.id() != source.id() => Change::Mesh,
+        Some(_) if assembly.sources.modified.contains(&source.id()) => Change::Mesh,
+        Some(_) if failed && assembly.sources.added.contains(&source.id()) => Change::Mesh,
+        Some(_) if unstable && (tuned || cloth.pins.is_changed()) => Change::Mesh,
+        Some(b) if !placement.fits(&b.bake) => if failed { Change::Mesh } else { Change::Scale },
+        Some(_) if cloth.pins.is_changed() => if failed { Change::Mesh } else { Change::Pins },
+        Some(_) => Change::None,
+        None => Change::Mesh,
+    };
+    Ok(Wanted { source, placement, skinned, change })
+}
+
+/// Reads, builds and resolves; fails or waits without having written anything.
+fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Result<Made, Obstacle> {
+    let Wanted { source, placement, skinned, change } = wanted;
+    if let Some(server) = &assembly.server
+        && let Some(LoadState::Failed(error)) = server.get_load_state(source.id())
+        && !assembly.meshes.contains(source)
+    {
+        let detail = format!("its mesh failed to load ({error}): check the path and the file");
+        return Err(Obstacle::Fail(ClothError { kind: ClothErrorKind::LoadFailed, detail }));
+    }
+    let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(WaitingFor::Asset))?;
+    let authored = read(mesh)?;
+    let (rest, built) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(|error| ClothError {
+        kind: ClothErrorKind::BadMesh,
+        detail: format!("{error}: check the mesh in the program it was made with"),
+    })?;
+    let continues = cloth.error.is_none()
+        && cloth.rest.is_some_and(|old| *change < Change::Mesh || same_topology(old.shape(), &rest));
+    let old = cloth.inputs.as_ref().filter(|_| continues);
+    let origin = match &cloth.particles {
+        Some(particles) if continues => particles.origin,
+        _ => placement.translation.as_dvec3(),
+    };
+    let sets = join(&cloth.pins, old.map(|o| &o.sets), &assembly.transforms, placement)?;
+    let resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
+    let mut joints = Vec::new();
+    let skin = match skinned {
+        Some(skinned) => Skin::new(mesh, &authored, &rest, bound_joints(assembly, skinned)?),
+        None => None,
+    };
+    if let Some(skin) = &skin {
+        skin.matrices(&assembly.transforms, origin, &mut joints);
+    }
+    let surface = Surface::new(mesh, &authored);
+    let instance = if *change == Change::Mesh {
+        Some((instance_of(mesh).map_err(|error| unreadable(&error))?, corners(mesh)))
+    } else {
+        None
+    };
+    let mut report = ClothBuildReport::new(&built);
+    report.bad_pins.clone_from(&resolved.bad_pins);
+    Ok(Made { rest, report, authored, resolved, sets, skin, joints, surface, instance, origin, continues })
+}
+
+/// Writes what was made to the entity.
+fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem, wanted: Wanted, made: Made) {
+    let Made { rest, report, authored, resolved, sets, skin, joints, surface, instance, origin, continues } = made;
+    let placement = wanted.placement;
+    if *cloth.build != report {
+        debug!("{} is bound: {report:?}", label(cloth.entity, cloth.name));
+        *cloth.build = report;
+    }
+    let vertices = authored.positions.len();
+    let radius = radius(&rest);
+    let pinned = u32::try_from(resolved.particles.len()).unwrap_or(u32::MAX);
+    let mut entity = commands.entity(cloth.entity);
+    if let (true, Some(particles), Some(inputs), Some(shown), Some(binding)) =
+        (continues, &mut cloth.particles, &mut cloth.inputs, &mut cloth.shown, &mut cloth.binding)
+    {
+        let rescale = if placement.fits(&binding.bake) { Mat3::IDENTITY } else { placement.bake * binding.bake.inverse() };
+        rescale_about(particles, &inputs.placement, rescale);
+        let positions = &particles.state.positions;
+        let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, positions, origin, rescale };
+        (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
+        (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
+        (inputs.radius, inputs.stale, inputs.active) = (radius, true, true);
+        shown.surface = surface;
+        shown.fit(vertices);
+        shown.forced = true;
+        binding.bake = placement.bake;
+        if wanted.change > Change::Pins {
+            entity.try_insert((ClothRest(rest), ClothScratch::default()));
+        }
+    } else {
+        let (anchors, sets) = resolved.into_anchors(sets, &rest, None);
+        let inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
+        let particles = start(&rest, &inputs, origin);
+        let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };
+        shown.fit(vertices);
+        entity.try_insert((ClothRest(rest), particles, inputs, shown, ClothScratch::default()));
+        *cloth.report = ClothReport::default();
+    }
+    cloth.report.pinned = pinned;
+    if let Some((instance, bounds)) = instance {
+        give_instance(&mut entity, assembly, cloth, wanted, instance, bounds);
+    }
+}
+
+/// Puts the entity's own mesh in place of the authored one, and takes its skin off.
+fn give_instance(
+    entity: &mut EntityCommands,
+    assembly: &mut Assembly,
+    cloth: &mut BindableItem,
+    wanted: Wanted,
+    instance: Mesh,
+    bounds: Option<(Vec3, Vec3)>,
+) {
+    let handle = assembly.meshes.add(instance);
+    assembly.sources.insert(handle.id(), wanted.source.clone());
+    if let Some(mesh) = &mut cloth.mesh {
+        mesh.0 = handle.clone();
+    }
+    let (skinned_bounds, own_bounds) = match &cloth.binding {
+        Some(b) if b.instance.is_some() => (b.skinned_bounds || cloth.skinned_bounds, b.own_bounds),
+        _ => (cloth.skinned_bounds, cloth.own_bounds),
+    };
+    let bake = wanted.placement.bake;
+    entity.try_insert(Binding {
+        source: wanted.source,
+        instance: Some(handle),
+        bake,
+        skinned: wanted.skinned,
+        skinned_bounds,
+        own_bounds,
+    });
+    entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
+    entity.try_insert(NoAutoAabb);
+    if let Some((low, high)) = bounds {
+        entity.try_insert(Aabb::from_min_max(low, high));
+    }
+}
+
+/// The state at the pose at rest.
+fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticles {
+    let positions: Vec<Vec4> = inputs.pose(rest, origin).map(|p| p.extend(1.0)).collect();
+    let state = ClothState { previous: positions.clone(), positions, ..ClothState::default() };
+    let mut recovery = Recovery::default();
+    recovery.start(&state);
+    ClothParticles { state, origin, before: Vec::new(), recovery, carrier: None }
+}
+
+/// Scales the state about the place of the cloth.
+fn rescale_about(particles: &mut ClothParticles, placement: &Placement, rescale: Mat3) {
+    if rescale == Mat3::IDENTITY {
+        return;
+    }
+    let turn = Mat3::from_quat(placement.rotation);
+    let (matrix, at) = (turn * rescale * turn.transpose(), placement.translation_from(particles.origin));
+    particles.carry(|x| matrix * (x - at) + at);
+}
+
+/// Joins every pin set to its target, as it was joined before if it was.
+fn join(
+    pins: &ClothPins,
+    old: Option<&AnchorSets>,
+    transforms: &Transforms,
+    placement: &Placement,
+) -> Result<Vec<AnchorSet>, Obstacle> {
+    let join = |(s, set): (usize, &PinSet)| {
+        let known = old.and_then(|old| old.sets.get(s)).filter(|known| known.target == set.target);
+        if let Some(known) = known {
+            return Ok(known.clone());
+        }
+        let Some(target) = set.target else {
+            return Ok(AnchorSet::own(placement));
+        };
+        let affine = transforms.get(target).ok().map(GlobalTransform::affine);
+        let affine = affine.filter(|a| Placement::of(a).is_some()).ok_or(Obstacle::Wait(WaitingFor::Target))?;
+        Ok(AnchorSet::new(target, &affine, placement))
+    };
+    pins.sets.iter().enumerate().map(join).collect()
+}
+
+/// Joints with their inverse bind poses.
+fn bound_joints(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Vec<(Entity, Affine3A)>, Obstacle> {
+    let bindposes = assembly.bindposes.as_ref().and_then(|b| b.get(&skinned.inverse_bindposes));
+    Ok(Skin::joints(skinned, bindposes.ok_or(Obstacle::Wait(WaitingFor::Skin))?))
+}
+
+/// A skinned cloth is where its first joint takes it; its scale is that of the joint, and even.
+fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placement, Obstacle> {
+    let missing = Obstacle::Wait(WaitingFor::Skin);
+    let Some(first) = bound_joints(assembly, skinned)?.first().copied() else { return Err(missing) };
+    let mut matrices = Vec::new();
+    if !skinning_matrices(&[first], &assembly.transforms, DVec3::ZERO, &mut matrices) {
+        return Err(missing);
+    }
+    let mut placement = Placement::of(&matrices[0]).ok_or(Obstacle::Wait(WaitingFor::Scale))?;
+    placement.bake = Mat3::from_diagonal(Vec3::splat(uniform_scale(&placement.bake)));
+    Ok(placement)
+}
+
+fn same_topology(a: &RestShape, b: &RestShape) -> bool {
+    a.topology.faces == b.topology.faces && a.particle_of_vertex == b.particle_of_vertex
+}
+
+/// Radius of the ball around the box of the shape at rest [m].
+fn radius(rest: &RestShape) -> f32 {
+    let fold = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
+    let (low, high) = rest.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold);
+    0.5 * (high - low).length()
+}
+
+fn activate(commands: &mut Commands, cloth: &mut BindableItem) {
+    if *cloth.status != ClothStatus::Active {
+        *cloth.status = ClothStatus::Active;
+        commands.entity(cloth.entity).try_remove::<(ClothError, WaitingSince)>();
+    }
+}
+
+/// Class C: silent at first, then one warning.
+fn wait(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem, reason: WaitingFor, now: f64) {
+    if let Some(inputs) = &mut cloth.inputs {
+        inputs.active = false;
+    }
+    cloth.status.set_if_neq(ClothStatus::Waiting(reason));
+    match &mut cloth.waiting {
+        None => {
+            commands.entity(cloth.entity).try_insert(WaitingSince { at: now, told: false });
+        }
+        Some(since) if !since.told && now - since.at > PATIENCE => {
+            since.told = true;
+            if notices.first(cloth.entity, reason.cure()) {
+                warn!("cloth {} still waits: {}", label(cloth.entity, cloth.name), reason.cure());
+            }
+        }
+        Some(_) => {}
+    }
+}
+
+/// Class A: the authored mesh is drawn, and the reason is on the entity.
+fn fail(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem, sources: &Sources, error: ClothError) {
+    let source = cloth.mesh.as_ref().map(|shown| match &cloth.binding {
+        Some(b) if b.instance.as_ref().is_some_and(|i| i.id() == shown.0.id()) => b.source.clone(),
+        _ => sources.authored(&shown.0),
+    });
+    let (Some(source), Some(mesh)) = (source, &mut cloth.mesh) else { return };
+    if mesh.0.id() != source.id() {
+        mesh.0 = source.clone();
+    }
+    let mut entity = commands.entity(cloth.entity);
+    let bake = match &cloth.binding {
+        Some(b) => {
+            take_apart(&mut entity, b);
+            cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(b.bake, |p| p.bake)
+        }
+        None => cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(Mat3::IDENTITY, |p| p.bake),
+    };
+    let (skinned_bounds, own_bounds) = (false, cloth.own_bounds && cloth.binding.is_none());
+    entity.try_insert(Binding { source, instance: None, bake, skinned: None, skinned_bounds, own_bounds });
+    *cloth.status = ClothStatus::Failed;
+    if notices.first(cloth.entity, error.kind.name()) {
+        warn!("cloth {} cannot be simulated: {error}", label(cloth.entity, cloth.name));
+    }
+    if cloth.error != Some(&error) {
+        entity.try_insert(error.clone());
+        commands.trigger(ClothFailed { entity: cloth.entity, error });
+    }
+}

@@ -1,0 +1,279 @@
+//! Prepare: what each cloth is given in this frame: settings, carrier, anchors, bodies, wind.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use super::colliders::WorldBodies;
+use crate::bind::{AnchorSet, Placement, Transforms};
+use crate::components::checked::Checked;
+use crate::components::{
+    Cloth, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleported,
+    ClothWind, GlobalWind, OnTargetLost, TeleportMode, WindZone, WindZoneShape,
+};
+use crate::notices::Notices;
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
+use crate::solver::body::{Body, Pose};
+use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
+
+/// Distance from the origin of the frame at which it is moved along [m]. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
+/// units in the last place, at 16 m only 22.
+const REBASE: f32 = 2.0;
+
+/// The weather in the world: shared by every cloth without a wind of its own.
+#[derive(Resource, Default)]
+pub(crate) struct WorldAir {
+    wind: Wind,
+    gravity: Vec3,
+    zones: Vec<(Entity, WindZone, Isometry3d)>,
+    checked: Checked,
+}
+
+/// Reads global wind, gravity and zones, and lets the gusts travel.
+pub(crate) fn air(
+    time: Res<Time>,
+    wind: Res<GlobalWind>,
+    gravity: Res<ClothGravity>,
+    mut air: ResMut<WorldAir>,
+    mut notices: ResMut<Notices>,
+    zones: Query<(Entity, Option<&Name>, &WindZone, &GlobalTransform)>,
+) {
+    let WorldAir { wind: air, gravity: pull, zones: known, checked } = &mut *air;
+    checked.clear();
+    blow(air, &wind.checked(checked));
+    *pull = gravity.checked(checked);
+    notices.clamped(Entity::PLACEHOLDER, None, "the world", &checked.clamped);
+    air.advance(time.delta_secs());
+    known.clear();
+    for (entity, name, zone, global) in &zones {
+        checked.clear();
+        let zone = zone.checked(checked);
+        if let Some(placement) = Placement::of(&global.affine()) {
+            known.push((entity, scaled(zone, global.scale().abs()), placement.isometry()));
+        }
+        notices.clamped(entity, name, "wind zone", &checked.clamped);
+    }
+    known.sort_unstable_by_key(|(entity, ..)| *entity);
+}
+
+/// Settings in SI that the solver can use.
+pub(crate) fn settings(
+    air: Res<WorldAir>,
+    mut notices: ResMut<Notices>,
+    mut cloths: Query<
+        (Entity, Option<&Name>, &ClothMaterial, &ClothSolver, Option<&ClothWind>, &mut ClothInputs, &mut ClothReport),
+        With<Cloth>,
+    >,
+    time: Res<Time>,
+) {
+    for (entity, name, material, solver, own_wind, mut inputs, mut report) in &mut cloths {
+        let inputs = &mut *inputs;
+        let checked = &mut inputs.checked;
+        checked.clear();
+        let fabric = material.fabric(checked);
+        if inputs.fabric != fabric {
+            inputs.fabric = fabric;
+            inputs.stale = true;
+        }
+        inputs.stepping = solver.stepping(checked);
+        inputs.limits = solver.limits(checked);
+        inputs.time_scale = solver.time_scale(checked);
+        inputs.gravity = solver.gravity(air.gravity, checked);
+        let zones = core::mem::take(&mut inputs.wind.zones);
+        match own_wind {
+            Some(own) => {
+                let travel = inputs.wind.travel;
+                inputs.wind = Wind { travel, time: air.wind.time, ..air.wind.clone() };
+                blow(&mut inputs.wind, &own.0.checked(checked));
+                inputs.wind.travel += inputs.wind.velocity.as_dvec3() * time.delta_secs_f64();
+            }
+            None => inputs.wind = air.wind.clone(),
+        }
+        inputs.wind.zones = zones;
+        if report.clamped != checked.clamped {
+            report.clamped.clone_from(&checked.clamped);
+        }
+        notices.clamped(entity, name, "cloth", &checked.clamped);
+    }
+}
+
+/// Moves what carries the cloth: its anchors, and after a jump the cloth itself.
+pub(crate) fn anchors(
+    mut commands: Commands,
+    transforms: Transforms,
+    mut cloths: Query<(Entity, &ClothRest, &ClothSolver, &ClothPins, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
+) {
+    for (entity, rest, solver, pins, mut inputs, mut particles) in &mut cloths {
+        let (inputs, particles) = (&mut *inputs, &mut *particles);
+        if !inputs.active || inputs.time_scale == 0.0 {
+            continue;
+        }
+        if follow_targets(&mut commands, &transforms, entity, pins, inputs) {
+            commands.entity(entity).try_despawn();
+            continue;
+        }
+        let jump = jump(inputs, particles, solver);
+        let origin = particles.origin;
+        if let Some(jump) = &jump {
+            if solver.teleport == TeleportMode::Keep {
+                let motion = jump.motion(origin);
+                particles.carry(&motion);
+                inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
+            }
+            commands.trigger(ClothTeleported { entity, distance: jump.distance, angle: jump.angle });
+        }
+        rebase(inputs, particles);
+        if let Some(skin) = inputs.skin.take() {
+            skin.matrices(&transforms, particles.origin, &mut inputs.joints);
+            inputs.skin = Some(skin);
+        }
+        inputs.aim(particles.origin);
+        if jump.is_some() && solver.teleport == TeleportMode::Reset {
+            particles.place(inputs.pose(&rest.0, particles.origin));
+            inputs.anchors.from.clone_from(&inputs.anchors.to);
+        }
+    }
+}
+
+/// Reads where the targets are. True when one is gone and the cloth is to go with it.
+fn follow_targets(
+    commands: &mut Commands,
+    transforms: &Transforms,
+    entity: Entity,
+    pins: &ClothPins,
+    inputs: &mut ClothInputs,
+) -> bool {
+    let own = AnchorSet::own(&inputs.placement);
+    let mut released = false;
+    for set in &mut inputs.sets.sets {
+        let Some(target) = set.target else {
+            set.at = own.at;
+            continue;
+        };
+        match transforms.get(target) {
+            Ok(global) => {
+                set.lost = false;
+                // A target that is flat or not finite holds where it was.
+                if Placement::of(&global.affine()).is_some() {
+                    set.at = global.affine();
+                }
+            }
+            Err(_) if set.lost => {}
+            Err(_) => {
+                set.lost = true;
+                commands.trigger(ClothTargetLost { entity, target });
+                match pins.on_target_lost {
+                    OnTargetLost::Hold => {}
+                    OnTargetLost::Release => {
+                        set.released = true;
+                        released = true;
+                    }
+                    OnTargetLost::Despawn => return true,
+                }
+            }
+        }
+    }
+    if released {
+        inputs.drop_released();
+    }
+    false
+}
+
+/// A carrier that moved too far in a frame to have been there in between.
+struct Jump {
+    from: Isometry3d,
+    to: Isometry3d,
+    distance: f32,
+    angle: f32,
+}
+
+impl Jump {
+    /// The rigid motion of the jump, as seen from `origin`.
+    fn motion(&self, origin: DVec3) -> impl Fn(Vec3) -> Vec3 + use<> {
+        let seen = |at: &Isometry3d| (Vec3::from(at.translation).as_dvec3() - origin).as_vec3();
+        let (from, to) = (seen(&self.from), seen(&self.to));
+        let turn = self.to.rotation * self.from.rotation.inverse();
+        move |x| turn * (x - from) + to
+    }
+}
+
+/// Whether the carrier jumped since the last frame: further than 1 m and three radii, or by more than 60 degrees, by default.
+fn jump(inputs: &mut ClothInputs, particles: &mut ClothParticles, solver: &ClothSolver) -> Option<Jump> {
+    let to = inputs.carrier();
+    let from = particles.carrier.replace(to)?;
+    let (least, turn) = solver.teleport_limits(&mut inputs.checked);
+    let distance = from.translation.distance(to.translation);
+    let angle = from.rotation.angle_between(to.rotation);
+    let far = !(distance <= least.max(3.0 * inputs.radius)) || !(angle <= turn);
+    (far && solver.teleport != TeleportMode::None).then_some(Jump { from, to, distance, angle })
+}
+
+/// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
+fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
+    let Some(first) = particles.state.positions.first().map(|x| x.truncate()) else { return };
+    if first.length() <= REBASE.max(2.0 * inputs.radius) || !first.is_finite() {
+        return;
+    }
+    let shift = first.round();
+    particles.origin += shift.as_dvec3();
+    particles.carry(|x| x - shift);
+    inputs.anchors.to.iter_mut().for_each(|x| *x -= shift);
+}
+
+fn blow(air: &mut Wind, wind: &GlobalWind) {
+    air.velocity = wind.velocity;
+    air.density = wind.air_density;
+    air.turbulence = Turbulence {
+        intensity: wind.turbulence,
+        length: wind.gust_length,
+        frequency: wind.gust_frequency,
+        seed: u64::from(wind.seed),
+    };
+}
+
+/// A zone as its entity's scale makes it.
+fn scaled(zone: WindZone, scale: Vec3) -> WindZone {
+    let shape = match zone.shape {
+        WindZoneShape::Box { half_size } => WindZoneShape::Box { half_size: half_size * scale },
+        WindZoneShape::Sphere { radius } => WindZoneShape::Sphere { radius: radius * scale.max_element() },
+    };
+    WindZone { shape, ..zone }
+}
+
+/// Brings bodies and wind zones into the frame of each cloth.
+pub(crate) fn surroundings(
+    world: Res<WorldBodies>,
+    air: Res<WorldAir>,
+    mut cloths: Query<(&ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
+) {
+    for (particles, layers, mut inputs, mut report) in &mut cloths {
+        let layers = layers.copied().unwrap_or_default();
+        let origin = particles.origin;
+        let pose = |at: &Isometry3d| {
+            let translation = (Vec3::from(at.translation).as_dvec3() - origin).as_vec3();
+            Pose::from_parts(translation, at.rotation)
+        };
+        inputs.bodies.clear();
+        inputs.bodies.extend(world.bodies.iter().filter(|body| layers.touches(body.layers)).map(|body| Body {
+            shape: body.shape.clone(),
+            from: pose(&body.from),
+            to: pose(&body.to),
+            static_friction: body.static_friction,
+            dynamic_friction: body.dynamic_friction,
+            margin: body.margin,
+        }));
+        report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
+        inputs.wind.origin = origin;
+        inputs.wind.zones.clear();
+        inputs.wind.zones.extend(air.zones.iter().map(|(_, zone, at)| wind::WindZone {
+            shape: match zone.shape {
+                WindZoneShape::Box { half_size } => ZoneShape::Box { half_extents: half_size },
+                WindZoneShape::Sphere { radius } => ZoneShape::Sphere { radius },
+            },
+            center: (Vec3::from(at.translation).as_dvec3() - origin).as_vec3(),
+            rotation: at.rotation,
+            velocity: at.rotation * zone.velocity,
+            falloff: zone.falloff,
+            mode: if zone.replace { ZoneMode::Replace } else { ZoneMode::Add },
+        }));
+    }
+}

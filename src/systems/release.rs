@@ -1,0 +1,62 @@
+//! What is left behind when an entity stops being a cloth: the authored mesh, and nothing of ours.
+
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy::prelude::*;
+
+use crate::components::{Cloth, ClothCollider, ClothError, WindZone};
+use crate::notices::Notices;
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::systems::colliders::ColliderBody;
+
+/// Gives the authored mesh back when `Cloth` is removed.
+pub(crate) fn on_remove_cloth(
+    removed: On<Remove, Cloth>,
+    mut commands: Commands,
+    mut cloths: Query<(Option<&mut Mesh3d>, Option<&Binding>)>,
+    mut notices: ResMut<Notices>,
+) {
+    notices.forget(removed.entity);
+    let Ok((mesh, binding)) = cloths.get_mut(removed.entity) else { return };
+    let Ok(mut entity) = commands.get_entity(removed.entity) else { return };
+    if let (Some(mut mesh), Some(binding)) = (mesh, binding)
+        && binding.instance.as_ref().is_some_and(|i| i.id() == mesh.0.id())
+    {
+        mesh.0 = binding.source.clone();
+    }
+    if let Some(binding) = binding {
+        take_apart(&mut entity, binding);
+    }
+    entity.try_remove::<(Binding, ClothError, WaitingSince)>();
+}
+
+/// Removes what the simulation put on the entity and gives its skin and bounds back.
+pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding) {
+    entity.try_remove::<(ClothRest, ClothParticles, ClothInputs, ClothScratch, ClothShown)>();
+    if binding.instance.is_none() {
+        return;
+    }
+    entity.try_remove::<Aabb>();
+    if !binding.own_bounds {
+        entity.try_remove::<NoAutoAabb>();
+    }
+    if let Some(skinned) = &binding.skinned {
+        entity.try_insert(skinned.clone());
+    }
+    if binding.skinned_bounds {
+        entity.try_insert(DynamicSkinnedMeshBounds);
+    }
+}
+
+/// Forgets the shape of a collider.
+pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut commands: Commands, mut notices: ResMut<Notices>) {
+    notices.forget(removed.entity);
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<ColliderBody>();
+    }
+}
+
+/// Forgets what was told of a wind zone.
+pub(crate) fn on_remove_zone(removed: On<Remove, WindZone>, mut notices: ResMut<Notices>) {
+    notices.forget(removed.entity);
+}

@@ -1,0 +1,158 @@
+//! Sync: shown positions, normals, tangents and bounds. The mesh is written in place, and only when something moved.
+
+use bevy::camera::primitives::Aabb;
+use bevy::ecs::batching::BatchingStrategy;
+use bevy::math::{Affine3A, DVec3, Mat3};
+use bevy::mesh::VertexAttributeValues;
+use bevy::prelude::*;
+use bevy::time::Fixed;
+
+use crate::bind::seen_from;
+use crate::components::Cloth;
+use crate::plugin::ClothClock;
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown};
+use crate::solver::rest::RestShape;
+use crate::solver::surface;
+
+/// Shapes the vertices of every cloth, in parallel over cloths.
+pub(crate) fn shape(
+    clock: Res<ClothClock>,
+    fixed: Option<Res<Time<Fixed>>>,
+    mut cloths: Query<(&ClothRest, &ClothParticles, &ClothInputs, &GlobalTransform, &mut ClothShown), With<Cloth>>,
+) {
+    let overstep = match fixed {
+        Some(fixed) if clock.interpolates => fixed.overstep_fraction(),
+        _ => 1.0,
+    };
+    cloths.par_iter_mut().batching_strategy(BatchingStrategy::fixed(1)).for_each(
+        |(rest, particles, inputs, global, mut shown)| {
+            let affine = global.affine();
+            let lies = affine.is_finite() && affine.matrix3.determinant() != 0.0;
+            if !(inputs.active && lies && particles.state.positions.len() == rest.0.positions.len()) {
+                return;
+            }
+            let shown = &mut *shown;
+            let moved = show_particles(particles, overstep, &mut shown.particles);
+            if moved || shown.forced || shown.affine != affine || shown.origin != particles.origin {
+                (shown.affine, shown.origin) = (affine, particles.origin);
+                let thickness = inputs.fabric.thickness;
+                show_vertices(&rest.0, inputs, &affine, particles.origin, thickness, shown);
+                shown.forced = false;
+                shown.fresh = true;
+            }
+        },
+    );
+}
+
+/// Positions between the last two frames. Whether any moved.
+fn show_particles(particles: &ClothParticles, overstep: f32, shown: &mut Vec<Vec3>) -> bool {
+    let state = &particles.state.positions;
+    let interpolates = particles.before.len() == state.len();
+    let mut moved = shown.len() != state.len();
+    shown.resize(state.len(), Vec3::ZERO);
+    for (i, (shown, now)) in shown.iter_mut().zip(state).enumerate() {
+        let now = if interpolates { particles.before[i].lerp(now.truncate(), overstep) } else { now.truncate() };
+        // Whatever happens to a state, nothing that is not a number is drawn.
+        if now.is_finite() && *shown != now {
+            *shown = now;
+            moved = true;
+        }
+    }
+    moved
+}
+
+/// From particles in the frame of simulation to vertices in the space of the mesh.
+fn show_vertices(
+    rest: &RestShape,
+    inputs: &ClothInputs,
+    affine: &Affine3A,
+    origin: DVec3,
+    thickness: f32,
+    shown: &mut ClothShown,
+) {
+    let inverse = seen_from(affine, origin).inverse();
+    let ClothShown { surface, particles, normals, sums, vertices, bounds, .. } = shown;
+    let turn = Mat3::from_quat(inputs.placement.rotation);
+    let local = Mat3::from(inverse.matrix3);
+    let transpose = Mat3::from(affine.matrix3).transpose();
+
+    for (out, &p) in vertices.positions.iter_mut().zip(&rest.particle_of_vertex) {
+        *out = inverse.transform_point3(particles[p as usize]).to_array();
+    }
+    for &(v, offset) in &rest.isolated {
+        let (Some(out), Some(&p)) = (vertices.positions.get_mut(v as usize), rest.particle_of_vertex.get(v as usize)) else {
+            continue;
+        };
+        *out = inverse.transform_point3(particles[p as usize] + turn * offset).to_array();
+    }
+    let fold = |(low, high): (Vec3, Vec3), p: &[f32; 3]| (low.min(Vec3::from(*p)), high.max(Vec3::from(*p)));
+    let (low, high) = vertices.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold);
+    let pad = Vec3::splat(thickness * surface_scale(&local)).max(0.01 * (high - low));
+    *bounds = (low - pad, high + pad);
+
+    if !surface.normals && surface.handedness.is_empty() {
+        return;
+    }
+    surface::normals(&rest.topology.faces, particles, sums, normals);
+    if surface.normals {
+        for (out, &p) in vertices.normals.iter_mut().zip(&rest.particle_of_vertex) {
+            *out = (transpose * normals[p as usize]).normalize_or(Vec3::Y).to_array();
+        }
+    }
+    if !surface.handedness.is_empty() {
+        let of = |v: usize| rest.particle_of_vertex[v] as usize;
+        let tangents = &mut vertices.tangents;
+        surface::tangents(&surface.axes, |v| particles[of(v)], |v| normals[of(v)], tangents);
+        for (t, &w) in tangents.iter_mut().zip(&surface.handedness) {
+            let along = (local * t.truncate()).normalize_or(Vec3::X);
+            *t = along.extend(w);
+        }
+    }
+}
+
+/// Largest length that a unit of the world has in the space of the mesh.
+fn surface_scale(local: &Mat3) -> f32 {
+    local.x_axis.length().max(local.y_axis.length()).max(local.z_axis.length())
+}
+
+/// Hands the vertices to the mesh of each cloth that moved, and the bounds to its entity.
+pub(crate) fn write(
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut cloths: Query<(&Binding, &mut ClothShown, Option<&mut Aabb>), With<Cloth>>,
+) {
+    for (binding, mut shown, aabb) in &mut cloths {
+        if !shown.fresh {
+            continue;
+        }
+        let shown = &mut *shown;
+        shown.fresh = false;
+        let (low, high) = shown.bounds;
+        if !(low.is_finite() && high.is_finite()) {
+            continue;
+        }
+        if let Some(mut aabb) = aabb {
+            *aabb = Aabb::from_min_max(low, high);
+        }
+        let Some(instance) = &binding.instance else { continue };
+        let Some(mut mesh) = meshes.get_mut(instance) else { continue };
+        let vertices = &mut shown.vertices;
+        swap(&mut mesh, Mesh::ATTRIBUTE_POSITION, &mut vertices.positions);
+        swap(&mut mesh, Mesh::ATTRIBUTE_NORMAL, &mut vertices.normals);
+        if let Ok(VertexAttributeValues::Float32x4(tangents)) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_TANGENT)
+            && tangents.len() == vertices.tangents.len()
+        {
+            for (out, t) in tangents.iter_mut().zip(&vertices.tangents) {
+                *out = t.to_array();
+            }
+        }
+    }
+}
+
+/// Buffer and attribute change places, so that nothing is copied and nothing allocated.
+fn swap(mesh: &mut Mesh, attribute: bevy::mesh::MeshVertexAttribute, buffer: &mut Vec<[f32; 3]>) {
+    if let Ok(VertexAttributeValues::Float32x3(values)) = mesh.try_attribute_mut(attribute)
+        && values.len() == buffer.len()
+    {
+        core::mem::swap(values, buffer);
+    }
+}

@@ -1,0 +1,50 @@
+//! Nothing is allocated per frame once buffers are warm.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged.
+#[expect(unsafe_code, reason = "a global allocator cannot be written without")]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|c| c.set(c.get() + 1));
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.with(|c| c.set(c.get() + 1));
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_warm_step_allocates_nothing() {
+    use bevy_drape::scenes;
+    for (name, mut scene) in [("hang", scenes::hang(32)), ("ball", scenes::ball(32)), ("flags", scenes::flags(3, 24))] {
+        for _ in 0..240 {
+            scene.step(1.0 / 60.0);
+        }
+        let before = COUNT.with(Cell::get);
+        for _ in 0..120 {
+            scene.step(1.0 / 60.0);
+        }
+        let allocations = COUNT.with(Cell::get) - before;
+        assert_eq!(allocations, 0, "{name}: {allocations} allocations in 120 frames");
+    }
+}

@@ -1,0 +1,174 @@
+//! Colliders and wind as components.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::prelude::*;
+use bevy_drape::ClothReport;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+fn bodies(app: &App, cloth: Entity) -> u32 {
+    app.world().get::<ClothReport>(cloth).expect("a cloth").bodies
+}
+
+#[test]
+fn a_sheet_that_falls_on_a_ball_stays_outside() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(24), Transform::from_xyz(0.0, 0.5, 0.0));
+    app.world_mut().spawn(ClothCollider::ball(0.3));
+    app.world_mut().spawn((Transform::from_xyz(0.0, -0.6, 0.0), ClothCollider::ground()));
+    run(&mut app, 180);
+    for p in particles(&app, cloth) {
+        assert!(p.length() > 0.295, "a particle is {} m from the centre", p.length());
+        assert!(p.y > -0.605, "a particle is at {}", p.y);
+    }
+}
+
+#[test]
+fn a_fast_collider_carries_the_cloth_along() {
+    let mut app = app();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let cloth = spawn(&mut app, sheet(16), ());
+    let ball = app.world_mut().spawn((Transform::from_xyz(0.0, -1.0, 0.0), ClothCollider::ball(0.3))).id();
+    run(&mut app, 3);
+    for i in 0..24 {
+        app.world_mut().get_mut::<Transform>(ball).expect("a transform").translation.y = -1.0 + 10.0 * FRAME * i as f32;
+        run(&mut app, 1);
+    }
+    let ball = -1.0 + 10.0 * FRAME * 23.0;
+    for p in particles(&app, cloth) {
+        assert!(p.distance(Vec3::new(0.0, ball, 0.0)) > 0.29, "a particle is inside at {p}");
+    }
+    // The border folds behind the ball; the middle stays before it.
+    let rest = vectors(&sheet(16), Mesh::ATTRIBUTE_POSITION);
+    for (_, now) in rest.iter().zip(world_positions(&app, cloth)).filter(|(p, _)| p.length() < 0.2) {
+        assert!(now.y > ball, "the ball at {ball} m went through: {now}");
+    }
+}
+
+#[test]
+fn disabled_colliders_and_other_layers_are_ignored() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(5), (border(), ClothLayers::new(0b01, 0b01)));
+    app.world_mut().spawn(ClothCollider::ball(0.1));
+    let off = app.world_mut().spawn(ClothCollider { enabled: false, ..ClothCollider::ball(0.1) }).id();
+    let disabled = app.world_mut().spawn((ClothCollider::ball(0.1), Disabled)).id();
+    app.world_mut().spawn((ClothCollider::ball(0.1), ClothLayers::new(0b10, u32::MAX)));
+    app.world_mut().spawn((ClothCollider::ball(0.1), ClothLayers::new(0b01, 0b10)));
+    run(&mut app, 3);
+    assert_eq!(bodies(&app, cloth), 1);
+    app.world_mut().entity_mut(disabled).remove::<Disabled>();
+    app.world_mut().get_mut::<ClothCollider>(off).expect("a collider").enabled = true;
+    run(&mut app, 3);
+    assert_eq!(bodies(&app, cloth), 3);
+}
+
+/// F18
+#[test]
+fn a_collider_despawned_at_any_time_is_forgotten() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.4, 0.0));
+    let ball = app.world_mut().spawn(ClothCollider::ball(0.3)).id();
+    run(&mut app, 60);
+    assert_eq!(bodies(&app, cloth), 1);
+    app.world_mut().despawn(ball);
+    run(&mut app, 60);
+    assert_eq!(bodies(&app, cloth), 0);
+    assert!(finite(&app, cloth) && lowest(&particles(&app, cloth)) < -1.0, "it falls on");
+}
+
+#[test]
+fn every_shape_becomes_a_body_and_a_bad_one_is_left_out() {
+    use bevy_drape::ColliderShape::{Ball, Cuboid};
+    let points = || [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let good = [
+        ClothCollider::ball(0.5),
+        ClothCollider::capsule(0.2, 1.0),
+        ClothCollider::cuboid(1.0, 2.0, 3.0),
+        ClothCollider::cylinder(0.5, 1.0),
+        ClothCollider::cone(0.5, 1.0),
+        ClothCollider::ground(),
+        ClothCollider::convex_hull(points()),
+        ClothCollider::tri_mesh(points().to_vec(), vec![[0, 1, 2], [0, 2, 3]]),
+        ClothCollider::height_field(2, 2, vec![0.0, 0.1, 0.2, 0.3], Vec3::ONE),
+        ClothCollider::compound([
+            (Vec3::ZERO, Quat::IDENTITY, Ball { radius: 0.5 }),
+            (Vec3::X, Quat::IDENTITY, Cuboid { size: Vec3::ONE }),
+        ]),
+    ];
+    let bad = [
+        ClothCollider::ball(-1.0),
+        ClothCollider::ball(f32::NAN),
+        ClothCollider::half_space(Vec3::ZERO),
+        ClothCollider::convex_hull([Vec3::ZERO]),
+        ClothCollider::tri_mesh(points().to_vec(), vec![[7, 8, 9]]),
+        ClothCollider::height_field(2, 2, vec![0.0], Vec3::ONE),
+        ClothCollider::compound([]),
+        ClothCollider::fit_mesh(MeshFit::TriMesh),
+    ];
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(5), border());
+    let count = good.len() as u32;
+    for collider in good.into_iter().chain(bad) {
+        app.world_mut().spawn((Transform::from_xyz(0.0, -50.0, 0.0), collider));
+    }
+    run(&mut app, 5);
+    assert_eq!(bodies(&app, cloth), count);
+    assert!(finite(&app, cloth));
+}
+
+#[test]
+fn a_collider_fitted_to_its_mesh_waits_for_it_and_scales_with_its_entity() {
+    for fit in [MeshFit::Ball, MeshFit::Capsule, MeshFit::Cuboid, MeshFit::ConvexHull, MeshFit::TriMesh] {
+        let mut app = app();
+        let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.0, 1.5, 0.0));
+        let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+        let transform = Transform::from_scale(Vec3::splat(2.0));
+        app.world_mut().spawn((Mesh3d(handle.clone()), transform, ClothCollider::fit_mesh(fit)));
+        run(&mut app, 3);
+        assert_eq!(bodies(&app, cloth), 0, "{fit:?}");
+        let sphere = Sphere::new(0.25).mesh().ico(4).expect("a sphere");
+        app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), sphere).expect("a live handle");
+        run(&mut app, 60);
+        assert_eq!(bodies(&app, cloth), 1, "{fit:?}");
+        run(&mut app, 60);
+        let over = particles(&app, cloth).into_iter().filter(|p| Vec2::new(p.x, p.z).length() < 0.1);
+        let lowest = over.map(|p| p.y).fold(f32::INFINITY, f32::min);
+        assert!((0.47..0.6).contains(&lowest), "{fit:?}: it lies at {lowest} m on a ball of 0.5 m");
+    }
+}
+
+#[test]
+fn wind_blows_everywhere_in_zones_and_per_cloth() {
+    let blown = |setup: &dyn Fn(&mut App, Entity)| {
+        let mut app = app();
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let cloth = spawn(&mut app, sheet(8), border());
+        setup(&mut app, cloth);
+        run(&mut app, 60);
+        assert!(finite(&app, cloth));
+        particles(&app, cloth).iter().map(|p| p.y).sum::<f32>() / 64.0
+    };
+    let up = Vec3::new(0.0, 5.0, 0.0);
+    let still = blown(&|_, _| {});
+    let global = blown(&|app, _| app.insert_resource(GlobalWind::new(up)).into_unit());
+    let own = blown(&|app, cloth| {
+        app.insert_resource(GlobalWind::new(up));
+        app.world_mut().entity_mut(cloth).insert(ClothWind::still());
+    });
+    let zone = blown(&|app, _| app.world_mut().spawn(WindZone::sphere(2.0, up)).into_unit());
+    let turned = blown(&|app, _| {
+        let turn = Transform::from_rotation(Quat::from_rotation_z(core::f32::consts::PI));
+        app.world_mut().spawn((WindZone::cuboid(Vec3::splat(4.0), up), turn));
+    });
+    let elsewhere = blown(&|app, _| {
+        app.world_mut().spawn((WindZone::sphere(2.0, up), Transform::from_xyz(50.0, 0.0, 0.0)));
+    });
+    assert!(still.abs() < 1.0e-4 && own.abs() < 1.0e-4 && elsewhere.abs() < 1.0e-4, "{still} {own} {elsewhere}");
+    assert!(global > 0.1 && zone > 0.1 && turned < -0.1, "{global} {zone} {turned}");
+}
+
+trait IntoUnit: Sized {
+    fn into_unit(self) {}
+}
+impl<T> IntoUnit for T {}

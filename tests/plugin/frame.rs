@@ -1,0 +1,273 @@
+//! Time, bad numbers, blow-ups and teleports.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape::{
+    ClothError, ClothErrorKind, ClothFailed, ClothParticles, ClothRecovered, ClothTeleported, RecoveryCause, RecoveryLevel,
+    TeleportMode,
+};
+
+use crate::common::*;
+
+/// F05
+#[test]
+fn a_frame_without_length_changes_nothing() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(8), border());
+    run(&mut app, 20);
+    let (before, time) = (positions(&app, cloth), report(&app, cloth).time);
+    frame_length(&mut app, 0.0);
+    run(&mut app, 10);
+    assert_eq!(positions(&app, cloth), before);
+    assert_eq!(report(&app, cloth).time, time);
+    frame_length(&mut app, FRAME);
+    run(&mut app, 10);
+    assert!(finite(&app, cloth) && positions(&app, cloth) != before);
+}
+
+/// F05
+#[test]
+fn pausing_the_clock_stops_the_cloth_and_writes_no_mesh() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(8), border());
+    run(&mut app, 20);
+    app.world_mut().resource_mut::<Time<Virtual>>().pause();
+    run(&mut app, 2);
+    let before = positions(&app, cloth);
+    let mut cursor = app.world().resource::<Messages<AssetEvent<Mesh>>>().get_cursor_current();
+    run(&mut app, 10);
+    assert_eq!(positions(&app, cloth), before);
+    let written = cursor.read(app.world().resource::<Messages<AssetEvent<Mesh>>>()).count();
+    assert_eq!(written, 0, "writes of a mesh that does not move");
+}
+
+/// F06
+#[test]
+fn a_huge_frame_is_cut_and_the_rest_is_counted_as_lost() {
+    let mut app = app();
+    // The virtual clock clips frames at 250 ms by itself.
+    app.world_mut().resource_mut::<Time<Virtual>>().set_max_delta(core::time::Duration::from_secs(100));
+    let cloth = spawn(&mut app, sheet(10), border());
+    run(&mut app, 10);
+    frame_length(&mut app, 10.0);
+    run(&mut app, 3);
+    let report = report(&app, cloth).clone();
+    assert!((report.lost_time - 3.0 * 9.9).abs() < 0.01, "{report:?}");
+    assert!(finite(&app, cloth) && report.worst_edge < 1.2, "{report:?}");
+}
+
+/// F06
+#[test]
+fn frame_rates_from_twenty_to_a_thousand_look_alike() {
+    let bottom = |rate: f32| {
+        let mut app = app();
+        frame_length(&mut app, 1.0 / rate);
+        let cloth = spawn(&mut app, sheet(12), border());
+        run(&mut app, (3.0 * rate) as usize);
+        assert!(finite(&app, cloth));
+        let bottom = lowest(&world_positions(&app, cloth));
+        assert!(report(&app, cloth).worst_edge < 1.15, "{rate} Hz: {:?}", report(&app, cloth));
+        bottom
+    };
+    let at = [20.0, 60.0, 144.0, 1000.0].map(bottom);
+    for b in at {
+        assert!((b - at[1]).abs() < 0.2, "lowest points {at:?} m");
+    }
+}
+
+#[test]
+fn time_scale_slows_one_cloth_and_zero_stops_it() {
+    let mut app = app();
+    let half = spawn(&mut app, sheet(5), ClothSolver { time_scale: 0.5, ..default() });
+    let still = spawn(&mut app, sheet(5), ClothSolver { time_scale: 0.0, ..default() });
+    run(&mut app, 60);
+    assert!((report(&app, half).time - 0.5).abs() < 1.0e-3, "{}", report(&app, half).time);
+    assert_eq!(report(&app, still).time, 0.0);
+    assert!(lowest(&world_positions(&app, still)).abs() < 1.0e-6);
+}
+
+/// F07
+#[test]
+fn a_teleport_carries_the_cloth_rigidly_and_tells() {
+    let mut app = app();
+    record::<ClothTeleported>(&mut app);
+    let cloth = spawn(&mut app, sheet(8), border());
+    run(&mut app, 60);
+    let before = particles(&app, cloth);
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation.x += 500.0;
+    run(&mut app, 1);
+    let after = particles(&app, cloth);
+    let worst = before.iter().zip(&after).map(|(a, b)| (*b - *a - Vec3::X * 500.0).length()).fold(0.0, f32::max);
+    assert!(worst < 0.2, "a particle is {worst} m from where it was carried");
+    assert!(report(&app, cloth).worst_edge < 1.1, "{:?}", report(&app, cloth));
+    let [told] = seen::<ClothTeleported>(&app) else { panic!("{:?}", seen::<ClothTeleported>(&app)) };
+    assert!((told.distance - 500.0).abs() < 0.1, "{told:?}");
+    run(&mut app, 60);
+    assert_eq!(seen::<ClothTeleported>(&app).len(), 1);
+    assert!(finite(&app, cloth));
+}
+
+/// F07
+#[test]
+fn a_quick_turn_counts_as_a_teleport_and_slow_motion_does_not() {
+    let mut app = app();
+    record::<ClothTeleported>(&mut app);
+    let cloth = spawn(&mut app, sheet(8), border());
+    for i in 0..60 {
+        let mut transform = app.world_mut().get_mut::<Transform>(cloth).expect("a transform");
+        transform.translation.x = 0.3 * i as f32;
+        transform.rotation = Quat::from_rotation_y(0.1 * i as f32);
+        run(&mut app, 1);
+    }
+    assert_eq!(seen::<ClothTeleported>(&app).len(), 0);
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").rotate_y(1.5);
+    run(&mut app, 1);
+    assert_eq!(seen::<ClothTeleported>(&app).len(), 1);
+    assert!(report(&app, cloth).worst_edge < 1.3, "{:?}", report(&app, cloth));
+}
+
+/// F07
+#[test]
+fn a_teleport_can_reset_the_cloth() {
+    let mut app = app();
+    let solver = ClothSolver { teleport: TeleportMode::Reset, ..default() };
+    let cloth = spawn(&mut app, sheet(8), (border(), solver));
+    run(&mut app, 120);
+    assert!(lowest(&world_positions(&app, cloth)) < -0.8);
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::new(0.0, 0.0, 100.0);
+    run(&mut app, 1);
+    assert!(lowest(&world_positions(&app, cloth)) > -0.05, "{}", lowest(&world_positions(&app, cloth)));
+}
+
+/// F02, F03, F04
+#[test]
+fn one_particle_that_is_not_a_number_is_gone_in_the_next_frame_and_other_cloths_do_not_notice() {
+    let run_with = |poison: bool| {
+        let mut app = app();
+        record::<ClothRecovered>(&mut app);
+        let other = spawn(&mut app, sheet(8), border());
+        let cloth = spawn(&mut app, sheet(8), border());
+        run(&mut app, 30);
+        if poison {
+            let mut particles = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a bound cloth");
+            particles.state_mut().positions[20].y = f32::NAN;
+        }
+        run(&mut app, 1);
+        assert!(finite(&app, cloth), "shown positions are always finite");
+        run(&mut app, 60);
+        let told: Vec<_> = seen::<ClothRecovered>(&app).iter().map(|r| (r.entity == cloth, r.level, r.cause)).collect();
+        let expected = [(true, RecoveryLevel::LastGood, RecoveryCause::NotFinite)];
+        assert_eq!(told, if poison { &expected[..] } else { &[] });
+        positions(&app, other)
+    };
+    assert_eq!(run_with(true), run_with(false), "another cloth has other bits");
+}
+
+/// F02
+#[test]
+fn a_cloth_that_blows_up_every_frame_is_frozen_and_starts_again_when_it_is_tuned() {
+    let mut app = app();
+    record::<ClothRecovered>(&mut app);
+    record::<ClothFailed>(&mut app);
+    let cloth = spawn(&mut app, sheet(6), border());
+    run(&mut app, 10);
+    for _ in 0..60 {
+        if let Some(mut particles) = app.world_mut().get_mut::<ClothParticles>(cloth) {
+            particles.state_mut().positions[20].y = f32::NAN;
+        }
+        run(&mut app, 1);
+        assert!(finite(&app, cloth));
+    }
+    let levels: Vec<_> = seen::<ClothRecovered>(&app).iter().map(|r| r.level).collect();
+    assert_eq!(levels.last(), Some(&RecoveryLevel::Frozen), "{levels:?}");
+    assert_eq!(status(&app, cloth), ClothStatus::Failed);
+    assert_eq!(app.world().get::<ClothError>(cloth).map(|e| e.kind), Some(ClothErrorKind::Unstable));
+    assert_eq!(seen::<ClothFailed>(&app).len(), 1);
+    app.world_mut().get_mut::<ClothMaterial>(cloth).expect("a material").density = 0.5;
+    run(&mut app, 60);
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+    assert!(lowest(&world_positions(&app, cloth)) < -0.3);
+}
+
+/// F22
+#[test]
+fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -1.0, 1.0e30] {
+        let mut app = app();
+        let material = ClothMaterial {
+            density: bad,
+            stretch_stiffness: bad,
+            shear_stiffness: bad,
+            bend_stiffness: bad,
+            damping: bad,
+            drag: bad,
+            strain_limit: bad,
+            thickness: bad,
+            static_friction: bad,
+            dynamic_friction: bad,
+            tether_scale: bad,
+            drag_coefficient: bad,
+            lift_coefficient: bad,
+        };
+        let solver = ClothSolver { substep_rate: bad, max_frame: bad, gravity_scale: bad.min(1.0), ..default() };
+        let wind = ClothWind::new(Vec3::new(bad, 1.0, bad));
+        let cloth = spawn(&mut app, sheet(6), (border(), material, solver, wind));
+        app.insert_resource(ClothGravity(Vec3::new(0.0, bad, 0.0)));
+        app.insert_resource(GlobalWind { turbulence: bad, air_density: bad, ..GlobalWind::new(Vec3::splat(bad)) });
+        app.world_mut().spawn(WindZone::sphere(bad, Vec3::splat(bad)));
+        app.world_mut().spawn((Transform::from_xyz(bad, bad, bad), ClothCollider::ball(bad).with_friction(bad).with_margin(bad)));
+        frame_length(&mut app, 0.002);
+        run(&mut app, 20);
+        assert_eq!(status(&app, cloth), ClothStatus::Active, "with {bad}");
+        assert!(finite(&app, cloth), "with {bad}");
+        assert!(report(&app, cloth).clamped.iter().any(|c| c == "density"), "with {bad}: {:?}", report(&app, cloth).clamped);
+        let density = app.world().get::<ClothMaterial>(cloth).expect("a material").density;
+        assert!(density == bad || density.is_nan(), "what the user typed stays visible");
+    }
+}
+
+#[test]
+fn a_transform_that_is_not_a_number_waits_and_comes_back() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(6), border());
+    run(&mut app, 30);
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::NAN;
+    run(&mut app, 10);
+    assert!(finite(&app, cloth));
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::ZERO;
+    run(&mut app, 30);
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+    assert!(finite(&app, cloth) && report(&app, cloth).worst_edge < 1.1);
+}
+
+/// F30
+#[test]
+fn ten_kilometres_from_the_origin_it_moves_as_at_the_origin() {
+    let fly = |at: Vec3| {
+        let mut app = app();
+        app.insert_resource(GlobalWind { turbulence: 0.0, ..GlobalWind::new(Vec3::new(3.0, 0.0, 1.0)) });
+        let cloth = spawn(&mut app, sheet(12), (border(), Transform::from_translation(at)));
+        app.world_mut().spawn((Transform::from_translation(at + Vec3::new(0.0, -0.625, 0.25)), ClothCollider::ball(0.25)));
+        run(&mut app, 300);
+        positions(&app, cloth)
+    };
+    let here = fly(Vec3::ZERO);
+    for at in [Vec3::new(1.0e4, 0.0, 0.0), Vec3::new(-1.0e4, 1.0e4, 1.0e4)] {
+        let worst = here.iter().zip(fly(at)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+        assert!(worst < 1.0e-3, "at {at} it is {worst} m elsewhere after 5 s");
+    }
+}
+
+#[test]
+fn a_long_fall_keeps_its_precision() {
+    let mut app = app();
+    let mut material = ClothMaterial::COTTON;
+    material.drag = 0.0;
+    app.insert_resource(GlobalWind { air_density: 0.0, ..default() });
+    let cloth = spawn(&mut app, sheet(5), material);
+    run(&mut app, 600);
+    let fell = -lowest(&particles(&app, cloth));
+    assert!((fell / (0.5 * 9.81 * 100.0) - 1.0).abs() < 2.0e-3, "fell {fell} m in 10 s");
+    let edge = report(&app, cloth).worst_edge;
+    assert!((edge - 1.0).abs() < 1.0e-3, "worst edge {edge}");
+}

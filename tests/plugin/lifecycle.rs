@@ -1,0 +1,126 @@
+//! Entities and components come and go at the worst moments.
+
+use bevy::camera::visibility::NoAutoAabb;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape::{ClothParticles, ClothRest};
+
+use crate::common::*;
+
+#[test]
+fn removing_cloth_gives_the_authored_mesh_back_and_leaves_nothing() {
+    let mut app = app();
+    let source = add(&mut app, sheet(6));
+    let cloth = app.world_mut().spawn((Mesh3d(source.clone()), Cloth)).id();
+    run(&mut app, 10);
+    let instance = app.world().get::<Mesh3d>(cloth).expect("a mesh").0.id();
+    assert_ne!(instance, source.id());
+    app.world_mut().entity_mut(cloth).remove::<Cloth>();
+    run(&mut app, 3);
+    assert_eq!(app.world().get::<Mesh3d>(cloth).map(|m| m.0.id()), Some(source.id()));
+    assert!(app.world().get::<ClothParticles>(cloth).is_none() && app.world().get::<NoAutoAabb>(cloth).is_none());
+    assert!(!app.world().resource::<Assets<Mesh>>().contains(instance), "the instance mesh was left behind");
+    app.world_mut().entity_mut(cloth).insert(Cloth);
+    run(&mut app, 10);
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+}
+
+#[test]
+fn despawning_leaves_no_mesh_behind() {
+    let mut app = app();
+    let source = add(&mut app, sheet(6));
+    run(&mut app, 2);
+    let before = app.world().resource::<Assets<Mesh>>().len();
+    let cloths: Vec<Entity> = (0..5).map(|_| app.world_mut().spawn((Mesh3d(source.clone()), Cloth)).id()).collect();
+    run(&mut app, 5);
+    assert_eq!(app.world().resource::<Assets<Mesh>>().len(), before + 5);
+    for cloth in cloths {
+        app.world_mut().despawn(cloth);
+    }
+    run(&mut app, 5);
+    assert_eq!(app.world().resource::<Assets<Mesh>>().len(), before);
+}
+
+/// F19
+#[test]
+fn a_cloth_despawned_in_the_frame_it_is_bound_or_fails_is_no_panic() {
+    let mut app = app();
+    // Despawned by a command of the same frame, between ours.
+    app.add_systems(
+        PostUpdate,
+        (|mut commands: Commands, cloths: Query<(Entity, &Name), With<Cloth>>| {
+            for (entity, name) in &cloths {
+                if name.as_str() == "doomed" {
+                    commands.entity(entity).despawn();
+                }
+            }
+        })
+        .before(ClothSystems::Prepare),
+    );
+    let broken = add(&mut app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
+    let good = add(&mut app, sheet(5));
+    for _ in 0..10 {
+        for mesh in [&broken, &good] {
+            app.world_mut().spawn((Mesh3d(mesh.clone()), Cloth, Name::new("doomed")));
+        }
+        run(&mut app, 1);
+    }
+    assert_eq!(app.world_mut().query::<&Cloth>().iter(app.world()).count(), 0);
+}
+
+/// F19
+#[test]
+fn an_observer_may_despawn_a_cloth_while_it_is_bound() {
+    let mut app = app();
+    app.add_observer(|added: On<Add, ClothRest>, mut commands: Commands| commands.entity(added.entity).despawn());
+    for _ in 0..5 {
+        spawn(&mut app, sheet(5), border());
+        run(&mut app, 2);
+    }
+    assert_eq!(app.world_mut().query::<&Cloth>().iter(app.world()).count(), 0);
+}
+
+/// F20
+#[test]
+fn a_cloned_cloth_binds_anew_from_the_authored_mesh() {
+    let mut app = app();
+    let source = add(&mut app, sheet(6));
+    let cloth = app.world_mut().spawn((Mesh3d(source.clone()), Cloth, border())).id();
+    run(&mut app, 60);
+    let clone = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    assert!(app.world().get::<ClothParticles>(clone).is_none(), "internal state was cloned");
+    run(&mut app, 1);
+    let mesh = |e| app.world().get::<Mesh3d>(e).expect("a mesh").0.id();
+    assert!(mesh(clone) != mesh(cloth) && mesh(clone) != source.id());
+    assert!(lowest(&world_positions(&app, clone)) > -0.05, "the clone starts from the pose at rest");
+    let rest = |e| app.world().get::<ClothRest>(e).expect("a rest shape");
+    assert!(rest(clone).is_shared_with(rest(cloth)));
+    app.world_mut().despawn(cloth);
+    run(&mut app, 60);
+    assert!(lowest(&world_positions(&app, clone)) < -0.5, "the clone lives on");
+}
+
+/// F20
+#[test]
+fn a_clone_made_and_its_original_despawned_in_one_frame_still_binds() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(6), border());
+    run(&mut app, 60);
+    let clone = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    app.world_mut().despawn(cloth);
+    run(&mut app, 1);
+    assert_eq!(status(&app, clone), ClothStatus::Active);
+    assert!(lowest(&world_positions(&app, clone)) > -0.05, "it starts from the pose at rest");
+}
+
+#[test]
+fn cloth_before_its_mesh_waits() {
+    let mut app = app();
+    let cloth = app.world_mut().spawn(Cloth).id();
+    run(&mut app, 3);
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(bevy_drape::WaitingFor::Mesh));
+    let mesh = add(&mut app, sheet(5));
+    app.world_mut().entity_mut(cloth).insert(Mesh3d(mesh));
+    run(&mut app, 3);
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+}

@@ -1,0 +1,504 @@
+//! Detect and resolve on the published scenes: predicates, the contour graph, the gradient, and what comes apart in how many iterations.
+
+use std::path::PathBuf;
+
+use bevy_drape::solver::detect::{Detector, PartRef, Surface};
+use bevy_drape::solver::resolve::gradient::Terms;
+use bevy_drape::solver::resolve::{ContourKind, Method, ResolveSettings, Untangler};
+use bevy_drape::solver::rest::Topology;
+use glam::{DQuat, DVec3, Vec3, Vec4};
+
+/// Positions [m] and faces.
+type Mesh = (Vec<DVec3>, Vec<[u32; 3]>);
+
+fn grid(n: usize, m: usize, f: impl Fn(f64, f64) -> DVec3) -> Mesh {
+    let at = |i: usize, j: usize| f(i as f64 / (n - 1) as f64, j as f64 / (m - 1) as f64);
+    let vertices = (0..n * m).map(|k| at(k / m, k % m)).collect();
+    let mut faces = Vec::new();
+    for i in 0..n - 1 {
+        for j in 0..m - 1 {
+            let a = (i * m + j) as u32;
+            let (b, c, d) = (a + 1, a + m as u32, a + m as u32 + 1);
+            faces.extend(if (i + j) % 2 == 1 { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] });
+        }
+    }
+    (vertices, faces)
+}
+
+const SCENES: [&str; 8] =
+    ["dent", "deep dent", "corner", "border overlap", "strip stab", "tilted strip", "full cut", "waves"];
+
+/// The eight scenes; their formulas are those of the published comparison.
+fn scene(name: &str, n: usize) -> [Mesh; 2] {
+    let v = DVec3::new;
+    let turn = |p: DVec3, axis: DVec3, angle: f64| DQuat::from_axis_angle(axis.normalize(), angle) * p;
+    let bell = |a: f64, b: f64| (-18.0 * ((a - 0.5).powi(2) + (b - 0.5).powi(2))).exp();
+    let scaled = |k: usize| ((k as f64 - 1.0) * (n as f64 - 1.0) / 12.0).round() as usize + 1;
+    let strip = |f: &dyn Fn(f64, f64) -> DVec3| grid(scaled(9), scaled(5), f);
+    let flat = grid(n, n, |a, b| v(a - 0.5, b - 0.5, 0.0));
+    let second = match name {
+        "dent" => grid(n, n, |a, b| v(a - 0.487, b - 0.513, 0.06 - 0.16 * bell(a, b))),
+        "deep dent" => grid(n, n, |a, b| v(a - 0.487, b - 0.513, 0.06 - 0.46 * bell(a, b))),
+        "corner" => grid(n, n, |a, b| {
+            v(0.01, 0.02, -0.3) + turn(v((a + b) * 0.5, (a - b) * 0.5, 0.0), DVec3::Y, -1.0)
+        }),
+        "border overlap" => grid(n, n, |a, b| {
+            v(0.55, 0.21, 0.02) + turn(v(a - 0.5, b - 0.5, 0.0), v(1.0, 0.3, 0.0), 0.35)
+        }),
+        "strip stab" => strip(&|a, b| v(0.017 + 0.03 * b, (b - 0.5) * 0.35 + 0.01, a * 0.9 - 0.3)),
+        "tilted strip" => strip(&|a, b| v(0.017 + 0.5 * (a - 0.33), (b - 0.5) * 0.35 + 0.01, a * 0.9 - 0.3)),
+        "full cut" => grid(n, n, |a, b| v(0.03 + 0.05 * (3.0 * b).sin(), 1.3 * (b - 0.5) + 0.01, a - 0.3)),
+        _ => {
+            let first = grid(n, n, |a, b| v(a - 0.5, b - 0.5, 0.06 * (9.0 * a).sin() * (7.0 * b).cos()));
+            let wave = |a: f64, b: f64| 0.02 + 0.08 * (6.0 * a + 1.0).sin() * (8.0 * b + 0.5).cos();
+            return [first, grid(n, n, |a, b| v(a - 0.49, b - 0.51, wave(a, b)))];
+        }
+    };
+    [flat, second]
+}
+
+/// Cloths with springs simple enough to leave the untangling visible.
+struct World {
+    surface: Surface,
+    now: Vec<Vec4>,
+    previous: Vec<Vec4>,
+    start: Vec<Vec3>,
+}
+
+impl World {
+    fn new(meshes: &[Mesh], inverse_masses: &[f32], self_collision: bool) -> Self {
+        let topologies: Vec<Topology> =
+            meshes.iter().map(|m| Topology::new(m.0.len() as u32, m.1.clone())).collect();
+        let rest: Vec<Vec<Vec3>> = meshes.iter().map(|m| m.0.iter().map(|p| p.as_vec3()).collect()).collect();
+        let parts: Vec<PartRef<'_>> = topologies
+            .iter()
+            .zip(&rest)
+            .map(|(topology, rest)| PartRef { topology, rest, layer: 0, self_collision, thickness: 0.002 })
+            .collect();
+        let surface = Surface::new(&parts).expect("matching parts");
+        let start = rest.concat();
+        let mass = |i: usize| inverse_masses[usize::from(surface.part_of_particle[i])];
+        let now: Vec<Vec4> = start.iter().enumerate().map(|(i, p)| p.extend(mass(i))).collect();
+        Self { previous: now.clone(), now, start, surface }
+    }
+
+    fn jitter(mut self, seed: u64) -> Self {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let size = 1.0e-3 * self.surface.mean_edge;
+        for p in &mut self.now {
+            let mut one = || size * (2.0 * rng.f32() - 1.0);
+            *p += Vec4::new(one(), one(), one(), 0.0);
+        }
+        self.previous.clone_from(&self.now);
+        self
+    }
+
+    fn relax(&mut self, passes: usize) {
+        let topology = &self.surface.topology;
+        for _ in 0..passes {
+            let mut shift = vec![Vec3::ZERO; self.now.len()];
+            for e in &topology.edges {
+                let [a, b] = e.map(|v| v as usize);
+                let w = [self.now[a].w, self.now[b].w];
+                if w[0] + w[1] > 0.0 {
+                    let d = (self.now[b] - self.now[a]).truncate();
+                    let rest = self.surface.rest[a].distance(self.surface.rest[b]);
+                    let c = (1.0 - rest / d.length().max(1e-12)) * d / (w[0] + w[1]);
+                    shift[a] += w[0] * c;
+                    shift[b] -= w[1] * c;
+                }
+            }
+            for (i, shift) in shift.into_iter().enumerate() {
+                let by = (1.5 * shift / topology.around(i as u32).len() as f32).extend(0.0);
+                self.now[i] += by;
+                self.previous[i] += by;
+            }
+        }
+    }
+
+    /// Iterations until nothing crosses.
+    fn untangle(&mut self, settings: &ResolveSettings, most: usize) -> Option<usize> {
+        let mut untangler = Untangler::new(&self.surface);
+        for i in 0..most {
+            if untangler.iterate(&self.surface, &mut self.now, &mut self.previous, settings).is_clean() {
+                return Some(i);
+            }
+            self.relax(4);
+        }
+        None
+    }
+
+    fn strain(&self) -> f32 {
+        let length = |e: &[u32; 2]| {
+            let [a, b] = e.map(|v| v as usize);
+            let now = (self.now[a] - self.now[b]).truncate().length();
+            now / self.surface.rest[a].distance(self.surface.rest[b])
+        };
+        self.surface.topology.edges.iter().map(length).fold(0.0, f32::max)
+    }
+
+    fn moved(&self, part: usize) -> f32 {
+        let range = &self.surface.parts[part].particles;
+        range.clone().map(|i| self.now[i as usize].truncate().distance(self.start[i as usize])).fold(0.0, f32::max)
+    }
+}
+
+fn data(name: &str) -> Option<Mesh> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        eprintln!("skipped: {} is not here", path.display());
+        return None;
+    };
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for line in text.lines() {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let c: Vec<f64> = words.map(|w| w.parse().expect("a number")).collect();
+                vertices.push(DVec3::new(c[0], c[1], c[2]));
+            }
+            Some("f") => {
+                let index = |w: &str| w.split('/').next().and_then(|i| i.parse::<u32>().ok()).expect("an index") - 1;
+                let c: Vec<u32> = words.map(index).collect();
+                faces.push([c[0], c[1], c[2]]);
+            }
+            _ => {}
+        }
+    }
+    Some((vertices, faces))
+}
+
+fn subdivided((vertices, faces): &Mesh) -> Mesh {
+    let (mut all, mut new) = (vertices.clone(), Vec::new());
+    let mut middles = std::collections::BTreeMap::new();
+    for t in faces {
+        let m = [0, 1, 2].map(|k| {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                all.push((vertices[a as usize] + vertices[b as usize]) * 0.5);
+                all.len() as u32 - 1
+            })
+        });
+        new.extend([[t[0], m[0], m[2]], [m[0], t[1], m[1]], [m[2], m[1], t[2]], m]);
+    }
+    (all, new)
+}
+
+/// Exact answer for coordinates that are multiples of 2^-30; `None` when some orientation is zero.
+fn crosses_exactly(u: Vec3, v: Vec3, [p, q, r]: [Vec3; 3]) -> Option<bool> {
+    let int = |x: Vec3| [x.x, x.y, x.z].map(|c| (f64::from(c) * f64::from(1u32 << 30)) as i128);
+    let orient = |a: Vec3, b: Vec3, c: Vec3, d: Vec3| {
+        let [a, b, c, d] = [a, b, c, d].map(int);
+        let s = |x: [i128; 3]| [x[0] - a[0], x[1] - a[1], x[2] - a[2]];
+        let (b, c, d) = (s(b), s(c), s(d));
+        ((b[1] * c[2] - b[2] * c[1]) * d[0] + (b[2] * c[0] - b[0] * c[2]) * d[1] + (b[0] * c[1] - b[1] * c[0]) * d[2])
+            .signum()
+    };
+    let ends = [orient(p, q, r, u), orient(p, q, r, v)];
+    let around = [orient(u, v, p, q), orient(u, v, q, r), orient(u, v, r, p)];
+    if ends.contains(&0) || around.contains(&0) {
+        return None;
+    }
+    Some(ends[0] != ends[1] && around[0] == around[1] && around[1] == around[2])
+}
+
+#[test]
+fn edge_face_pairs_agree_with_exact_arithmetic() {
+    let triangle = || (vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2]]);
+    let world = World::new(&[triangle(), triangle()], &[1.0, 1.0], false);
+    let mut detector = Detector::new(&world.surface);
+    let mut rng = fastrand::Rng::with_seed(7);
+    let snap = |x: Vec3| (x.as_dvec3() * f64::from(1u32 << 24)).round().as_vec3() / (1u32 << 24) as f32;
+    let (mut asked, mut crossed, mut degenerate) = (0, 0, 0);
+    while asked < 200_000 || degenerate < 50_000 {
+        let mut point = || snap(Vec3::new(rng.f32(), rng.f32(), rng.f32()) * 2.0 - 1.0);
+        let mut x: Vec<Vec3> = (0..6).map(|_| point()).collect();
+        let near = asked >= 200_000;
+        if near {
+            // Put an end of an edge almost on the face, or the edge almost through one of its edges.
+            let (s, t) = (rng.f32(), rng.f32());
+            let on = x[3] + (x[4] - x[3]) * s + (x[5] - x[3]) * t * (1.0 - s);
+            let edge = x[3] + (x[4] - x[3]) * s;
+            x[0] = snap(if rng.bool() { on } else { x[1] + (edge - x[1]) * 2.0 });
+        }
+        let positions: Vec<Vec4> = x.iter().map(|p| p.extend(1.0)).collect();
+        let found = detector.detect(&world.surface, &positions);
+        for (edge, ends) in world.surface.topology.edges.iter().enumerate() {
+            let face = usize::from(ends[0] < 3);
+            let corners = [0, 1, 2].map(|k| x[face * 3 + k]);
+            let Some(exact) = crosses_exactly(x[ends[0] as usize], x[ends[1] as usize], corners) else { continue };
+            let got = found.iter().any(|c| c.edge as usize == edge && c.face as usize == face);
+            assert_eq!(got, exact, "edge {ends:?} of {x:?}");
+            asked += 1;
+            crossed += usize::from(got);
+            degenerate += usize::from(near);
+        }
+    }
+    assert!(crossed > 10_000, "{crossed} of {asked} cross");
+}
+
+#[test]
+fn every_crossing_has_degree_two_inside_one_at_a_border_less_one_per_loop_vertex() {
+    let cut = |n: usize| {
+        let flat = grid(n, n, |a, b| DVec3::new(a - 0.5, b - 0.5, 0.0));
+        [flat, grid(n, n, |a, b| DVec3::new(a - 0.5, 0.0, b - 0.5))]
+    };
+    let named = SCENES.iter().flat_map(|s| [13, 25, 30, 64].map(|n| (format!("{s} {n}"), scene(s, n))));
+    let aligned = [9, 10, 33].map(|n| (format!("aligned {n}"), cut(n)));
+    for (name, meshes) in named.chain(aligned) {
+        let world = World::new(&meshes, &[1.0, 1.0], true);
+        let mut untangler = Untangler::new(&world.surface);
+        let verdict = untangler.look(&world.surface, &world.now);
+        let graph = untangler.resolver.graph();
+        assert!(verdict.contours == if name.starts_with("waves") { 5 } else { 1 }, "{name}: {verdict:?}");
+        for (i, c) in untangler.detector.crossings().iter().enumerate() {
+            let expected = if world.surface.topology.is_border(c.edge) { 1 } else { 2 };
+            assert_eq!(graph.linked(i).count() + graph.loops_at(i), expected, "{name}: {c:?}");
+            assert!(graph.linked(i).all(|j| graph.linked(j as usize).any(|k| k as usize == i)), "{name}: one-way link");
+        }
+    }
+}
+
+#[test]
+fn cloths_that_only_touch_do_not_cross() {
+    let tilted = || grid(12, 12, |a, b| DVec3::new(a, b + 0.1 * a, 0.3 * a + 0.7 * b));
+    let flat = |o: f64| grid(12, 12, move |a, b| DVec3::new(a + o, b, 0.0));
+    let wavy = || grid(12, 12, |a, b| DVec3::new(a, b, 0.1 * (9.0 * a).sin() * (7.0 * b).cos()));
+    let folded = grid(23, 12, |a, b| DVec3::new(0.5 - (a - 0.5).abs(), b, 0.0));
+    let across = grid(12, 23, |a, b| DVec3::new(a, 0.5 - (b - 0.5).abs(), 0.0));
+    let cases: [(&str, Vec<Mesh>); 6] = [
+        ("identical, tilted", vec![tilted(), tilted()]),
+        ("identical, flat", vec![flat(0.0), flat(0.0)]),
+        ("coplanar, shifted by half a cell", vec![flat(0.0), flat(0.5 / 11.0)]),
+        ("identical, wavy", vec![wavy(), wavy()]),
+        ("folded flat", vec![folded]),
+        ("folded flat the other way", vec![across]),
+    ];
+    for (name, meshes) in cases {
+        let world = World::new(&meshes, &[1.0, 1.0], true);
+        let found = Detector::new(&world.surface).detect(&world.surface, &world.now).len();
+        assert_eq!(found, 0, "{name}");
+    }
+}
+
+#[test]
+fn the_layered_garment_has_its_1292_proper_crossings() {
+    let Some(mesh) = data("garments/multilayer.obj") else { return };
+    let world = World::new(&[mesh], &[1.0], true);
+    let mut detector = Detector::new(&world.surface);
+    let proper = detector.detect(&world.surface, &world.now).iter().filter(|c| !c.touching).count();
+    assert_eq!(proper, 1292, "brute force over f32 positions counts 1292, over f64 1294");
+}
+
+#[test]
+fn the_vertex_gradient_agrees_with_finite_differences_and_sums_to_zero() {
+    let first = grid(7, 7, |a, b| {
+        let (a, b) = (2.0 * a - 1.0, 2.0 * b - 1.0);
+        DVec3::new(a, b, 0.15 * (2.0 * a + b).sin() + 0.05 * a * b)
+    });
+    let second = grid(6, 6, |a, b| {
+        let (a, b) = (2.4 * a - 1.2, 2.4 * b - 1.2);
+        DVec3::new(0.8 * a + 0.013, 0.31 + 0.35 * (1.3 * a).cos(), 0.7 * b + 0.02)
+    });
+    let world = World::new(&[first, second], &[1.0, 1.0], false).jitter(5);
+    let topology = &world.surface.topology;
+    let mut untangler = Untangler::new(&world.surface);
+    untangler.look(&world.surface, &world.now);
+    let (crossings, graph) = (untangler.detector.crossings(), untangler.resolver.graph());
+    let x: Vec<DVec3> = world.now.iter().map(|p| p.truncate().as_dvec3()).collect();
+    // Edge parameter and face weights in f64.
+    let solve = |x: &[DVec3], i: usize| {
+        let [a, b] = topology.edges[crossings[i].edge as usize].map(|v| x[v as usize]);
+        let [p, q, r] = topology.faces[crossings[i].face as usize].map(|v| x[v as usize]);
+        let n = (q - p).cross(r - p);
+        let t = (p - a).dot(n) / (b - a).dot(n);
+        let y = a + t * (b - a);
+        let w = [(r - q).cross(y - q), (p - r).cross(y - r), (q - p).cross(y - p)].map(|c| c.dot(n) / n.dot(n));
+        (y, t, w)
+    };
+    let length = |x: &[DVec3]| {
+        let points: Vec<DVec3> = (0..crossings.len()).map(|i| solve(x, i).0).collect();
+        let ends = (0..points.len()).flat_map(|i| graph.linked(i).map(move |j| (i, j as usize)));
+        ends.map(|(i, j)| 0.5 * points[i].distance(points[j])).sum::<f64>()
+    };
+    let mut gradient = vec![DVec3::ZERO; x.len()];
+    for (i, c) in crossings.iter().enumerate() {
+        let terms = Terms::new(topology, c, 0.0, |v| x[v as usize]);
+        let (_, t, w) = solve(&x, i);
+        let [a, b] = topology.edges[c.edge as usize].map(|v| v as usize);
+        gradient[a] -= (1.0 - t) * (terms.r - terms.s);
+        gradient[b] -= t * (terms.r - terms.s);
+        for (v, w) in topology.faces[c.face as usize].into_iter().zip(w) {
+            gradient[v as usize] -= w * terms.s;
+        }
+    }
+    let (mut error, mut size) = (0.0, 0.0);
+    for i in 0..x.len() {
+        for k in 0..3 {
+            let at = |h: f64| {
+                let mut moved = x.clone();
+                moved[i][k] += h;
+                length(&moved)
+            };
+            let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
+            error += (difference - gradient[i][k]).powi(2);
+            size += difference.powi(2);
+        }
+    }
+    let relative = (error / size).sqrt();
+    assert!(crossings.len() > 20 && relative < 1e-6, "{} crossings, relative error {relative:e}", crossings.len());
+    let sum: DVec3 = gradient.iter().sum();
+    assert!(sum.length() < 1e-9, "a rigid motion of everything changes the length by {sum}");
+}
+
+#[test]
+fn all_eight_scenes_come_apart_for_equal_and_unequal_masses_and_with_one_side_pinned() {
+    for n in [13, 30] {
+        for name in SCENES {
+            for w in [[1.0, 1.0], [1.0, 1e-3], [1e-3, 1.0], [0.0, 1.0], [1.0, 0.0]] {
+                for seed in [1, 2] {
+                    let mut world = World::new(&scene(name, n), &w, false).jitter(seed);
+                    let done = world.untangle(&ResolveSettings::default(), 240);
+                    assert!(done.is_some(), "{name} {n}², inverse masses {w:?}, seed {seed}: still tangled");
+                    world.relax(200);
+                    assert!(world.strain() < 1.2, "{name} {n}² {w:?}: strain {}", world.strain());
+                    if w[0] == 1e-3 || w[1] == 1e-3 {
+                        let heavy = usize::from(w[1] == 1e-3);
+                        let (light, heavy) = (world.moved(1 - heavy), world.moved(heavy));
+                        assert!(heavy < 0.02 * light + 1e-3, "{name} {n}²: light {light} m, heavy {heavy} m");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_summed_gradient_alone_fails_where_a_sheet_is_cut_through() {
+    for name in ["strip stab", "tilted strip", "full cut"] {
+        let settings = ResolveSettings { method: Method::GlobalGradient, ..ResolveSettings::default() };
+        let done = World::new(&scene(name, 13), &[1.0, 1.0], false).untangle(&settings, 200);
+        assert_eq!(done, None, "{name}");
+    }
+}
+
+#[test]
+fn the_history_method_keeps_clean_sheets_apart_and_tangled_sheets_tangled() {
+    let settings = ResolveSettings { method: Method::History, ..ResolveSettings::default() };
+    let tangled = World::new(&scene("dent", 13), &[1.0, 1.0], false).untangle(&settings, 50);
+    assert_eq!(tangled, None, "sides first seen wrong stay wrong");
+    let flat = |z: f64, n: usize| grid(n, n, move |a, b| DVec3::new(a - 0.5, b - 0.5, z));
+    for (method, crosses) in [(Method::History, false), (Method::GlobalGradient, true)] {
+        let mut world = World::new(&[flat(0.0, 13), flat(0.02, 11)], &[0.0, 1.0], false);
+        let mut untangler = Untangler::new(&world.surface);
+        let range = world.surface.parts[1].particles.clone();
+        let settings = ResolveSettings { method, ..ResolveSettings::default() };
+        for _ in 0..100 {
+            // Driven down, a tenth of the thickness at a time.
+            for i in range.clone() {
+                world.now[i as usize].z -= 0.0005;
+            }
+            untangler.iterate(&world.surface, &mut world.now, &mut world.previous, &settings);
+        }
+        let below = range.clone().filter(|&i| world.now[i as usize].z < 0.0).count();
+        assert_eq!(below > 0, crosses, "{method:?}: {below} particles came through");
+    }
+}
+
+#[test]
+fn the_seven_contour_units_are_recognized_and_come_apart() {
+    let units = [
+        ("Closed", ContourKind::Closed),
+        ("Eight", ContourKind::Eight),
+        ("LL", ContourKind::Ll),
+        ("BBII", ContourKind::Bbii),
+        ("BIBI", ContourKind::Bibi),
+        ("BLI", ContourKind::Bli),
+        ("Cross", ContourKind::Cross),
+    ];
+    for (name, kind) in units {
+        let Some(mut mesh) = data(&format!("contour_units/unit_{name}.obj")) else { return };
+        for subdivision in 0..4 {
+            let mut world = World::new(&[mesh.clone()], &[1.0], true);
+            let mut untangler = Untangler::new(&world.surface);
+            untangler.look(&world.surface, &world.now);
+            let kinds: Vec<_> = untangler.resolver.graph().contours.iter().map(|c| c.kind).collect();
+            assert_eq!(kinds, [kind], "{name} subdivided {subdivision} times");
+            let done = world.untangle(&ResolveSettings::default(), 60);
+            assert!(done.is_some(), "{name} subdivided {subdivision} times: still tangled");
+            mesh = subdivided(&mesh);
+        }
+    }
+}
+
+#[test]
+fn a_cloth_with_a_nan_changes_no_bit_of_the_others() {
+    let [a, b] = scene("dent", 13);
+    let stray = grid(5, 5, |a, b| DVec3::new(a - 0.5, b - 0.5, 0.01));
+    let run = |poison: Option<f32>| {
+        let mut meshes = vec![a.clone(), b.clone()];
+        if poison.is_some() {
+            meshes.push(stray.clone());
+        }
+        let mut world = World::new(&meshes, &[1.0, 1.0, 1.0], true);
+        if let Some(value) = poison {
+            let i = world.surface.parts[2].particles.start as usize + 7;
+            world.now[i].y = value;
+        }
+        let mut untangler = Untangler::new(&world.surface);
+        for _ in 0..5 {
+            untangler.iterate(&world.surface, &mut world.now, &mut world.previous, &ResolveSettings::default());
+        }
+        world.now[..a.0.len() + b.0.len()].to_vec()
+    };
+    let alone = run(None);
+    for poison in [f32::NAN, f32::INFINITY, 1e30] {
+        assert_eq!(run(Some(poison)), alone, "{poison}");
+    }
+}
+
+#[test]
+fn the_same_start_gives_the_same_bits_and_a_clean_start_is_not_touched() {
+    let run = || {
+        let mut world = World::new(&scene("waves", 20), &[1.0, 1.0], true).jitter(3);
+        world.untangle(&ResolveSettings::default(), 60);
+        world.now
+    };
+    assert_eq!(run(), run());
+    let apart = [0.0, 0.1].map(|z| grid(15, 15, move |a, b| DVec3::new(a, b, z + 0.02 * (5.0 * a).sin())));
+    let mut world = World::new(&apart, &[1.0, 1.0], true);
+    let before = world.now.clone();
+    assert_eq!(world.untangle(&ResolveSettings::default(), 5), Some(0));
+    assert_eq!(world.now, before);
+}
+
+#[test]
+fn untangling_injects_no_velocity_and_removes_only_the_approach() {
+    let mut world = World::new(&scene("dent", 13), &[1.0, 1.0], false);
+    let mut untangler = Untangler::new(&world.surface);
+    for _ in 0..3 {
+        untangler.iterate(&world.surface, &mut world.now, &mut world.previous, &ResolveSettings::default());
+    }
+    let fastest = world.now.iter().zip(&world.previous).map(|(a, b)| (a - b).truncate().length()).fold(0.0, f32::max);
+    assert!(fastest < 1e-6, "{fastest} m per substep out of nothing");
+    // Now the second sheet moves deeper: energy falls, momentum stays.
+    let mut world = World::new(&scene("dent", 13), &[1.0, 1.0], false);
+    let range = world.surface.parts[1].particles.clone();
+    for i in range {
+        world.previous[i as usize].z += 0.01;
+    }
+    let measure = |world: &World| {
+        let velocity = world.now.iter().zip(&world.previous).map(|(a, b)| (a - b).truncate());
+        velocity.fold((Vec3::ZERO, 0.0), |(p, e), v| (p + v, e + v.length_squared()))
+    };
+    let (momentum, energy) = measure(&world);
+    Untangler::new(&world.surface).iterate(
+        &world.surface,
+        &mut world.now,
+        &mut world.previous,
+        &ResolveSettings::default(),
+    );
+    let (after, less) = measure(&world);
+    assert!(less < 0.98 * energy, "energy {energy} to {less}");
+    assert!((after - momentum).length() < 1e-4, "momentum {momentum} to {after}");
+}
