@@ -1,73 +1,127 @@
-//! A table cloth over a ball, for now one that only waves.
+//! Three fabrics fall over a table, a ball and a capsule.
+//!
+//! R lets them fall again; space pauses.
 
 mod stage;
 
-use bevy::{
-    mesh::VertexAttributeValues,
-    prelude::*,
-};
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
 use stage::{FabricLook, OrbitCamera, Stage, fabric};
 
-/// A mesh that this example moves.
-#[derive(Component)]
-struct Waves;
+/// Radius and height of the table [m].
+const TABLE: (f32, f32) = (0.55, 0.72);
+/// Height above the bodies from which the cloths fall [m].
+const DROP: f32 = 0.12;
 
 fn main() -> AppExit {
     Stage::new("drape")
-        .camera(OrbitCamera::around(Vec3::new(0.0, 0.3, 0.0), 4.6).from(0.45, 0.34))
-        .report(|time: Res<Time>| format!("{:.2} s of waves", time.elapsed_secs()))
+        .camera(OrbitCamera::around(Vec3::new(0.0, 0.5, 0.0), 5.0).from(0.25, 0.38))
+        .hint("R: again    space: pause")
+        .report(report)
         .build()
-        .add_systems(Startup, setup)
-        .add_systems(Update, wave)
+        .add_plugins(ClothPlugin::default())
+        .add_systems(Startup, (bodies, cloths))
+        .add_systems(Update, keys)
         .run()
 }
 
-fn setup(
+fn bodies(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+    let wood =
+        materials.add(StandardMaterial { base_color: Color::srgb(0.55, 0.38, 0.24), perceptual_roughness: 0.5, ..default() });
+    let stone =
+        materials.add(StandardMaterial { base_color: Color::srgb(0.80, 0.78, 0.75), perceptual_roughness: 0.35, ..default() });
+    let (radius, height) = TABLE;
+    commands.spawn((
+        Mesh3d(meshes.add(Cylinder::new(radius, 0.04).mesh().resolution(96))),
+        MeshMaterial3d(wood.clone()),
+        Transform::from_xyz(0.0, height - 0.02, 0.0),
+        ClothCollider::cylinder(radius, 0.04),
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Cylinder::new(0.05, height - 0.04))),
+        MeshMaterial3d(wood),
+        Transform::from_xyz(0.0, (height - 0.04) / 2.0, 0.0),
+        ClothCollider::cylinder(0.05, height - 0.04),
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Sphere::new(0.35).mesh().uv(64, 32))),
+        MeshMaterial3d(stone.clone()),
+        Transform::from_xyz(-1.55, 0.35, 0.1),
+        ClothCollider::ball(0.35),
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Capsule3d::new(0.2, 0.7).mesh().longitudes(48).latitudes(24))),
+        MeshMaterial3d(stone),
+        Transform::from_xyz(1.55, 0.45, 0.1).with_rotation(Quat::from_rotation_z(1.2)),
+        ClothCollider::capsule(0.2, 0.7),
+    ));
+    commands.spawn(ClothCollider::ground().with_friction(0.8));
+}
+
+fn cloths(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
-) {
-    let ball = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.86, 0.84, 0.80),
-        perceptual_roughness: 0.35,
-        ..default()
-    });
-    let wood = materials.add(StandardMaterial {
-        base_color: Color::srgb(0.62, 0.45, 0.30),
-        perceptual_roughness: 0.5,
-        ..default()
-    });
-    commands.spawn((Mesh3d(meshes.add(Cylinder::new(0.55, 0.05))), MeshMaterial3d(wood.clone()), Transform::from_xyz(0.0, 0.55, 0.0)));
-    commands.spawn((Mesh3d(meshes.add(Cylinder::new(0.05, 0.55))), MeshMaterial3d(wood), Transform::from_xyz(0.0, 0.275, 0.0)));
-    commands.spawn((Mesh3d(meshes.add(Sphere::new(0.25).mesh().ico(12).unwrap_or_else(|_| Sphere::new(0.25).mesh().uv(48, 32)))), MeshMaterial3d(ball), Transform::from_xyz(1.0, 0.25, 0.75)));
-    let looks = [
-        (FabricLook::Gingham(Color::srgb(0.93, 0.92, 0.88)), Color::srgb(0.72, 0.10, 0.10), Vec3::new(0.0, 0.0, 0.0)),
-        (FabricLook::Denim, Color::srgb(0.12, 0.20, 0.40), Vec3::new(-1.5, 0.0, -0.6)),
-        (FabricLook::Silk, Color::srgb(0.05, 0.42, 0.42), Vec3::new(1.5, 0.0, -0.8)),
+) -> Result {
+    let sheets = [
+        (
+            FabricLook::Gingham(Color::srgb(0.94, 0.93, 0.89)),
+            (Color::srgb(0.70, 0.10, 0.10), 6.0),
+            ClothMaterial::COTTON,
+            (1.8, 80),
+            Vec3::new(0.0, TABLE.1 + DROP, 0.0),
+        ),
+        (
+            FabricLook::Denim,
+            (Color::srgb(0.14, 0.22, 0.42), 6.0),
+            ClothMaterial::DENIM,
+            (1.3, 56),
+            Vec3::new(-1.55, 0.7 + DROP, 0.1),
+        ),
+        (
+            FabricLook::Silk,
+            (Color::srgb(0.06, 0.40, 0.40), 6.0),
+            ClothMaterial::SILK,
+            (1.3, 64),
+            Vec3::new(1.55, 0.9 + DROP, 0.1),
+        ),
     ];
-    for (look, color, place) in looks {
-        let repeats = if look == FabricLook::Denim { 12.0 } else { 6.0 };
-        let material = fabric(&mut images, &mut materials, look, color, repeats);
-        let mesh = Plane3d::default().mesh().size(1.4, 1.4).subdivisions(70).build();
-        let mesh = mesh.with_generated_tangents().unwrap_or_else(|error| panic!("{error}"));
-        commands.spawn((Waves, Mesh3d(meshes.add(mesh)), MeshMaterial3d(material), Transform::from_translation(place)));
+    for (look, (color, repeats), cloth, (size, subdivisions), place) in sheets {
+        let sheet = Plane3d::default().mesh().size(size, size).subdivisions(subdivisions).build().with_generated_tangents()?;
+        commands.spawn((
+            Mesh3d(meshes.add(sheet)),
+            MeshMaterial3d(fabric(&mut images, &mut materials, look, color, repeats)),
+            Transform::from_translation(place).with_rotation(Quat::from_rotation_y(0.3)),
+            Cloth,
+            cloth,
+        ));
+    }
+    Ok(())
+}
+
+fn keys(
+    mut commands: Commands,
+    keys: Res<ButtonInput<KeyCode>>,
+    falling: Query<Entity, With<Cloth>>,
+    mut time: ResMut<Time<Virtual>>,
+) {
+    if keys.just_pressed(KeyCode::KeyR) {
+        falling.iter().for_each(|cloth| commands.entity(cloth).despawn());
+        commands.run_system_cached(cloths);
+    }
+    if keys.just_pressed(KeyCode::Space) {
+        if time.is_paused() {
+            time.unpause();
+        } else {
+            time.pause();
+        }
     }
 }
 
-/// A cloth over a round table, more or less.
-fn wave(mut meshes: ResMut<Assets<Mesh>>, waves: Query<&Mesh3d, With<Waves>>, time: Res<Time>) {
-    for mesh in &waves {
-        let Some(mut mesh) = meshes.get_mut(mesh) else { continue };
-        if let Ok(VertexAttributeValues::Float32x3(points)) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_POSITION) {
-            for point in points {
-                let flat = Vec2::new(point[0], point[2]);
-                let angle = flat.to_angle();
-                let out = (flat.length() - 0.55).max(0.0);
-                let swing = 0.06 * (8.0 * angle + 2.0 * time.elapsed_secs()).sin() + 0.02 * (19.0 * angle - time.elapsed_secs()).sin();
-                point[1] = 0.585 - 0.95 * out * (1.0 - (-out * 12.0).exp()) + swing * out * 3.0;
-            }
-        }
-        mesh.compute_smooth_normals();
-    }
+fn report(cloths: Query<&ClothReport>) -> String {
+    let line = |report: &ClothReport| {
+        format!("worst edge {:.3} of rest, {} particles touch a body\n", report.worst_edge, report.body_contacts)
+    };
+    cloths.iter().map(line).collect()
 }

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
-use bevy_drape::scenes::{self, Scene};
+use bevy_drape::scenes::{self, Scene, SceneCloth};
 use bevy_drape::solver::step::FrameInput;
 use clap::{Parser, ValueEnum};
 
@@ -53,8 +53,7 @@ fn main() -> ExitCode {
         SceneName::Flags => scenes::flags(arguments.cloths, arguments.size),
     };
     // The calling thread works too.
-    let pool = (arguments.threads > 1)
-        .then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());
+    let pool = (arguments.threads > 1).then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());
     for _ in 0..arguments.frames / 10 {
         step(&mut scene, pool.as_ref());
     }
@@ -98,7 +97,7 @@ fn print(arguments: &Arguments, scene: &Scene, times: &[f64]) {
     let own: usize = scene.cloths.iter().map(|c| c.scratch.bytes() + 32 * c.state.positions.len()).sum();
     let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
     let mean = scene.cloths.iter().map(|c| c.report.mean_edge).fold(0.0, f32::max);
-    let lowest = scene.cloths.iter().map(bevy_drape::scenes::SceneCloth::lowest).fold(f32::INFINITY, f32::min);
+    let lowest = scene.cloths.iter().map(SceneCloth::lowest).fold(f32::INFINITY, f32::min);
     let line = serde_json::json!({
         "scene": format!("{:?}", arguments.scene).to_lowercase(),
         "size": arguments.size,

@@ -15,20 +15,24 @@
 //! }
 //! ```
 
-pub mod plugin;
-pub mod components;
+#![forbid(unsafe_code)]
+
 mod bind;
+pub mod components;
+#[cfg(feature = "gltf")]
+pub mod gltf;
 mod notices;
-pub mod simulation;
-mod systems;
-pub mod solver;
+pub mod plugin;
 pub mod scenes;
+pub mod simulation;
+pub mod solver;
+mod systems;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothLayers, ClothMaterial,
-    ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTargetLost, ClothTeleported, ClothWind,
-    ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate,
-    RecoveryCause, RecoveryLevel, TeleportMode, WaitingFor, WindZone, WindZoneShape,
+    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothLayers,
+    ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTargetLost, ClothTeleported,
+    ClothWind, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet,
+    PositionPredicate, RecoveryCause, RecoveryLevel, TeleportMode, WaitingFor, WindZone, WindZoneShape,
 };
 pub use plugin::{ClothPlugin, ClothSystems};
 pub use simulation::{ClothParticles, ClothRest};

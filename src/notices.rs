@@ -39,12 +39,6 @@ impl Notices {
     pub fn forget(&mut self, entity: Entity) {
         self.told.remove(&entity);
     }
-
-    /// What was told of an entity.
-    #[cfg(test)]
-    pub fn of(&self, entity: Entity) -> &[Cow<'static, str>] {
-        self.told.get(&entity).map_or(&[], Vec::as_slice)
-    }
 }
 
 /// How an entity is called in a warning.

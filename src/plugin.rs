@@ -105,6 +105,9 @@ impl Plugin for ClothPlugin {
             .add_observer(release::on_remove_collider)
             .add_observer(release::on_remove_zone);
 
+        #[cfg(feature = "gltf")]
+        app.add_plugins(crate::gltf::ClothGltfPlugin).add_systems(self.schedule, crate::gltf::systems().before(sources::watch));
+
         order(app, self.schedule);
         if shows != self.schedule {
             order(app, shows);

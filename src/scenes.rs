@@ -62,8 +62,7 @@ impl SceneCloth {
     /// A cloth with the shape of `rest` moved by `at` [m], held rigidly at the render vertices `pins`.
     #[must_use]
     pub fn new(rest: Arc<RestShape>, fabric: Fabric, at: Vec3, pins: &[u32]) -> Self {
-        let mut particles: Vec<u32> =
-            pins.iter().filter_map(|&v| rest.particle_of_vertex.get(v as usize).copied()).collect();
+        let mut particles: Vec<u32> = pins.iter().filter_map(|&v| rest.particle_of_vertex.get(v as usize).copied()).collect();
         particles.sort_unstable();
         particles.dedup();
         let targets: Vec<Vec3> = particles.iter().map(|&p| rest.positions[p as usize] + at).collect();
@@ -92,15 +91,8 @@ impl SceneCloth {
 
     /// Advances by one frame.
     pub fn step(&mut self, input: &FrameInput<'_>) {
-        self.report = step::step(
-            &self.rest,
-            &self.fabric,
-            &self.stepping,
-            &self.anchors,
-            input,
-            &mut self.state,
-            &mut self.scratch,
-        );
+        self.report =
+            step::step(&self.rest, &self.fabric, &self.stepping, &self.anchors, input, &mut self.state, &mut self.scratch);
         self.anchors.from.clone_from(&self.anchors.to);
     }
 
@@ -183,9 +175,8 @@ pub fn flags(k: u32, n: u32) -> Scene {
     let mesh = grid(n, n, |u, v| vec3(u, -0.7 * v, 0.0));
     let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
     let pole: Vec<u32> = (0..n).collect();
-    let mut scene = scene(
-        (0..k).map(|i| SceneCloth::new(rest.clone(), fabric(), vec3(0.0, 2.0, 1.5 * i as f32), &pole)).collect(),
-    );
+    let mut scene =
+        scene((0..k).map(|i| SceneCloth::new(rest.clone(), fabric(), vec3(0.0, 2.0, 1.5 * i as f32), &pole)).collect());
     scene.wind = Wind {
         velocity: Quat::from_rotation_y(0.2) * vec3(8.0, 0.0, 0.0),
         turbulence: Turbulence { intensity: 0.2, length: 2.0, seed: 7, ..Turbulence::NONE },

@@ -231,8 +231,7 @@ impl ClothInputs {
     /// Lets go of the anchors whose sets were released.
     pub fn drop_released(&mut self) {
         let sets = &self.sets.sets;
-        let keep: Vec<bool> =
-            self.sets.set_of.iter().map(|&s| sets.get(s as usize).is_some_and(|set| !set.released)).collect();
+        let keep: Vec<bool> = self.sets.set_of.iter().map(|&s| sets.get(s as usize).is_some_and(|set| !set.released)).collect();
         fn filter<T>(list: &mut Vec<T>, keep: &[bool]) {
             let mut at = keep.iter();
             list.retain(|_| at.next().copied().unwrap_or(true));

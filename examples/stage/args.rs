@@ -5,8 +5,7 @@ use clap::Parser;
 use std::path::PathBuf;
 
 /// Runs in a window, or, without one, for a number of frames and into a picture.
-///
-/// An example with options of its own flattens these into its `clap` struct.
+// An example with options of its own flattens these into its `clap` struct.
 #[derive(Parser, Clone, Debug, Default)]
 pub struct StageArgs {
     /// Simulate without a window and at a fixed time step of 1/60 s.

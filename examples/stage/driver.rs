@@ -18,10 +18,11 @@ pub fn find() -> Result<Driver, String> {
         backends: settings.backends.unwrap_or_default(),
         ..wgpu::InstanceDescriptor::new_without_display_handle()
     });
-    let adapter = block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
-        power_preference: settings.power_preference,
-        ..Default::default()
-    }));
+    let adapter =
+        block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+            power_preference: settings.power_preference,
+            ..Default::default()
+        }));
     let info = adapter.map_err(|_| missing())?.get_info();
     Ok(Driver { name: info.name, software: info.device_type == wgpu::DeviceType::Cpu })
 }

@@ -19,7 +19,7 @@ struct SoftBox {
 }
 
 /// Radiance of the room at the horizon.
-const ROOM: Vec3 = Vec3::new(0.27, 0.29, 0.32);
+const ROOM: Vec3 = Vec3::new(0.23, 0.25, 0.28);
 /// How much brighter the ceiling is than the horizon; the floor is darker by as much.
 const SLOPE: Vec3 = Vec3::new(0.16, 0.17, 0.19);
 /// One box above, a strip behind that draws silhouettes, one on the shadow side.
@@ -37,9 +37,9 @@ const SPECULAR: (usize, u32) = (64, 6);
 const DIFFUSE: usize = 16;
 
 /// The backdrop at the horizon, into which the floor fades (linear).
-pub const HORIZON: Vec3 = Vec3::new(0.60, 0.60, 0.61);
+pub const HORIZON: Vec3 = Vec3::new(0.41, 0.42, 0.44);
 /// The backdrop overhead (linear).
-const ZENITH: Vec3 = Vec3::new(0.22, 0.27, 0.34);
+const ZENITH: Vec3 = Vec3::new(0.17, 0.205, 0.25);
 
 /// The light that comes from everywhere, without the share that is drawn with shadows.
 pub fn light(images: &mut Assets<Image>, unshadowed: f32, brightness: f32) -> EnvironmentMapLight {

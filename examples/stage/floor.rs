@@ -15,7 +15,7 @@ const SQUARES: usize = 4;
 /// Texels along the texture.
 const TEXELS: usize = 512;
 /// Reflectance of the concrete (linear).
-const ALBEDO: Vec3 = Vec3::new(0.41, 0.40, 0.385);
+const ALBEDO: Vec3 = Vec3::new(0.38, 0.37, 0.355);
 /// How far the two kinds of squares are apart.
 const CONTRAST: f32 = 0.045;
 

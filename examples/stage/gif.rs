@@ -15,8 +15,8 @@ pub fn encode(shots: &[RgbImage], every: u32) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     for (scale, keep) in ATTEMPTS {
         let frames: Vec<_> = shots.iter().step_by(keep).map(|shot| scaled(shot, scale)).collect();
-        let delay = every * keep as u32 * 100 / 60;
-        bytes = animation(&frames, delay as u16).map_err(|error| error.to_string())?;
+        let step = every * keep as u32;
+        bytes = animation(&frames, step).map_err(|error| error.to_string())?;
         if bytes.len() <= LARGEST {
             break;
         }
@@ -33,22 +33,22 @@ fn scaled(shot: &RgbImage, scale: f32) -> RgbImage {
     imageops::resize(shot, side(shot.width()), side(shot.height()), imageops::FilterType::Triangle)
 }
 
-/// Encodes frames that follow each other after `delay` [10 ms].
-fn animation(frames: &[RgbImage], delay: u16) -> Result<Vec<u8>, gif::EncodingError> {
+/// Encodes frames that follow each other after `step` sixtieths of a second.
+fn animation(frames: &[RgbImage], step: u32) -> Result<Vec<u8>, gif::EncodingError> {
     let (width, height) = frames.first().map_or((1, 1), |frame| (frame.width() as u16, frame.height() as u16));
     let mut palette = Palette::of(frames);
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height, &palette.bytes())?;
     encoder.set_repeat(Repeat::Infinite)?;
     let mut shown = Vec::new();
-    for frame in frames {
+    for (index, frame) in (0..).zip(frames) {
         let pixels = frame.enumerate_pixels();
         let indices: Vec<u8> = pixels.map(|(x, y, &pixel)| palette.index(x, y, pixel)).collect();
         let changes = changes(&indices, &shown);
         encoder.write_frame(&Frame {
             width,
             height,
-            delay,
+            delay: (hundredths(step * (index + 1)) - hundredths(step * index)) as u16,
             dispose: DisposalMethod::Keep,
             transparent: Some(Palette::AS_BEFORE),
             buffer: changes.into(),
@@ -58,6 +58,11 @@ fn animation(frames: &[RgbImage], delay: u16) -> Result<Vec<u8>, gif::EncodingEr
     }
     drop(encoder);
     Ok(bytes)
+}
+
+/// A number of sixtieths of a second in hundredths, so that the errors do not add up.
+fn hundredths(sixtieths: u32) -> u32 {
+    (sixtieths * 100 + 30) / 60
 }
 
 /// The pixels that are not as before.

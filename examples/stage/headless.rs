@@ -26,11 +26,10 @@ pub struct Job {
 const STEP: Duration = Duration::from_nanos(1_000_000_000 / 60);
 /// How long the first step waits for what the example loads.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// An animation has at most this many frames; they are multiples of 1/20 s apart, because a
-/// GIF counts in 1/100 s.
-const SHOTS: u32 = 81;
-/// Steps in 1/20 s.
-const STEPS_PER_SHOT: u32 = 3;
+/// An animation has at most this many frames ...
+const SHOTS: u32 = 61;
+/// ... and at least this many steps between two of them.
+const STEPS_PER_SHOT: u32 = 4;
 
 /// The runner of an app without a window.
 pub fn run(mut app: App, job: &Job) -> AppExit {
@@ -102,7 +101,7 @@ fn wait(app: &mut App, job: &Job) -> Result<(), String> {
 
 /// How many steps an animation goes on between two of its frames.
 fn steps_between_shots(frames: u32) -> u32 {
-    frames.div_ceil(SHOTS - 1).next_multiple_of(STEPS_PER_SHOT).max(STEPS_PER_SHOT)
+    frames.div_ceil(SHOTS - 1).max(STEPS_PER_SHOT)
 }
 
 /// Whether this frame belongs into the picture.

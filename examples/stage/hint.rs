@@ -12,12 +12,7 @@ pub fn spawn(commands: &mut Commands, hint: &str) {
         Text::new(text),
         TextFont { font_size: FontSize::Px(13.0), ..default() },
         TextColor(Color::srgba(0.1, 0.1, 0.12, 0.75)),
-        Node {
-            position_type: PositionType::Absolute,
-            top: px(12),
-            left: px(12),
-            ..default()
-        },
+        Node { position_type: PositionType::Absolute, top: px(12), left: px(12), ..default() },
     ));
 }
 

@@ -20,31 +20,25 @@ const KEY: Vec3 = Vec3::new(-0.65, 1.0, 0.55);
 /// Radius of the key light over its distance: the width of a penumbra over the height of the edge.
 const KEY_RADIUS: f32 = 0.11;
 /// Illuminance by the key light [lx].
-const KEY_ILLUMINANCE: f32 = 3300.0;
+const KEY_ILLUMINANCE: f32 = 3700.0;
 /// Colour of the key light.
 const KEY_COLOR: Color = Color::srgb(1.0, 0.955, 0.89);
 /// The part of the environment that is drawn as shadowed lights if there are many exposures.
 const SHADOWED_SHARE: f32 = 0.75;
 
+/// The part of the environment that is left in a window, since it reaches what it should not.
+const UNSHADED: f32 = 0.85;
+
 /// Part of the environment that lights without shadows.
 pub fn unshadowed(quality: &Quality) -> f32 {
-    if quality.exposures > 1 { 1.0 - SHADOWED_SHARE } else { 1.0 }
+    if quality.exposures > 1 { 1.0 - SHADOWED_SHARE } else { UNSHADED }
 }
 
 /// Hangs up the lights.
 pub fn spawn(commands: &mut Commands, quality: &Quality, brightness: f32) {
-    let light = DirectionalLight {
-        shadow_maps_enabled: std::env::var("T_SH").is_err(),
-        shadow_depth_bias: std::env::var("T_DB").map_or(0.02, |v| v.parse().unwrap()),
-        shadow_normal_bias: std::env::var("T_NB").map_or(1.8, |v| v.parse().unwrap()),
-        ..default()
-    };
+    let light = DirectionalLight { shadow_maps_enabled: true, shadow_depth_bias: 0.02, shadow_normal_bias: 1.8, ..default() };
     for index in 0..quality.key_lights {
-        let key = DirectionalLight {
-            color: KEY_COLOR,
-            illuminance: KEY_ILLUMINANCE / quality.key_lights as f32,
-            ..light
-        };
+        let key = DirectionalLight { color: KEY_COLOR, illuminance: KEY_ILLUMINANCE / quality.key_lights as f32, ..light };
         commands.spawn((KeyLight, key, key_from(index, quality.key_lights)));
     }
     if quality.exposures > 1 {
@@ -89,7 +83,7 @@ pub fn follow(
 ) {
     for (camera, mut fog) in cameras {
         let reach = camera.distance;
-        fog.falloff = FogFalloff::Linear { start: reach + 1.0, end: 2.0 * reach + 9.0 };
+        fog.falloff = FogFalloff::Linear { start: reach, end: 2.0 * reach + 7.0 };
         for mut cascades in &mut shadows {
             *cascades = CascadeShadowConfigBuilder {
                 num_cascades: 1,

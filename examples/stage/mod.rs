@@ -162,46 +162,45 @@ fn venue(title: &str, args: &StageArgs, picture: Option<Picture>) -> Venue {
         report::complain(title, &format!("{why}; running headless (--out FILE.png draws a picture)"));
     }
     let wants_window = !headless && no_display.is_none();
-    if !wants_window && picture.is_none() {
-        return Venue::Dark;
-    }
     match (driver::find(), picture) {
+        (Err(why), _) => {
+            report::complain(title, &format!("{why}; simulating without drawing anything"));
+            Venue::Dark
+        }
         (Ok(driver), Some(picture)) => {
             let quality = Quality::picture(picture.kind, &driver);
             Venue::Studio(picture, quality)
         }
-        (Ok(driver), None) => Venue::Window(Quality::window(&driver)),
-        (Err(why), picture) => {
-            let lost = picture.map_or_else(|| "no window".into(), |picture| picture.path.display().to_string());
-            report::complain(title, &format!("{lost} cannot be drawn: {why}; simulating without"));
-            Venue::Dark
-        }
+        (Ok(driver), None) if wants_window => Venue::Window(Quality::window(&driver)),
+        (Ok(_), None) => Venue::Dark,
     }
 }
 
 /// Bevy's plugins for a venue.
 fn plugins(title: &str, venue: &Venue) -> PluginGroupBuilder {
+    let anisotropy = match venue {
+        Venue::Window(quality) | Venue::Studio(_, quality) => quality.anisotropy,
+        Venue::Dark => 1,
+    };
+    let plugins = DefaultPlugins.set(ImagePlugin { default_sampler: texture::sampler(anisotropy) });
     if let Venue::Window(_) = venue {
         let window = Window { title: format!("bevy_drape: {title}"), ..default() };
-        return DefaultPlugins.set(WindowPlugin { primary_window: Some(window), ..default() });
+        return plugins.set(WindowPlugin { primary_window: Some(window), ..default() });
     }
     let mut render = RenderPlugin { synchronous_pipeline_compilation: true, ..default() };
     if let Venue::Dark = venue {
         render.render_creation = WgpuSettings { backends: None, ..default() }.into();
     }
-    DefaultPlugins
-        .build()
+    plugins
         .disable::<WinitPlugin>()
         .disable::<PipelinedRenderingPlugin>()
         .set(render)
-        .set(WindowPlugin {
-            primary_window: None,
-            exit_condition: ExitCondition::DontExit,
-            ..default()
-        })
+        .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
         .set(LogPlugin {
             level: Level::WARN,
-            filter: "wgpu=error,naga=warn,bevy_render::renderer=error".into(),
+            filter: "wgpu=error,naga=warn,bevy_render::renderer=error,bevy_render::extract_resource=off,\
+                     bevy_gizmos_render=error"
+                .into(),
             ..default()
         })
 }

@@ -50,8 +50,7 @@ impl OrbitCamera {
     /// Where the camera is and where it looks.
     pub fn transform(&self) -> Transform {
         let rotation = Quat::from_rotation_y(self.yaw) * Quat::from_rotation_x(-self.pitch);
-        Transform::from_translation(self.target + rotation * Vec3::Z * self.distance)
-            .with_rotation(rotation)
+        Transform::from_translation(self.target + rotation * Vec3::Z * self.distance).with_rotation(rotation)
     }
 }
 

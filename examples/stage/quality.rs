@@ -12,6 +12,10 @@ pub struct Quality {
     pub shadow_map: usize,
     /// How shadows are smoothed; the mean of many exposures is smooth by itself.
     pub shadow_filter: ShadowFilteringMethod,
+    /// Taps along a texture on a slant. Mesa's software driver gets these wrong.
+    pub anisotropy: u16,
+    /// Added to the level of mip maps; the mean of many exposures can do with finer ones.
+    pub mip_bias: f32,
     /// Directional lights that the key light is split into: its penumbra has as many steps.
     pub key_lights: u32,
     /// Drawings that one picture is the mean of, each with another point of every light.
@@ -27,6 +31,8 @@ impl Quality {
             msaa: if driver.software { Msaa::Off } else { Msaa::Sample4 },
             shadow_map: if driver.software { 1024 } else { 4096 },
             shadow_filter: ShadowFilteringMethod::Gaussian,
+            anisotropy: if driver.software { 1 } else { 8 },
+            mip_bias: 0.0,
             key_lights: if driver.software { 1 } else { 6 },
             exposures: 1,
             size: UVec2::new(1280, 720),
@@ -35,16 +41,21 @@ impl Quality {
 
     /// As good as a picture may take time for.
     pub fn picture(kind: PictureKind, driver: &Driver) -> Self {
-        let (exposures, size) = match kind {
-            PictureKind::Png => (if driver.software { 32 } else { 128 }, UVec2::new(960, 540)),
-            PictureKind::Gif => (if driver.software { 6 } else { 32 }, UVec2::new(480, 270)),
+        let (exposures, size, shadow_map) = match kind {
+            PictureKind::Png => (if driver.software { 24 } else { 128 }, UVec2::new(960, 540), 2048),
+            PictureKind::Gif => (if driver.software { 4 } else { 32 }, UVec2::new(480, 270), 1024),
         };
         Self {
             msaa: Msaa::Off,
-            shadow_map: std::env::var("T_SM").map_or(2048, |v| v.parse().unwrap()),
-            shadow_filter: ShadowFilteringMethod::Hardware2x2,
+            shadow_map,
+            shadow_filter: match kind {
+                PictureKind::Png => ShadowFilteringMethod::Hardware2x2,
+                PictureKind::Gif => ShadowFilteringMethod::Gaussian,
+            },
+            anisotropy: if driver.software { 1 } else { 8 },
+            mip_bias: -0.5,
             key_lights: 1,
-            exposures: std::env::var("T_EX").map_or(exposures, |v| v.parse().unwrap()),
+            exposures,
             size,
         }
     }

@@ -9,10 +9,11 @@ use super::{
 use bevy::{
     camera::{Exposure, Hdr},
     core_pipeline::tonemapping::{DebandDither, Tonemapping},
+    image::{CompressedImageFormatSupport, CompressedImageFormats},
     light::{DirectionalLightShadowMap, GlobalAmbientLight},
     prelude::*,
     render::{
-        camera::TemporalJitter,
+        camera::{MipBias, TemporalJitter},
         view::{ColorGrading, ColorGradingGlobal, ColorGradingSection},
     },
 };
@@ -34,7 +35,8 @@ pub fn studio(app: &mut App, camera: OrbitCamera, quality: Quality) {
 
 /// No stage, but a camera for examples that look for it.
 pub fn dark(app: &mut App, camera: OrbitCamera) {
-    app.init_resource::<PointerTaken>()
+    app.insert_resource(CompressedImageFormatSupport(CompressedImageFormats::NONE))
+        .init_resource::<PointerTaken>()
         .add_systems(PreStartup, move |mut commands: Commands| {
             commands.spawn((camera, camera.transform()));
         });
@@ -64,22 +66,19 @@ fn stage(app: &mut App, camera: OrbitCamera, quality: Quality) {
                     environment::backdrop(&mut images, brightness),
                 ));
                 if let Some(film) = film {
-                    eye.insert((film.target(), TemporalJitter::default()));
+                    eye.insert((film.target(), TemporalJitter::default(), MipBias(quality.mip_bias)));
                     eye.insert(Camera { is_active: false, ..default() });
                 }
             },
         )
-        .add_systems(
-            PostUpdate,
-            (orbit::place, light::follow).before(TransformSystems::Propagate),
-        );
+        .add_systems(PostUpdate, (orbit::place, light::follow).before(TransformSystems::Propagate));
 }
 
 /// A little more colour and contrast than the tone mapping leaves.
 fn grading() -> ColorGrading {
-    let section = ColorGradingSection { contrast: 1.05, ..default() };
+    let section = ColorGradingSection { contrast: 1.04, ..default() };
     ColorGrading {
-        global: ColorGradingGlobal { post_saturation: 1.05, ..default() },
+        global: ColorGradingGlobal { post_saturation: 1.02, ..default() },
         shadows: section,
         midtones: section,
         highlights: section,
@@ -88,11 +87,7 @@ fn grading() -> ColorGrading {
 
 /// The camera itself.
 fn eye(camera: OrbitCamera, quality: &Quality) -> impl Bundle {
-    let lens = PerspectiveProjection {
-        fov: 0.6,
-        near: 0.05,
-        ..default()
-    };
+    let lens = PerspectiveProjection { fov: 0.6, near: 0.05, ..default() };
     (
         Camera3d::default(),
         Hdr,
@@ -104,9 +99,6 @@ fn eye(camera: OrbitCamera, quality: &Quality) -> impl Bundle {
         Tonemapping::TonyMcMapface,
         DebandDither::Enabled,
         grading(),
-        DistanceFog {
-            color: Color::LinearRgba(LinearRgba::from_vec3(environment::HORIZON)),
-            ..default()
-        },
+        DistanceFog { color: Color::LinearRgba(LinearRgba::from_vec3(environment::HORIZON)), ..default() },
     )
 }

@@ -14,8 +14,8 @@ use bevy::{
         camera::TemporalJitter,
         render_asset::RenderAssets,
         render_resource::{
-            BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, PipelineCache, PollType,
-            TexelCopyBufferInfo, TexelCopyBufferLayout, TextureFormat, TextureUsages,
+            BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, PipelineCache, PollType, TexelCopyBufferInfo,
+            TexelCopyBufferLayout, TextureFormat, TextureUsages,
         },
         renderer::{RenderDevice, RenderQueue},
         texture::GpuImage,
@@ -51,12 +51,10 @@ impl Film {
 pub fn shoot(app: &mut App, mut draw: impl FnMut(&mut App)) -> Result<RgbImage, String> {
     let quality = *app.world().resource::<Quality>();
     open(app, true);
-    expose(app, 0, quality.exposures);
-    warm_up(app, &mut draw)?;
     let mut light = vec![Vec3::ZERO; (quality.size.x * quality.size.y) as usize];
     for exposure in 0..quality.exposures {
         expose(app, exposure, quality.exposures);
-        draw(app);
+        draw_all(app, &mut draw)?;
         let bytes = read_back(app)?;
         for (sum, pixel) in light.iter_mut().zip(bytes.chunks_exact(PIXEL)) {
             *sum += Vec3::new(linear(pixel[0]), linear(pixel[1]), linear(pixel[2]));
@@ -95,8 +93,8 @@ fn expose(app: &mut App, exposure: u32, exposures: u32) {
     }
 }
 
-/// Draws until every shader is loaded and compiled.
-fn warm_up(app: &mut App, draw: &mut impl FnMut(&mut App)) -> Result<(), String> {
+/// Draws until nothing is left out because its shader is still loading.
+fn draw_all(app: &mut App, draw: &mut impl FnMut(&mut App)) -> Result<(), String> {
     for _ in 0..PATIENCE {
         draw(app);
         let pipelines = app.sub_app(RenderApp).world().resource::<PipelineCache>();
@@ -123,17 +121,9 @@ fn read_back(app: &App) -> Result<Vec<u8>, String> {
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    let layout = TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(padded_row as u32),
-        rows_per_image: None,
-    };
+    let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row as u32), rows_per_image: None };
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-    encoder.copy_texture_to_buffer(
-        film.texture.as_image_copy(),
-        TexelCopyBufferInfo { buffer: &buffer, layout },
-        size,
-    );
+    encoder.copy_texture_to_buffer(film.texture.as_image_copy(), TexelCopyBufferInfo { buffer: &buffer, layout }, size);
     queue.submit([encoder.finish()]);
     buffer.slice(..).map_async(MapMode::Read, |_| ());
     device.poll(PollType::wait_indefinitely()).map_err(|error| error.to_string())?;

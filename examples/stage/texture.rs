@@ -4,13 +4,8 @@ use bevy::{
     asset::RenderAssetUsages,
     image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor},
     prelude::*,
-    render::render_resource::{
-        Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension,
-    },
+    render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureViewDescriptor, TextureViewDimension},
 };
-
-/// Texels on a slant are filtered along it by this many taps at most.
-const ANISOTROPY: u16 = 8;
 
 /// What the three numbers of a texel mean, hence how they are averaged and stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +32,18 @@ pub fn tile(side: usize, texels: Vec<Vec3>, meaning: Meaning) -> Image {
         Meaning::Normal => TextureFormat::Rgba8Unorm,
     };
     let mut image = image_of(side, 1, levels, format, data);
-    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+    image.sampler = ImageSampler::Default;
+    image
+}
+
+/// How tiles are filtered; the stage makes it the default of all images.
+pub fn sampler(anisotropy: u16) -> ImageSamplerDescriptor {
+    ImageSamplerDescriptor {
         address_mode_u: ImageAddressMode::Repeat,
         address_mode_v: ImageAddressMode::Repeat,
-        anisotropy_clamp: ANISOTROPY,
+        anisotropy_clamp: anisotropy,
         ..ImageSamplerDescriptor::linear()
-    });
-    image
+    }
 }
 
 /// A cube map of radiance; `radiance` is asked for a direction and a mip level.
@@ -61,20 +61,13 @@ pub fn cube(side: usize, levels: u32, radiance: impl Fn(Vec3, u32) -> Vec3) -> I
     }
     let mut image = image_of(side, 6, levels, TextureFormat::Rgb9e5Ufloat, data);
     image.sampler = ImageSampler::linear();
-    image.texture_view_descriptor = Some(TextureViewDescriptor {
-        dimension: Some(TextureViewDimension::Cube),
-        ..default()
-    });
+    image.texture_view_descriptor = Some(TextureViewDescriptor { dimension: Some(TextureViewDimension::Cube), ..default() });
     image
 }
 
 /// Puts bytes, ordered by layer and then by level, into an image.
 fn image_of(side: usize, layers: u32, levels: u32, format: TextureFormat, data: Vec<u8>) -> Image {
-    let size = Extent3d {
-        width: side as u32,
-        height: side as u32,
-        depth_or_array_layers: layers,
-    };
+    let size = Extent3d { width: side as u32, height: side as u32, depth_or_array_layers: layers };
     let usage = RenderAssetUsages::RENDER_WORLD;
     let mut image = Image::new_uninit(size, TextureDimension::D2, format, usage);
     image.texture_descriptor.mip_level_count = levels;

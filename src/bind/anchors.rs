@@ -85,8 +85,8 @@ pub(crate) fn resolve(
                 resolved.bad_pins.push(vertex);
                 return;
             };
-            // `max` and `min` let no NaN through.
-            let weight = (weight * set.weight).max(0.0).min(1.0);
+            // A NaN stays one and holds nothing.
+            let weight = (weight * set.weight).clamp(0.0, 1.0);
             let best = &mut held[particle as usize];
             if weight > best.0 && isolated.binary_search(&vertex).is_err() {
                 *best = (weight, s as u32);
@@ -95,10 +95,9 @@ pub(crate) fn resolve(
         match &set.select {
             PinSelect::Vertices(vertices) => vertices.iter().for_each(|&v| hold(v, 1.0)),
             PinSelect::Weighted(weights) => weights.iter().for_each(|&(v, w)| hold(v, w)),
-            PinSelect::Position(predicate) => (0..)
-                .zip(&authored.positions)
-                .filter(|(_, p)| predicate.holds(**p))
-                .for_each(|(v, _)| hold(v, 1.0)),
+            PinSelect::Position(predicate) => {
+                (0..).zip(&authored.positions).filter(|(_, p)| predicate.holds(**p)).for_each(|(v, _)| hold(v, 1.0))
+            }
             PinSelect::Color(channel) => (0..).zip(color(mesh, *channel)?).for_each(|(v, w)| hold(v, w)),
             PinSelect::Attribute(name) => (0..).zip(attribute(mesh, name)?).for_each(|(v, w)| hold(v, w)),
         }
@@ -126,7 +125,12 @@ pub(crate) struct Continuing<'a> {
 
 impl Resolved {
     /// Anchors and the sets that hold them. Targets are filled in by the frame.
-    pub fn into_anchors(self, sets: Vec<AnchorSet>, rest: &RestShape, before: Option<&Continuing<'_>>) -> (Anchors, AnchorSets) {
+    pub fn into_anchors(
+        self,
+        sets: Vec<AnchorSet>,
+        rest: &RestShape,
+        before: Option<&Continuing<'_>>,
+    ) -> (Anchors, AnchorSets) {
         let place = |(&particle, &set): (&u32, &u32)| {
             let at_rest = rest.positions[particle as usize];
             let Some(before) = before else { return (at_rest, None) };

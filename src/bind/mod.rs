@@ -5,8 +5,8 @@ mod cache;
 mod instance;
 mod placement;
 mod read;
-mod skin;
 mod shapes;
+mod skin;
 mod surface;
 
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve};
@@ -14,6 +14,6 @@ pub(crate) use cache::{RestCache, Sources};
 pub(crate) use instance::{corners, instance_of};
 pub(crate) use placement::{Placement, seen_from, uniform_scale};
 pub(crate) use read::{Authored, read, unreadable};
-pub(crate) use skin::{Skin, Transforms, skinning_matrices};
 pub(crate) use shapes::{ColliderError, shape_of};
+pub(crate) use skin::{Skin, Transforms, skinning_matrices};
 pub(crate) use surface::Surface;

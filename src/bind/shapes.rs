@@ -42,6 +42,8 @@ pub(crate) fn shape_of(shape: &ColliderShape, mesh: Option<&Mesh>) -> Result<Sha
             let parts: Result<Vec<_>, ColliderError> = parts.iter().map(|part| part_of(part, mesh)).collect();
             shape::compound(parts?)?
         }
+        // A plane needs no mesh.
+        ColliderShape::Mesh(MeshFit::HalfSpace) => shape::half_space(Vec3::Y)?,
         ColliderShape::Mesh(fit) => fitted(*fit, mesh.ok_or(ColliderError::NoMesh)?)?,
         ColliderShape::Parry(shape) => shape.0.clone().ok_or(ShapeError::Empty)?,
     })
@@ -82,9 +84,6 @@ fn fitted(fit: MeshFit, mesh: &Mesh) -> Result<SharedShape, ColliderError> {
         }
         MeshFit::ConvexHull => shape::convex_hull(&authored.positions)?,
         MeshFit::TriMesh => shape::trimesh(authored.positions, authored.triangles)?,
-        MeshFit::HalfSpace => {
-            let plane = shape::half_space(Vec3::Y)?;
-            if centred { plane } else { moved(plane)? }
-        }
+        MeshFit::HalfSpace => shape::half_space(Vec3::Y)?,
     })
 }

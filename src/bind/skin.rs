@@ -6,8 +6,8 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
-use super::placement::seen_from;
 use super::Authored;
+use super::placement::seen_from;
 use crate::solver::rest::RestShape;
 
 /// Joints and weights of every particle.
@@ -39,11 +39,13 @@ impl Skin {
             return None;
         };
         let particles = rest.positions.len();
-        let mut skin = Self { joints, weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles], points: vec![Vec3::ZERO; particles] };
+        let mut skin =
+            Self { joints, weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles], points: vec![Vec3::ZERO; particles] };
         // Backwards, so that of welded vertices the first one counts; isolated ones never do.
         let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
         for (v, &particle) in rest.particle_of_vertex.iter().enumerate().rev() {
-            let (Some(&index), Some(&amount), Some(&point)) = (indices.get(v), amounts.get(v), authored.positions.get(v)) else {
+            let (Some(&index), Some(&amount), Some(&point)) = (indices.get(v), amounts.get(v), authored.positions.get(v))
+            else {
                 continue;
             };
             if isolated.binary_search(&(v as u32)).is_ok() {

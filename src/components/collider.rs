@@ -118,10 +118,8 @@ impl ClothCollider {
     /// Several shapes moved as one: `(translation [m], rotation, shape)`.
     #[must_use]
     pub fn compound(parts: impl IntoIterator<Item = (Vec3, Quat, ColliderShape)>) -> Self {
-        let parts = parts
-            .into_iter()
-            .map(|(translation, rotation, shape)| ColliderPart { translation, rotation, shape })
-            .collect();
+        let parts =
+            parts.into_iter().map(|(translation, rotation, shape)| ColliderPart { translation, rotation, shape }).collect();
         Self::new(ColliderShape::Compound { parts })
     }
 

@@ -16,9 +16,13 @@ use crate::solver::settings::Fabric;
 /// 1980), converted to SI: tensile secant at 490 N/m of load and an elongation of 2 to 6 %, shear `G` 1 gf/(cm·deg) = 56 N/m,
 /// bending `B` 1 gf·cm²/cm = 9.8e-5 N·m; their order among each other follows H. Wang, J. O'Brien, R. Ramamoorthi,
 /// *Data-driven elastic models for cloth: modeling and measurement*, 2011. Rubber is a latex sheet of 0.5 mm from
-/// Young's modulus `E` = 1.5 MPa: `E·t` for stretching, `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two: take them as starting points.
+/// Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching, `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two: take them as starting points.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(
+    any(feature = "serialize", feature = "gltf"),
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothMaterial {
     /// Areal density [kg/m²]. Default 0.2, range 0.01 to 10. Lighter flutters more; very light cloth needs a higher substep rate.
@@ -172,6 +176,27 @@ impl ClothMaterial {
     #[must_use]
     pub fn preset(name: &str) -> Option<Self> {
         Self::PRESETS.into_iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, material)| material)
+    }
+
+    /// A field by its name.
+    #[must_use]
+    pub fn field_mut(&mut self, name: &str) -> Option<&mut f32> {
+        Some(match name {
+            "density" => &mut self.density,
+            "stretch_stiffness" => &mut self.stretch_stiffness,
+            "shear_stiffness" => &mut self.shear_stiffness,
+            "bend_stiffness" => &mut self.bend_stiffness,
+            "damping" => &mut self.damping,
+            "drag" => &mut self.drag,
+            "strain_limit" => &mut self.strain_limit,
+            "thickness" => &mut self.thickness,
+            "static_friction" => &mut self.static_friction,
+            "dynamic_friction" => &mut self.dynamic_friction,
+            "tether_scale" => &mut self.tether_scale,
+            "drag_coefficient" => &mut self.drag_coefficient,
+            "lift_coefficient" => &mut self.lift_coefficient,
+            _ => return None,
+        })
     }
 
     /// What the solver sees.

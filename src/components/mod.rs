@@ -3,18 +3,20 @@
 pub(crate) mod checked;
 
 mod cloth;
-mod material;
-mod solver;
-mod pins;
-mod layers;
 mod collider;
-mod shape;
-mod wind;
-mod status;
+mod collision;
+mod layers;
+mod material;
+mod pins;
 mod report;
+mod shape;
+mod solver;
+mod status;
+mod wind;
 
 pub use cloth::Cloth;
 pub use collider::ClothCollider;
+pub use collision::ClothCollision;
 pub use layers::ClothLayers;
 pub use material::ClothMaterial;
 pub use pins::{ClothPins, ColorChannel, OnTargetLost, PinSelect, PinSet, PositionPredicate};
@@ -22,7 +24,7 @@ pub use report::{ClothBuildReport, ClothReport};
 pub use shape::{ColliderPart, ColliderShape, MeshFit};
 pub use solver::{ClothGravity, ClothSolver, TeleportMode};
 pub use status::{
-    ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, ClothTargetLost,
-    ClothTeleported, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, ClothTargetLost, ClothTeleported, RecoveryCause,
+    RecoveryLevel, WaitingFor,
 };
 pub use wind::{ClothWind, GlobalWind, WindZone, WindZoneShape};

@@ -15,6 +15,8 @@ pub struct ClothReport {
     pub substeps: u32,
     /// Largest edge length over rest length (dimensionless).
     pub worst_edge: f32,
+    /// Mean edge length over rest length (dimensionless).
+    pub mean_edge: f32,
     /// Particles that touched a body at the end of the frame.
     pub body_contacts: u32,
     /// Bodies that could touch the cloth.

@@ -42,7 +42,9 @@ impl WaitingFor {
             Self::Asset => "its mesh asset is not loaded: keep the handle's loader running, or check the path",
             Self::Scale => "its transform has a zero or non-finite part: set a finite scale that is not zero",
             Self::Target => "the target of a pin set has no `GlobalTransform`: spawn it with a `Transform`",
-            Self::Skin => "a joint or the inverse bind poses of its `SkinnedMesh` are missing: spawn them, or remove `SkinnedMesh`",
+            Self::Skin => {
+                "a joint or the inverse bind poses of its `SkinnedMesh` are missing: spawn them, or remove `SkinnedMesh`"
+            }
         }
     }
 }

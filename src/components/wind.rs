@@ -50,7 +50,7 @@ impl GlobalWind {
 
 /// Wind at one cloth in place of [`GlobalWind`]; [`WindZone`]s still add to it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothWind(pub GlobalWind);
 

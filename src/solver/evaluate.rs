@@ -255,14 +255,7 @@ impl Evaluator {
 
     /// Writes the positions to show [m]. `tangled` weighs each particle, 1 at a tangle and 0 away from it;
     /// [`SkipPolicy::UntilClean`] holds the whole cloth instead.
-    pub fn present(
-        &self,
-        positions: &[Vec4],
-        tangled: &[f32],
-        pose: Pose,
-        settings: &EvaluateSettings,
-        shown: &mut Vec<Vec3>,
-    ) {
+    pub fn present(&self, positions: &[Vec4], tangled: &[f32], pose: Pose, settings: &EvaluateSettings, shown: &mut Vec<Vec3>) {
         shown.clear();
         shown.extend(positions.iter().map(|p| p.truncate()));
         let snapshot = &self.ring[self.newest];

@@ -136,7 +136,8 @@ impl Recovery {
 
     fn put_back(&self, state: &mut ClothState) {
         for ((x, old), good) in state.positions.iter_mut().zip(&mut state.previous).zip(&self.good) {
-            *x = good.extend(x.w);
+            // `prepare` knows the inverse mass again; until then a bad one holds the particle.
+            *x = good.extend(if x.w.is_finite() { x.w } else { 0.0 });
             *old = *x;
         }
     }
@@ -177,7 +178,7 @@ mod tests {
             positions: vec![Vec4::new(x, 0.0, 0.0, 1.0); 4],
             previous: vec![Vec4::new(x, 0.0, 0.0, 1.0); 4],
             substep: 0.01,
-            time: 0.0,
+            ..ClothState::default()
         }
     }
 

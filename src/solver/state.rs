@@ -24,10 +24,6 @@ impl ClothState {
     /// Velocity [m/s] of particle `i` over the last substep; zero before the first.
     #[must_use]
     pub fn velocity(&self, i: usize) -> Vec3 {
-        if self.substep > 0.0 {
-            (self.positions[i] - self.previous[i]).truncate() / self.substep
-        } else {
-            Vec3::ZERO
-        }
+        if self.substep > 0.0 { (self.positions[i] - self.previous[i]).truncate() / self.substep } else { Vec3::ZERO }
     }
 }

@@ -90,8 +90,13 @@ const WIND_RATE: f32 = 60.0;
 /// Bending elements are solved once in this many substeps, with the impulse of as many.
 const BEND_EVERY: u64 = 2;
 
-/// Beyond this many strain limits the springs are swept [`TAUT_SWEEPS`] times a substep in the next frame: a sheet of 256² that snaps taut.
+/// Beyond this many strain limits a cloth is taut, and its springs are swept several times in each substep of the next frame.
+///
+/// Tried for a skirt of uneven triangles, whose worst edge is 1.35 with three sweeps: smoothing the masses (no change), pulling each particle to its neighbour
+/// nearer to a pin (1.18, but gains energy elsewhere), repeating only the edges beyond the limit (1.38). Shorter substeps help: 1.1 at 1440 Hz.
 const TAUT: f32 = 2.0;
+
+/// How often the springs of a taut cloth are swept in each substep.
 const TAUT_SWEEPS: u32 = 3;
 
 /// Sets inverse masses from density and anchors, constraint factors and tethers.
@@ -158,7 +163,8 @@ pub fn step(
     };
     let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
     let windy = input.wind.density > 0.0;
-    let sweeps = if scratch.worst_edge > 1.0 + TAUT * fabric.strain_limit { TAUT_SWEEPS } else { 1 };
+    let taut = scratch.worst_edge > 1.0 + TAUT * fabric.strain_limit;
+    let sweeps = if taut { TAUT_SWEEPS } else { 1 };
     let gusts = substeps(dt, WIND_RATE).min(report.substeps);
 
     for n in 0..report.substeps {

@@ -189,9 +189,7 @@ impl WindZone {
         let q = point - self.center;
         let distance = match self.shape {
             ZoneShape::Sphere { radius } => q.length() - radius,
-            ZoneShape::Box { half_extents } => {
-                ((self.rotation.inverse() * q).abs() - half_extents).max_element()
-            }
+            ZoneShape::Box { half_extents } => ((self.rotation.inverse() * q).abs() - half_extents).max_element(),
         };
         // False for a distance that is not a number.
         if distance <= -self.falloff {
@@ -296,7 +294,9 @@ impl Modes {
         let mut now = [Vec4::ZERO; MODES / 4];
         for i in 0..MODES {
             let k = [0, 1, 2].map(|axis: usize| f64::from(self.wave[i / 4][axis][i % 4]));
-            let phase = k[0] * start.x + k[1] * start.y + k[2] * start.z
+            let phase = k[0] * start.x
+                + k[1] * start.y
+                + k[2] * start.z
                 + f64::from(self.phase[i])
                 + f64::from(self.aging[i]) * frequency * wind.time;
             now[i / 4][i % 4] = if phase.is_finite() { (phase - phase.floor()) as f32 } else { 0.0 };
@@ -614,7 +614,11 @@ mod tests {
     }
 
     fn gusty(seed: u64) -> Wind {
-        Wind { velocity: Vec3::X * 8.0, turbulence: Turbulence { intensity: 0.2, length: 2.0, frequency: 0.5, seed }, ..Wind::STILL }
+        Wind {
+            velocity: Vec3::X * 8.0,
+            turbulence: Turbulence { intensity: 0.2, length: 2.0, frequency: 0.5, seed },
+            ..Wind::STILL
+        }
     }
 
     #[test]
@@ -647,7 +651,8 @@ mod tests {
         for i in 0..100 {
             let p = Vec3::new(0.17 * i as f32, 0.31 * i as f32, 0.05 * i as f32);
             let e = 0.02;
-            let mut d = |axis: Vec3| (forces.velocity_at(&wind, p + axis * e) - forces.velocity_at(&wind, p - axis * e)) / (2.0 * e);
+            let mut d =
+                |axis: Vec3| (forces.velocity_at(&wind, p + axis * e) - forces.velocity_at(&wind, p - axis * e)) / (2.0 * e);
             let (x, y, z) = (d(Vec3::X), d(Vec3::Y), d(Vec3::Z));
             worst = worst.max((x.x + y.y + z.z).abs());
             slope = slope.max(x.length()).max(y.length());
@@ -673,7 +678,8 @@ mod tests {
 
     #[test]
     fn zones_add_or_replace_and_fade_at_their_border() {
-        let zone = WindZone { velocity: Vec3::Y * 4.0, shape: ZoneShape::Box { half_extents: Vec3::ONE }, ..WindZone::default() };
+        let zone =
+            WindZone { velocity: Vec3::Y * 4.0, shape: ZoneShape::Box { half_extents: Vec3::ONE }, ..WindZone::default() };
         let mut wind = Wind { velocity: Vec3::X, zones: vec![zone], ..Wind::STILL };
         assert_eq!(wind.mean_at(Vec3::ZERO), Vec3::new(1.0, 4.0, 0.0));
         assert_eq!(wind.mean_at(Vec3::X * 1.01), Vec3::X);

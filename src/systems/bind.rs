@@ -166,8 +166,20 @@ fn want(assembly: &Assembly, cloth: &BindableItem) -> Result<Wanted, Obstacle> {
         Some(_) if assembly.sources.modified.contains(&source.id()) => Change::Mesh,
         Some(_) if failed && assembly.sources.added.contains(&source.id()) => Change::Mesh,
         Some(_) if unstable && (tuned || cloth.pins.is_changed()) => Change::Mesh,
-        Some(b) if !placement.fits(&b.bake) => if failed { Change::Mesh } else { Change::Scale },
-        Some(_) if cloth.pins.is_changed() => if failed { Change::Mesh } else { Change::Pins },
+        Some(b) if !placement.fits(&b.bake) => {
+            if failed {
+                Change::Mesh
+            } else {
+                Change::Scale
+            }
+        }
+        Some(_) if cloth.pins.is_changed() => {
+            if failed {
+                Change::Mesh
+            } else {
+                Change::Pins
+            }
+        }
         Some(_) => Change::None,
         None => Change::Mesh,
     };
@@ -190,8 +202,8 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         kind: ClothErrorKind::BadMesh,
         detail: format!("{error}: check the mesh in the program it was made with"),
     })?;
-    let continues = cloth.error.is_none()
-        && cloth.rest.is_some_and(|old| *change < Change::Mesh || same_topology(old.shape(), &rest));
+    let continues =
+        cloth.error.is_none() && cloth.rest.is_some_and(|old| *change < Change::Mesh || same_topology(old.shape(), &rest));
     let old = cloth.inputs.as_ref().filter(|_| continues);
     let origin = match &cloth.particles {
         Some(particles) if continues => particles.origin,

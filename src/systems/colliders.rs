@@ -47,7 +47,14 @@ pub(crate) fn shapes(
     meshes: Res<Assets<Mesh>>,
     sources: Res<Sources>,
     mut notices: ResMut<Notices>,
-    mut colliders: Query<(Entity, Option<&Name>, Ref<ClothCollider>, &GlobalTransform, Option<&Mesh3d>, Option<&mut ColliderBody>)>,
+    mut colliders: Query<(
+        Entity,
+        Option<&Name>,
+        Ref<ClothCollider>,
+        &GlobalTransform,
+        Option<&Mesh3d>,
+        Option<&mut ColliderBody>,
+    )>,
 ) {
     for (entity, name, collider, global, mesh, body) in &mut colliders {
         let source = mesh.map(|m| sources.authored(&m.0));

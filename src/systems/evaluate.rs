@@ -2,9 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::components::{
-    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, RecoveryLevel,
-};
+use crate::components::{Cloth, ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, RecoveryLevel};
 use crate::notices::{Notices, label};
 use crate::simulation::ClothScratch;
 

@@ -15,10 +15,7 @@ use crate::solver::step::{FrameInput, Scratch, prepare, step};
 pub(crate) fn integrate(
     time: Res<Time>,
     clock: Res<ClothClock>,
-    mut cloths: Query<
-        (&ClothRest, &mut ClothInputs, &mut ClothParticles, &mut ClothScratch, &mut ClothReport),
-        With<Cloth>,
-    >,
+    mut cloths: Query<(&ClothRest, &mut ClothInputs, &mut ClothParticles, &mut ClothScratch, &mut ClothReport), With<Cloth>>,
 ) {
     let (dt, interpolates) = (time.delta_secs(), clock.interpolates);
     // A cloth is work enough for a task.
@@ -68,6 +65,7 @@ fn advance(
     }
     report.substeps = done.substeps;
     report.worst_edge = done.worst_edge;
+    report.mean_edge = done.mean_edge;
     report.body_contacts = done.body_contacts;
     report.lost_time += done.lost_time;
     report.time = state.time as f32;

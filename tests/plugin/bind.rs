@@ -49,11 +49,23 @@ fn a_mesh_that_is_split_at_every_edge_hangs_in_one_piece() {
     let cloth = spawn(&mut app, split, border());
     run(&mut app, 60);
     assert_eq!((build(&app, cloth).vertices, build(&app, cloth).particles), (7 * 7 * 6, 64));
-    let rest = vectors(&{ let mut m = sheet(8); m.duplicate_vertices(); m }, Mesh::ATTRIBUTE_POSITION);
+    let rest = vectors(
+        &{
+            let mut m = sheet(8);
+            m.duplicate_vertices();
+            m
+        },
+        Mesh::ATTRIBUTE_POSITION,
+    );
     let now = positions(&app, cloth);
     for i in 0..rest.len() {
         for j in 0..i {
-            assert!(rest[i] != rest[j] || now[i] == now[j], "vertices {i} and {j} were together and are at {} and {}", now[i], now[j]);
+            assert!(
+                rest[i] != rest[j] || now[i] == now[j],
+                "vertices {i} and {j} were together and are at {} and {}",
+                now[i],
+                now[j]
+            );
         }
     }
     assert!(report(&app, cloth).worst_edge < 1.2, "{:?}", report(&app, cloth));
@@ -271,7 +283,10 @@ fn two_cloths_of_one_mesh_share_the_rest_shape_and_not_the_mesh() {
     assert!(rest(a).is_shared_with(rest(b)) && rest(a).is_shared_with(rest(pinned)));
     let id = |e| app.world().get::<Mesh3d>(e).map(|m| m.0.id());
     assert!(id(a) != id(b) && id(a) != Some(source.id()));
-    assert_eq!(vectors(app.world().resource::<Assets<Mesh>>().get(&source).expect("the source"), Mesh::ATTRIBUTE_POSITION), vectors(&sheet(8), Mesh::ATTRIBUTE_POSITION));
+    assert_eq!(
+        vectors(app.world().resource::<Assets<Mesh>>().get(&source).expect("the source"), Mesh::ATTRIBUTE_POSITION),
+        vectors(&sheet(8), Mesh::ATTRIBUTE_POSITION)
+    );
     assert!(lowest(&world_positions(&app, a)) < lowest(&world_positions(&app, pinned)), "one falls, one hangs");
 }
 

@@ -215,7 +215,8 @@ fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
         app.insert_resource(ClothGravity(Vec3::new(0.0, bad, 0.0)));
         app.insert_resource(GlobalWind { turbulence: bad, air_density: bad, ..GlobalWind::new(Vec3::splat(bad)) });
         app.world_mut().spawn(WindZone::sphere(bad, Vec3::splat(bad)));
-        app.world_mut().spawn((Transform::from_xyz(bad, bad, bad), ClothCollider::ball(bad).with_friction(bad).with_margin(bad)));
+        app.world_mut()
+            .spawn((Transform::from_xyz(bad, bad, bad), ClothCollider::ball(bad).with_friction(bad).with_margin(bad)));
         frame_length(&mut app, 0.002);
         run(&mut app, 20);
         assert_eq!(status(&app, cloth), ClothStatus::Active, "with {bad}");

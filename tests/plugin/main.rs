@@ -4,9 +4,12 @@
 mod common;
 
 mod bind;
-mod lifecycle;
-mod frame;
-mod pins;
 mod bodies;
+mod frame;
+#[cfg(feature = "gltf")]
+mod gltf;
+mod lifecycle;
+mod pins;
 mod sync;
+mod warnings;
 mod wiring;

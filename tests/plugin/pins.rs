@@ -1,7 +1,7 @@
 //! Where a cloth is held, and by what.
 
-use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothTargetLost, WaitingFor};

@@ -32,8 +32,7 @@ fn normals_are_right_under_an_uneven_scale() {
     world.insert_attribute(Mesh::ATTRIBUTE_POSITION, points);
     world.compute_area_weighted_normals();
     let to_world = affine.matrix3.inverse().transpose();
-    for (n, expected) in
-        vectors(shown(&app, cloth), Mesh::ATTRIBUTE_NORMAL).iter().zip(vectors(&world, Mesh::ATTRIBUTE_NORMAL))
+    for (n, expected) in vectors(shown(&app, cloth), Mesh::ATTRIBUTE_NORMAL).iter().zip(vectors(&world, Mesh::ATTRIBUTE_NORMAL))
     {
         let n = Vec3::from(to_world * Vec3A::from(*n)).normalize();
         assert!(n.distance(expected) < 2.0e-3, "{n} for {expected}");
@@ -86,7 +85,10 @@ fn bounds_hold_every_vertex_and_follow_it() {
         run(&mut app, 1);
         let aabb = app.world().get::<Aabb>(cloth).expect("bounds");
         for p in positions(&app, cloth) {
-            assert!(((Vec3A::from(p) - aabb.center).abs() - aabb.half_extents).max_element() <= 0.0, "{p} is outside of {aabb:?}");
+            assert!(
+                ((Vec3A::from(p) - aabb.center).abs() - aabb.half_extents).max_element() <= 0.0,
+                "{p} is outside of {aabb:?}"
+            );
         }
         assert!(aabb.half_extents.is_finite() && aabb.half_extents.max_element() < 1.0, "{aabb:?}");
     }

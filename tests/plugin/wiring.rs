@@ -10,7 +10,8 @@ use crate::common::*;
 #[test]
 #[should_panic(expected = "app.add_plugins(ClothPlugin::default())")]
 fn adding_the_plugin_twice_panics_with_the_line_to_write() {
-    App::new().add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin))
+    App::new()
+        .add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin))
         .add_plugins(ClothPlugin::default())
         .add_plugins(ClothPlugin::default());
 }
@@ -18,7 +19,9 @@ fn adding_the_plugin_twice_panics_with_the_line_to_write() {
 #[test]
 #[should_panic(expected = "cannot run in")]
 fn a_schedule_that_runs_once_panics_with_the_line_to_write() {
-    App::new().add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin)).add_plugins(ClothPlugin::new(Startup));
+    App::new()
+        .add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin))
+        .add_plugins(ClothPlugin::new(Startup));
 }
 
 #[test]
@@ -27,6 +30,31 @@ fn an_app_without_meshes_panics_with_the_line_to_write() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, ClothPlugin::default()));
     app.finish();
+}
+
+#[test]
+fn every_public_component_works_in_scenes_and_inspectors() {
+    use bevy::ecs::reflect::ReflectComponent;
+    use bevy::reflect::std_traits::ReflectDefault;
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    for name in [
+        "Cloth",
+        "ClothMaterial",
+        "ClothSolver",
+        "ClothPins",
+        "ClothCollider",
+        "ClothCollision",
+        "ClothLayers",
+        "ClothWind",
+        "WindZone",
+        "ClothStatus",
+        "ClothReport",
+        "ClothBuildReport",
+    ] {
+        let found = registry.get_with_short_type_path(name).unwrap_or_else(|| panic!("{name} is not registered"));
+        assert!(found.data::<ReflectComponent>().is_some() && found.data::<ReflectDefault>().is_some(), "{name}");
+    }
 }
 
 #[test]
@@ -58,7 +86,8 @@ fn one_thread_and_many_give_the_same_bits() {
         }
         app.insert_resource(GlobalWind::new(Vec3::new(4.0, 0.0, 1.0)));
         app.world_mut().spawn((Transform::from_xyz(0.0, -0.5, 0.3), ClothCollider::ball(0.2)));
-        let cloths: Vec<Entity> = (0..6).map(|i| spawn(&mut app, sheet(6 + i), (border(), Transform::from_xyz(0.1 * i as f32, 0.0, 0.0)))).collect();
+        let cloths: Vec<Entity> =
+            (0..6).map(|i| spawn(&mut app, sheet(6 + i), (border(), Transform::from_xyz(0.1 * i as f32, 0.0, 0.0)))).collect();
         run(&mut app, 60);
         cloths.iter().map(|&c| positions(&app, c)).collect::<Vec<_>>()
     };

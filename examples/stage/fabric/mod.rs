@@ -45,14 +45,14 @@ pub fn fabric(
     color: Color,
     repeats: f32,
 ) -> Handle<StandardMaterial> {
-    let relief = relief(look, LinearRgba::from(color).to_vec3());
+    let relief = relief(look, linear(color));
     let normal = texture::tile(Relief::TEXELS, relief.normals(), Meaning::Normal);
     let color = texture::tile(Relief::TEXELS, relief.colors, Meaning::Color);
     materials.add(StandardMaterial {
         base_color_texture: Some(images.add(color)),
-        normal_map_texture: std::env::var("T_NM").is_err().then(|| images.add(normal)),
+        normal_map_texture: Some(images.add(normal)),
         uv_transform: Affine2::from_scale(Vec2::splat(repeats)),
-        double_sided: std::env::var("T_DS").is_err(),
+        double_sided: true,
         cull_mode: None,
         ..shine(look)
     })
@@ -69,48 +69,30 @@ fn shine(look: FabricLook) -> StandardMaterial {
         FabricLook::Leather => (0.48, 0.50, 0.0),
         FabricLook::Rubber => (0.55, 0.45, 0.0),
     };
-    StandardMaterial {
-        perceptual_roughness,
-        reflectance,
-        diffuse_transmission,
-        ..default()
-    }
+    StandardMaterial { perceptual_roughness, reflectance, diffuse_transmission, ..default() }
+}
+
+/// A colour as linear light.
+fn linear(color: Color) -> Vec3 {
+    LinearRgba::from(color).to_vec3()
 }
 
 /// The surface of a fabric.
 fn relief(look: FabricLook, color: Vec3) -> Relief {
-    let plain = Weave {
-        pattern: Pattern::Plain,
-        yarns: Yarns::plain(color),
-        lift: 0.5,
-        depth: 0.22,
-        uneven: 0.12,
-        fuzz: 0.10,
-    };
+    let plain = Weave { pattern: Pattern::Plain, yarns: Yarns::Plain(color), lift: 0.5, depth: 0.22, uneven: 0.12, fuzz: 0.10 };
     match look {
         FabricLook::Cotton => plain.relief(),
         FabricLook::Linen => Weave { uneven: 0.30, fuzz: 0.16, depth: 0.28, ..plain }.relief(),
         FabricLook::Silk => {
             Weave { pattern: Pattern::Satin, lift: 0.2, depth: 0.06, uneven: 0.05, fuzz: 0.02, ..plain }.relief()
         }
-        FabricLook::Wool => {
-            Weave { pattern: Pattern::Twill, depth: 0.25, uneven: 0.30, fuzz: 0.45, ..plain }.relief()
+        FabricLook::Wool => Weave { pattern: Pattern::Twill, depth: 0.25, uneven: 0.30, fuzz: 0.45, ..plain }.relief(),
+        FabricLook::Denim => {
+            Weave { pattern: Pattern::Denim, yarns: Yarns::Denim(color), depth: 0.24, uneven: 0.35, fuzz: 0.20, ..plain }
+                .relief()
         }
-        FabricLook::Denim => Weave {
-            pattern: Pattern::Denim,
-            yarns: Yarns::denim(color),
-            depth: 0.24,
-            uneven: 0.35,
-            fuzz: 0.20,
-            ..plain
-        }
-        .relief(),
-        FabricLook::Stripes(second) => {
-            Weave { yarns: Yarns::stripes(color, LinearRgba::from(second).to_vec3()), ..plain }.relief()
-        }
-        FabricLook::Gingham(second) => {
-            Weave { yarns: Yarns::gingham(color, LinearRgba::from(second).to_vec3()), ..plain }.relief()
-        }
+        FabricLook::Stripes(second) => Weave { yarns: Yarns::Stripes([color, linear(second)]), ..plain }.relief(),
+        FabricLook::Gingham(second) => Weave { yarns: Yarns::Gingham([color, linear(second)]), ..plain }.relief(),
         FabricLook::Leather => Hide { color, grains: 26, depth: 2.2 }.relief(),
         FabricLook::Rubber => Hide { color, grains: 90, depth: 0.25 }.relief(),
     }

@@ -17,9 +17,8 @@ impl Relief {
     /// Asks for height and colour at every texel; coordinates run from 0 to 1.
     pub fn from_fn(texel: impl Fn(Vec2) -> (f32, Vec3)) -> Self {
         let center = |index: usize| Vec2::new((index % Self::TEXELS) as f32, (index / Self::TEXELS) as f32) + 0.5;
-        let (heights, colors) = (0..Self::TEXELS * Self::TEXELS)
-            .map(|index| texel(center(index) / Self::TEXELS as f32))
-            .unzip();
+        let (heights, colors) =
+            (0..Self::TEXELS * Self::TEXELS).map(|index| texel(center(index) / Self::TEXELS as f32)).unzip();
         Self { heights, colors }
     }
 

@@ -41,10 +41,17 @@ pub enum Pattern {
     Satin,
 }
 
-/// The colours of the yarns (linear).
-pub struct Yarns {
-    warp: [Vec3; 2],
-    weft: [Vec3; 2],
+/// Which yarn has which colour (linear).
+#[derive(Clone, Copy)]
+pub enum Yarns {
+    /// All the same.
+    Plain(Vec3),
+    /// Dyed warp, paler weft.
+    Denim(Vec3),
+    /// Bands of two colours, dyed through.
+    Stripes([Vec3; 2]),
+    /// Bands of two colours both ways; where they cross, the colours mix.
+    Gingham([Vec3; 2]),
 }
 
 /// Yarns along one repeat.
@@ -65,29 +72,16 @@ impl Pattern {
 }
 
 impl Yarns {
-    /// All the same.
-    pub fn plain(color: Vec3) -> Self {
-        Self { warp: [color; 2], weft: [color; 2] }
-    }
-
-    /// Dyed warp, raw weft.
-    pub fn denim(color: Vec3) -> Self {
-        Self { warp: [color; 2], weft: [color.lerp(Vec3::splat(0.7), 0.5); 2] }
-    }
-
-    /// Bands across the weft, dyed through.
-    pub fn stripes(color: Vec3, second: Vec3) -> Self {
-        Self { warp: [color, second], weft: [color.lerp(second, 0.5); 2] }
-    }
-
-    /// Bands both ways; where they cross, the colours mix.
-    pub fn gingham(color: Vec3, second: Vec3) -> Self {
-        Self { warp: [color, second], weft: [color, second] }
-    }
-
-    /// Which of two bands a yarn is in.
-    fn band(index: usize) -> usize {
-        index / (YARNS / 2) % 2
+    /// The colour where a warp and a weft yarn cross, of the one on top.
+    fn color(self, warp: usize, weft: usize, warp_on_top: bool) -> Vec3 {
+        let band = |yarn: usize| yarn / (YARNS / 2) % 2;
+        match self {
+            Self::Plain(color) => color,
+            Self::Denim(color) if warp_on_top => color,
+            Self::Denim(color) => color.lerp(Vec3::splat(0.7), 0.35),
+            Self::Stripes(colors) => colors[band(warp)],
+            Self::Gingham(colors) => colors[band(if warp_on_top { warp } else { weft })],
+        }
     }
 }
 
@@ -111,10 +105,10 @@ impl Weave {
         let height_of_warp = self.height(u.fract(), way_of_warp);
         let height_of_weft = self.height(v.fract(), way_of_weft);
         if height_of_warp >= height_of_weft {
-            let color = self.yarns.warp[Yarns::band(warp)];
+            let color = self.yarns.color(warp, weft, true);
             self.finish(height_of_warp, color, warp, u.fract(), point.yx())
         } else {
-            let color = self.yarns.weft[Yarns::band(weft)];
+            let color = self.yarns.color(warp, weft, false);
             self.finish(height_of_weft, color, weft + YARNS, v.fract(), point)
         }
     }

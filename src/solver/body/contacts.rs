@@ -5,11 +5,11 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
 use parry3d::shape::TypedShape;
 
+use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
 use super::sweep::{plane_at, sweep};
-use super::Body;
 
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug)]
@@ -202,25 +202,27 @@ impl BodyContacts {
             };
             let mut state = Particles { positions, previous };
             contacts += match geometry {
-                Geometry::Ball { radius } => {
-                    setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius))
+                Geometry::Ball { radius } => setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius)),
+                Geometry::Capsule { a, ab, inverse_length2, radius } => {
+                    setting
+                        .project::<false>(candidates, &mut state, |q, _| distance::capsule(q, a, ab, inverse_length2, radius))
                 }
-                Geometry::Capsule { a, ab, inverse_length2, radius } => setting
-                    .project::<false>(candidates, &mut state, |q, _| distance::capsule(q, a, ab, inverse_length2, radius)),
-                Geometry::Cuboid { half } => {
-                    setting.project::<false>(candidates, &mut state, |q, _| distance::cuboid(q, half))
-                }
+                Geometry::Cuboid { half } => setting.project::<false>(candidates, &mut state, |q, _| distance::cuboid(q, half)),
                 Geometry::HalfSpace { normal } => {
                     setting.project::<false>(candidates, &mut state, |q, _| distance::half_space(q, normal))
                 }
-                Geometry::Cylinder { half_height, radius } => setting
-                    .project::<false>(candidates, &mut state, |q, _| distance::cylinder(q, half_height, radius)),
-                Geometry::Cone { half_height, radius, side } => setting
-                    .project::<false>(candidates, &mut state, |q, _| distance::cone(q, half_height, radius, side)),
-                Geometry::Hull { planes, polyhedron } => setting
-                    .project::<true>(candidates, &mut state, |q, reach| geometry::hull(q, reach, planes, polyhedron)),
-                Geometry::Mesh { mesh, solid } => setting
-                    .project::<true>(candidates, &mut state, |q, reach| geometry::mesh(q, reach, mesh, solid)),
+                Geometry::Cylinder { half_height, radius } => {
+                    setting.project::<false>(candidates, &mut state, |q, _| distance::cylinder(q, half_height, radius))
+                }
+                Geometry::Cone { half_height, radius, side } => {
+                    setting.project::<false>(candidates, &mut state, |q, _| distance::cone(q, half_height, radius, side))
+                }
+                Geometry::Hull { planes, polyhedron } => {
+                    setting.project::<true>(candidates, &mut state, |q, reach| geometry::hull(q, reach, planes, polyhedron))
+                }
+                Geometry::Mesh { mesh, solid } => {
+                    setting.project::<true>(candidates, &mut state, |q, reach| geometry::mesh(q, reach, mesh, solid))
+                }
                 Geometry::Heights { field } => {
                     setting.project::<true>(candidates, &mut state, |q, reach| geometry::heights(q, reach, field))
                 }
@@ -336,8 +338,7 @@ impl Setting {
             let swept = if s1.distance < 0.0 || path_bound >= least + self.clip {
                 let s0 = sample(q0, reach);
                 // Outside before; inside now, or far enough to have come out on the other side.
-                let crossed =
-                    s0.distance > 0.0 && (s1.distance < 0.0 || (q1 - q0).length() >= s0.distance + self.clip);
+                let crossed = s0.distance > 0.0 && (s1.distance < 0.0 || (q1 - q0).length() >= s0.distance + self.clip);
                 if crossed { sweep(&sample, (q0, s0), q1, self.keep) } else { None }
             } else {
                 None

@@ -93,11 +93,7 @@ pub(super) fn cylinder(q: Vec3A, half_height: f32, radius: f32) -> Sample {
         let n = outside / length;
         return revolve(q, rho, length, Vec2::new(n.x, n.y * up));
     }
-    if e.x > e.y {
-        revolve(q, rho, e.x, Vec2::X)
-    } else {
-        revolve(q, rho, e.y, Vec2::new(0.0, up))
-    }
+    if e.x > e.y { revolve(q, rho, e.x, Vec2::X) } else { revolve(q, rho, e.y, Vec2::new(0.0, up)) }
 }
 
 /// Normal of a cone's side in `(ρ, y)`.

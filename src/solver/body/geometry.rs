@@ -159,4 +159,3 @@ pub(super) fn part(shape: &dyn Shape, i: u32) -> Option<&dyn Shape> {
         None => (i == 0).then_some(shape),
     }
 }
-

@@ -4,9 +4,7 @@
 
 use glam::Vec3;
 use parry3d::math::Pose;
-use parry3d::shape::{
-    Compound, ConvexPolyhedron, HeightField, SharedShape, TriMesh, TriMeshFlags, TypedShape,
-};
+use parry3d::shape::{Compound, ConvexPolyhedron, HeightField, SharedShape, TriMesh, TriMeshFlags, TypedShape};
 use parry3d::utils::Array2;
 
 /// Largest coordinate or size of a shape [m].
@@ -73,7 +71,9 @@ pub enum ShapeError {
         index: usize,
     },
     /// A part of a compound is itself made of parts.
-    #[error("part {index} of a compound is a triangle mesh, height field, polyline, voxels or compound: give it a body of its own")]
+    #[error(
+        "part {index} of a compound is a triangle mesh, height field, polyline, voxels or compound: give it a body of its own"
+    )]
     Nested {
         /// Index of the part.
         index: usize,
@@ -175,9 +175,8 @@ fn spans_volume(cloud: &[Vec3]) -> bool {
     let Some(&a) = cloud.first() else {
         return false;
     };
-    let farthest = |measure: &dyn Fn(Vec3) -> f32| {
-        cloud.iter().copied().max_by(|&p, &q| measure(p).total_cmp(&measure(q))).unwrap_or(a)
-    };
+    let farthest =
+        |measure: &dyn Fn(Vec3) -> f32| cloud.iter().copied().max_by(|&p, &q| measure(p).total_cmp(&measure(q))).unwrap_or(a);
     let b = farthest(&|p| p.distance_squared(a));
     let ab = b - a;
     let length = ab.length();
@@ -267,7 +266,9 @@ pub fn compound(parts: Vec<(Pose, SharedShape)>) -> Result<SharedShape, ShapeErr
         if !finite(pose.translation) || !is_unit {
             return Err(ShapeError::Pose { index });
         }
-        if part.as_composite_shape().is_some() || matches!(part.as_typed_shape(), TypedShape::HeightField(_) | TypedShape::Voxels(_)) {
+        if part.as_composite_shape().is_some()
+            || matches!(part.as_typed_shape(), TypedShape::HeightField(_) | TypedShape::Voxels(_))
+        {
             return Err(ShapeError::Nested { index });
         }
     }

@@ -102,7 +102,10 @@ impl Scene {
 }
 
 fn lerp(body: &Body, s: f32) -> Pose {
-    Pose::from_parts(body.from.translation.lerp(body.to.translation, s), body.from.rotation.lerp(body.to.rotation, s).normalize())
+    Pose::from_parts(
+        body.from.translation.lerp(body.to.translation, s),
+        body.from.rotation.lerp(body.to.rotation, s).normalize(),
+    )
 }
 
 fn is_surface(shape: &SharedShape) -> bool {

@@ -148,15 +148,7 @@ fn normal(surface: &Surface, positions: &[Vec4], particle: u32) -> DVec3 {
 }
 
 /// Asks the edges of two faces against the other face.
-fn cross_faces(
-    surface: &Surface,
-    positions: &[Vec4],
-    asks: &[u8],
-    f: u32,
-    g: u32,
-    ties: &mut Ties,
-    out: &mut Vec<Crossing>,
-) {
+fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u32, ties: &mut Ties, out: &mut Vec<Crossing>) {
     let (tf, tg) = (surface.topology.faces[f as usize], surface.topology.faces[g as usize]);
     if are_apart(positions, tf, tg) {
         return;
@@ -212,12 +204,25 @@ fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3]) -> bool {
 /// one side, or all lie in it.
 #[inline]
 fn sides(plane: &Plane, points: &[Point; 3], shared: [bool; 3], ties: &mut Ties) -> Option<[Option<Side>; 3]> {
+    let mut sides = [None; 3];
+    let (mut above, mut below) = (true, true);
+    for k in 0..3 {
+        if !shared[k] {
+            let Some(side) = plane.clear_side(points[k]) else { return doubtful_sides(plane, points, shared, ties) };
+            above &= side.positive;
+            below &= !side.positive;
+            sides[k] = Some(side);
+        }
+    }
+    if above || below { None } else { Some(sides) }
+}
+
+#[cold]
+fn doubtful_sides(plane: &Plane, points: &[Point; 3], shared: [bool; 3], ties: &mut Ties) -> Option<[Option<Side>; 3]> {
     if (0..3).all(|k| shared[k] || plane.holds(points[k])) {
         return None;
     }
-    let sides = [0, 1, 2].map(|k: usize| if shared[k] { None } else { Some(plane.side(points[k], ties)) });
-    let clear = |positive: bool| sides.iter().flatten().all(|s| s.clear && s.positive == positive);
-    if clear(true) || clear(false) { None } else { Some(sides) }
+    Some([0, 1, 2].map(|k: usize| if shared[k] { None } else { Some(plane.side(points[k], ties)) }))
 }
 
 /// Asks the edge `(u, v)`, whose ends lie on different sides of the plane of `face`, whether it passes inside the face.

@@ -6,11 +6,11 @@
 //! positions ─► Tree::refit ─► pairs of faces whose boxes meet ─► orientation signs ─► crossings, sorted
 //! ```
 
+pub mod crossing;
+pub mod orient;
+pub mod proximity;
 pub mod surface;
 pub mod tree;
-pub mod orient;
-pub mod crossing;
-pub mod proximity;
 
 pub use crossing::{Crossing, Detector};
 pub use proximity::{Proximity, ProximityKind, ProximitySettings};

@@ -64,26 +64,29 @@ impl Plane {
         Self {
             corners: [a, b, c],
             normal: u.cross(v),
-            magnitude: DVec3::new(
-                p.y * q.z + p.z * q.y,
-                p.z * q.x + p.x * q.z,
-                p.x * q.y + p.y * q.x,
-            ),
+            magnitude: DVec3::new(p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x),
         }
+    }
+
+    /// Side of the plane on which `d` lies, if rounding leaves no doubt.
+    #[inline]
+    #[must_use]
+    pub fn clear_side(&self, d: Point) -> Option<Side> {
+        let w = d.at - self.corners[0].at;
+        let value = self.normal.dot(w);
+        let clear = value.abs() > FILTER * self.magnitude.dot(w.abs());
+        clear.then_some(Side { value, positive: value > 0.0, clear, tie: false })
     }
 
     /// Side of the plane on which `d` lies.
     #[inline]
     #[must_use]
     pub fn side(&self, d: Point, ties: &mut Ties) -> Side {
-        let w = d.at - self.corners[0].at;
-        let value = self.normal.dot(w);
-        if value.abs() > FILTER * self.magnitude.dot(w.abs()) {
-            return Side { value, positive: value > 0.0, clear: true, tie: false };
-        }
-        let [a, b, c] = self.corners;
-        let (positive, tie) = ties.decide([a, b, c, d]);
-        Side { value, positive, clear: false, tie }
+        self.clear_side(d).unwrap_or_else(|| {
+            let [a, b, c] = self.corners;
+            let (positive, tie) = ties.decide([a, b, c, d]);
+            Side { value: self.normal.dot(d.at - a.at), positive, clear: false, tie }
+        })
     }
 
     /// Whether a point lies exactly in the plane.
@@ -347,8 +350,7 @@ mod tests {
 
     #[test]
     fn ties_do_not_depend_on_the_order_of_the_question() {
-        let p: Vec<Point> =
-            (0..4).map(|i| Point { id: 7 - i, at: DVec3::new(f64::from(i), f64::from(i * i), 0.0) }).collect();
+        let p: Vec<Point> = (0..4).map(|i| Point { id: 7 - i, at: DVec3::new(f64::from(i), f64::from(i * i), 0.0) }).collect();
         let mut with = Ties::default();
         with.directions = (0..8).map(|i| Ties::direction(DVec3::Z, (i % 3) as u16, i)).collect();
         for mut ties in [Ties::default(), with] {

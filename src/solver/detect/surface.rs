@@ -156,8 +156,7 @@ impl Surface {
                 self.on_border[ends[1] as usize] = true;
             }
         }
-        let sum: f64 =
-            edges.iter().map(|e| f64::from(self.rest[e[0] as usize].distance(self.rest[e[1] as usize]))).sum();
+        let sum: f64 = edges.iter().map(|e| f64::from(self.rest[e[0] as usize].distance(self.rest[e[1] as usize]))).sum();
         self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
     }
 

@@ -11,7 +11,7 @@
 //!
 //! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not tested against
 //! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits and holes, so it is drawn
-//! only for nodes whose faces form a disc that contains no border of the mesh.
+//! only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at rest.
 //!
 //! A cloth with a particle that is not finite or absurdly far is *quarantined*: its leaves get the empty box, which meets nothing,
 //! so it contributes no pair and changes no box that another cloth's pairs depend on.
@@ -70,7 +70,7 @@ struct Node {
     /// Faces of a leaf.
     count: u16,
     part: u16,
-    /// Whether the faces below form a disc without a border of the mesh.
+    /// Whether the faces below form a disc without slits.
     disc: bool,
     /// Box of the unit normals below.
     normals: Bounds,
@@ -101,12 +101,8 @@ impl Tree {
             quarantined: vec![false; surface.parts.len()],
             ..Self::default()
         };
-        let centre: Vec<Vec3> = surface
-            .topology
-            .faces
-            .iter()
-            .map(|t| t.iter().map(|&v| surface.rest[v as usize]).sum::<Vec3>() / 3.0)
-            .collect();
+        let centre: Vec<Vec3> =
+            surface.topology.faces.iter().map(|t| t.iter().map(|&v| surface.rest[v as usize]).sum::<Vec3>() / 3.0).collect();
         if !surface.parts.is_empty() {
             tree.split_parts(surface, &centre, 0, surface.parts.len());
         }
@@ -116,7 +112,7 @@ impl Tree {
         tree
     }
 
-    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without a border of the mesh.
+    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) with borders of the mesh at the sides of its box only.
     fn find_discs(&mut self, surface: &Surface) {
         let topology = &surface.topology;
         let mut owner = vec![u32::MAX; topology.faces.len()];
@@ -132,6 +128,10 @@ impl Tree {
             for &f in &self.faces[faces.clone()] {
                 owner[f as usize] = id;
             }
+            let corners = self.faces[faces.clone()].iter().flat_map(|&f| topology.faces[f as usize]);
+            let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| {
+                (low.min(surface.rest[v as usize]), high.max(surface.rest[v as usize]))
+            });
             let (mut vertices, mut edges, mut reached, mut border) = (0, 0, 0, false);
             queue.clear();
             queue.push(self.faces[faces.start]);
@@ -145,7 +145,8 @@ impl Tree {
                 for e in topology.face_edges[f as usize] {
                     edges += usize::from(seen_edge[e as usize] != id);
                     seen_edge[e as usize] = id;
-                    border |= topology.is_border(e);
+                    let ends = topology.edges[e as usize].map(|v| surface.rest[v as usize]);
+                    border |= topology.is_border(e) && !runs_along_a_side(low, high, ends);
                     for g in topology.edge_faces[e as usize] {
                         if g != NONE && owner[g as usize] == id {
                             owner[g as usize] = u32::MAX;
@@ -349,7 +350,7 @@ impl Tree {
             let (near, far) = (u.min(v), u.max(v));
             let near = near.x.max(near.y).max(near.z);
             let far = far.x.min(far.y).min(far.z);
-            !(near > far * (1.0 + 1.0e-5) + 1.0e-6)
+            near.partial_cmp(&(far * (1.0 + 1.0e-5) + 1.0e-6)) != Some(core::cmp::Ordering::Greater)
         };
         let mut stack = core::mem::take(&mut self.stack);
         stack.clear();
@@ -380,6 +381,16 @@ impl Node {
         let first = (self.right & !IS_LEAF) as usize;
         first..first + usize::from(self.count)
     }
+}
+
+/// Whether a segment lies in one side of a box, along an axis in which the box is not flat.
+fn runs_along_a_side(low: Vec3, high: Vec3, [a, b]: [Vec3; 2]) -> bool {
+    let size = high - low;
+    let slack = 1.0e-3 * size.max_element();
+    (0..3).any(|k| {
+        let on = |side: f32| (a[k] - side).abs() <= slack && (b[k] - side).abs() <= slack;
+        size[k] > 100.0 * slack && (on(low[k]) || on(high[k]))
+    })
 }
 
 #[inline]

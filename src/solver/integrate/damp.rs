@@ -17,7 +17,8 @@ pub fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], previous
         let d: [Vec4; LANES] = std::array::from_fn(|l| (xb[l] - xa[l]) * XYZ);
         let u: [Vec4; LANES] = std::array::from_fn(|l| (xb[l] - ob[l]) - (xa[l] - oa[l]));
         let w = Vec4::from_array(std::array::from_fn(|l| xa[l].w + xb[l].w));
-        let (d4, u4) = (Mat4::from_cols(d[0], d[1], d[2], d[3]).transpose(), Mat4::from_cols(u[0], u[1], u[2], u[3]).transpose());
+        let (d4, u4) =
+            (Mat4::from_cols(d[0], d[1], d[2], d[3]).transpose(), Mat4::from_cols(u[0], u[1], u[2], u[3]).transpose());
         let approach = d4.x_axis * u4.x_axis + d4.y_axis * u4.y_axis + d4.z_axis * u4.z_axis;
         let squared = d4.x_axis * d4.x_axis + d4.y_axis * d4.y_axis + d4.z_axis * d4.z_axis;
         let impulse = (approach * fraction / (w * squared).max(Vec4::splat(f32::MIN_POSITIVE))).to_array();

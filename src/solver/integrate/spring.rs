@@ -41,8 +41,8 @@ impl SpringFactors {
             let w = Vec4::from_array(std::array::from_fn(|lane| {
                 positions[springs.a[k][lane] as usize].w + positions[springs.b[k][lane] as usize].w
             }));
-            let membrane = Vec4::splat(fabric.stretch_stiffness)
-                + springs.shear[k] * (fabric.shear_stiffness - fabric.stretch_stiffness);
+            let membrane =
+                Vec4::splat(fabric.stretch_stiffness) + springs.shear[k] * (fabric.shear_stiffness - fabric.stretch_stiffness);
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
             let free = w.cmpgt(Vec4::ZERO);
             self.soft.push(Vec4::select(free, (w + (stiffness * h * h).recip()).recip(), Vec4::ZERO));
@@ -76,8 +76,7 @@ pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, posi
         let (pa, pb, d) = gather(a, b, positions);
         let q = lengths_squared(d) * inverse_square;
         let ratio = (q + Vec4::splat(3.0)) / (q * 3.0 + Vec4::ONE);
-        let s = ((Vec4::ONE - ratio) * soft).max((Vec4::ONE - ratio * slack) * hard);
-        let s = s.to_array();
+        let s = ((Vec4::ONE - ratio) * soft).max((Vec4::ONE - ratio * slack) * hard).to_array();
         for lane in 0..LANES {
             let move_by = d[lane] * XYZ * s[lane];
             positions[a[lane] as usize] = pa[lane] + move_by * pa[lane].w;

@@ -58,9 +58,8 @@ impl History {
             let w = pair.particles.map(|v| positions[v as usize].w);
             let sum: f32 = w.iter().zip(pair.weights).map(|(w, c)| w * c * c).sum();
             if sum > 0.0 {
-                for k in 0..4 {
-                    out.push((pair.particles[k], normal * (side * depth * w[k] * pair.weights[k] / sum)));
-                }
+                let parts = pair.particles.into_iter().zip(w).zip(pair.weights);
+                out.extend(parts.map(|((v, w), c)| (v, normal * (side * depth * w * c / sum))));
             }
         }
     }

@@ -111,13 +111,7 @@ impl Latches {
     }
 
     /// Carries memories over to the contours found now. `fresh` decides for a contour that is new; `reach` [m] bounds matching by centre.
-    pub fn carry(
-        &mut self,
-        crossings: &[Crossing],
-        graph: &ContourGraph,
-        reach: f32,
-        fresh: impl Fn(&Contour) -> Strategy,
-    ) {
+    pub fn carry(&mut self, crossings: &[Crossing], graph: &ContourGraph, reach: f32, fresh: impl Fn(usize) -> Strategy) {
         core::mem::swap(&mut self.now, &mut self.before);
         self.vote(crossings, graph);
         self.now.clear();
@@ -144,7 +138,7 @@ impl Latches {
                     old.side = 1 - old.side;
                 }
             }
-            let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(contour), ..Latch::new() });
+            let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(k), ..Latch::new() });
             latch.age += 1;
             if latch.strategy != Strategy::Push {
                 latch.progress(contour.length);

@@ -5,13 +5,20 @@
 //! ```
 //!
 //! One call to [`Resolver::advance`] is one iteration: it moves every tangled particle by at most a fraction of an edge and leaves the
-//! cloth to its springs. Positions and previous positions move together, so untangling injects no velocity.
+//! cloth to its springs. Positions and previous positions move together, so untangling injects no velocity; what is left of the motion
+//! of both sides into each other is taken out as in an inelastic collision.
+//!
+//! | end type | first | when that makes no progress |
+//! |---|---|---|
+//! | Closed, Eight, BIBI, BLI, unknown; BBII whose gradients agree | shrink | push, shrink, ..., peel |
+//! | BBII, Cross | push | shrink, push, ..., peel |
+//! | LL | peel | shrink, peel, ... |
 
 pub mod contour;
 pub mod gradient;
-pub mod region;
-pub mod latch;
 pub mod history;
+pub mod latch;
+pub mod region;
 
 pub use contour::{Contour, ContourGraph, ContourKind};
 pub use latch::Strategy;
@@ -29,6 +36,8 @@ use region::{Flood, Region};
 
 /// A contour that ends inside a sheet is prolonged to the border over at most this fraction of its length.
 const PROLONG: f32 = 1.0;
+/// A contour that cuts a sheet in two is shrunk all the same while its gradients agree at least so far.
+const COHERENT: f64 = 0.6;
 /// Passes of smoothing along the contour when it is peeled.
 const PASSES: usize = 16;
 /// Most rings that shrinking moves.
@@ -45,7 +54,8 @@ pub enum Method {
     LocalGradient,
     /// One summed gradient per contour (Wen et al. 2009).
     GlobalGradient,
-    /// Per contour, by how it ends: summed gradient with the exact vertex gradient, region push, escape along a free direction.
+    /// Per contour, by how it ends: summed gradient with the exact vertex gradient, region push, or gradient along stretches; another of
+    /// these when one makes no progress.
     #[default]
     ByEndType,
 }
@@ -58,11 +68,13 @@ pub struct ResolveSettings {
     /// Largest displacement of a particle per iteration, as a fraction of the mean edge, of each side when both are equally heavy.
     /// Default 0.1. Smaller is slower; much larger overshoots and folds triangles over.
     pub step: f32,
-    /// Iterations without a shorter contour after which its strategy is changed. Default 10.
+    /// Iterations without progress after which a contour's strategy is changed; doubled with every change. Default 10.
     pub patience: u32,
-    /// Largest growth of the step of a contour that keeps moving in one direction. Default 5.
+    /// Largest growth of the step of a contour that keeps moving in one direction. Default 5. More is faster on deep tangles and tears at
+    /// the edges around a pushed region; 1 keeps every step the same.
     pub pace: f32,
-    /// How far the motion of a shrinking contour spreads into its sheets, as a fraction of its length. Default 0.5.
+    /// How far the motion of a shrinking contour spreads into its sheets, as a fraction of its length. Default 0.5. 0 moves only the
+    /// particles at the contour, which the rest of a fine sheet holds back.
     pub spread: f32,
 }
 
@@ -183,9 +195,9 @@ impl Patch {
         }
         for _ in 0..rings {
             self.now += 1;
-            for side in 0..2 {
+            for (side, first) in first.iter_mut().enumerate() {
                 let last = self.sides[side].len();
-                for k in first[side]..last {
+                for k in *first..last {
                     let v = self.sides[side][k];
                     for &(u, _) in surface.topology.around(v) {
                         if self.seen[u as usize][1 - side] != self.stamp {
@@ -193,7 +205,7 @@ impl Patch {
                         }
                     }
                 }
-                first[side] = last;
+                *first = last;
                 self.ring_end[side].push(self.sides[side].len() as u32);
             }
         }
@@ -252,6 +264,17 @@ fn load(positions: &[Vec4], particles: impl IntoIterator<Item = u32>) -> Load {
     sum
 }
 
+/// How far the gradients along a contour agree: 1 where all pull one way, 0 where they cancel.
+fn coherence(graph: &ContourGraph, terms: &[Terms], contour: usize) -> f64 {
+    let (mut sum, mut size) = (DVec3::ZERO, 0.0);
+    for &i in graph.nodes_of(contour) {
+        let pull = terms[i as usize].pull();
+        sum += if graph.side[i as usize] == 0 { pull } else { -pull };
+        size += pull.length();
+    }
+    if size > 0.0 { sum.length() / size } else { 0.0 }
+}
+
 /// `d = step g / sqrt(|g|² + 1)`
 fn saturate(g: DVec3, step: f32) -> Vec3 {
     (g / (g.length_squared() + 1.0).sqrt()).as_vec3() * step
@@ -286,9 +309,6 @@ impl Resolver {
         self.latches.now.iter().map(|l| l.strategy)
     }
 
-    /// DEBUG
-    pub fn latches_debug(&self) -> String { self.latches.now.iter().map(|l| format!("{:?} pace {:.2} head {:.2} age {} stale {} |", l.strategy, l.pace, l.heading, l.age, l.stale)).collect() }
-
     /// One iteration on the crossings analysed last: moves `positions` and `previous` together.
     pub fn advance(
         &mut self,
@@ -313,13 +333,19 @@ impl Resolver {
             return;
         }
         let by_type = settings.method == Method::ByEndType;
-        self.latches.carry(detector.crossings(), &self.graph, 2.0 * surface.mean_edge, |c| match c.kind {
-            ContourKind::Bbii | ContourKind::Cross if by_type => Strategy::Push,
+        let (graph, terms) = (&self.graph, &self.terms);
+        self.latches.carry(detector.crossings(), graph, 2.0 * surface.mean_edge, |k| match graph.contours[k].kind {
+            ContourKind::Cross if by_type => Strategy::Push,
+            ContourKind::Bbii if by_type && coherence(graph, terms, k) < COHERENT => Strategy::Push,
+            ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
         });
         for latch in self.latches.now.iter_mut().filter(|_| by_type) {
-            if latch.stale > settings.patience << latch.turns.min(4) {
-                let pushable = matches!(latch.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
+            // A region needs a while to gather pace, the longer the more edges it hangs on.
+            let edges = if latch.strategy == Strategy::Push { latch.longest / surface.mean_edge } else { 0.0 };
+            if latch.stale > (settings.patience + edges as u32 / 4) << latch.turns.min(4) {
+                let pushable =
+                    matches!(latch.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
                 latch.turn_to(match latch.strategy {
                     Strategy::Shrink if pushable => Strategy::Push,
                     Strategy::Push if latch.turns % 4 != 3 => Strategy::Shrink,
@@ -336,7 +362,7 @@ impl Resolver {
                 Method::LocalGradient => self.shrink_each(surface, crossings, positions, k, step),
                 Method::GlobalGradient => self.shrink(surface, crossings, positions, k, step, false, settings),
                 Method::ByEndType if self.latches.now[k].strategy == Strategy::Peel => {
-                    self.peel(surface, crossings, positions, k, step, settings);
+                    self.peel(surface, crossings, positions, k, settings.pace * step, settings);
                 }
                 Method::ByEndType => {
                     let pushed = self.latches.now[k].strategy == Strategy::Push
@@ -413,14 +439,7 @@ impl Resolver {
     }
 
     /// Every crossing for itself.
-    fn shrink_each(
-        &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
-        positions: &[Vec4],
-        contour: usize,
-        step: f32,
-    ) {
+    fn shrink_each(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4], contour: usize, step: f32) {
         for &i in self.graph.nodes_of(contour) {
             let c = &crossings[i as usize];
             let edge = surface.topology.edges[c.edge as usize];
@@ -463,13 +482,13 @@ impl Resolver {
         if exact {
             let rings = ((settings.spread * self.latches.now[contour].longest / surface.mean_edge) as usize).min(MOST_RINGS);
             self.patch.grow(surface, rings);
-            for side in 0..2 {
+            for (side, share) in share.into_iter().enumerate() {
                 let along = if side == 0 { d } else { -d };
                 for ring in 0..rings {
                     let fall = 1.0 - (ring + 1) as f32 / (rings + 1) as f32;
                     let ends = &self.patch.ring_end[side];
                     for &v in &self.patch.sides[side][ends[ring] as usize..ends[ring + 1] as usize] {
-                        self.shift.add(v, share[side] * fall * along, share[side] * step);
+                        self.shift.add(v, share * fall * along, share * step);
                     }
                 }
             }
@@ -479,11 +498,8 @@ impl Resolver {
             let side = usize::from(self.graph.side[i as usize]);
             let (on_edge, on_face) = (share[side], share[1 - side]);
             let along = if side == 0 { d } else { -d };
-            let (pull, tilt) = if exact {
-                ((terms.r - terms.s).as_vec3() * step, terms.s.as_vec3() * step)
-            } else {
-                (Vec3::ZERO, Vec3::ZERO)
-            };
+            let (pull, tilt) =
+                if exact { ((terms.r - terms.s).as_vec3() * step, terms.s.as_vec3() * step) } else { (Vec3::ZERO, Vec3::ZERO) };
             for (v, w) in surface.topology.edges[c.edge as usize].into_iter().zip([1.0 - c.t, c.t]) {
                 self.shift.add(v, on_edge * (along + w * pull), on_edge * step);
             }
@@ -588,7 +604,7 @@ impl Resolver {
         }
         let rings = (settings.spread * graph.contours[contour].length / surface.mean_edge).min(PEEL_RINGS) as usize;
         patch.grow(surface, rings);
-        for side in 0..2 {
+        for (side, share) in share.into_iter().enumerate() {
             let ends = &patch.ring_end[side];
             let mut ring = 0;
             for (k, &v) in patch.sides[side].iter().enumerate() {
@@ -609,7 +625,7 @@ impl Resolver {
                     along[v as usize] = along[v as usize].clamp_length_max(step);
                 }
                 let fall = 1.0 - ring as f32 / (rings + 1) as f32;
-                shift.add(v, share[side] * fall * along[v as usize], share[side] * step);
+                shift.add(v, share * fall * along[v as usize], share * step);
             }
         }
     }
@@ -669,7 +685,8 @@ impl Resolver {
             ContourKind::Ll => 0,
             _ if latched < 2 => latched,
             _ => {
-                let sizes = [0, 1].map(|side| self.region(surface, crossings, positions, contour, side, seed).map(|r| (r.pinned, r.area)));
+                let sizes = [0, 1]
+                    .map(|side| self.region(surface, crossings, positions, contour, side, seed).map(|r| (r.pinned, r.area)));
                 match sizes {
                     [Some(a), Some(b)] => u8::from(b < a),
                     [None, Some(_)] => 1,
@@ -720,6 +737,9 @@ impl Resolver {
         let other = &surface.parts[on(1 - side)].particles;
         let mine = Load { mass: region.mass, pinned: region.pinned };
         let theirs = if on(0) == on(1) { Load::default() } else { load(positions, other.clone()) };
+        // A small piece of a heavy cloth is still heavy cloth: weigh it by its density, too.
+        let density = (mine.mass / self.flood.region().len() as f32) / (theirs.mass / other.len() as f32);
+        let mine = if density.is_finite() { Load { mass: mine.mass * density, ..mine } } else { mine };
         let share = shares([mine, theirs]).map(|s| 0.5 * s);
         if share[0] > 0.0 {
             for &v in self.flood.region() {

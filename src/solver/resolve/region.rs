@@ -149,21 +149,15 @@ impl Flood {
 
     /// Floods from both ends of a cut edge, around cut particles. Returns the region without pins, if only one has some;
     /// else the smaller by area; of two about as large, the one that holds the particle `keep`, if given. `None` when the cut does not separate.
-    pub fn smaller(
-        &mut self,
-        surface: &Surface,
-        positions: &[Vec4],
-        edge: u32,
-        keep: Option<u32>,
-    ) -> Option<Region> {
+    pub fn smaller(&mut self, surface: &Surface, positions: &[Vec4], edge: u32, keep: Option<u32>) -> Option<Region> {
         self.next_stamp();
         let ends = surface.topology.edges[edge as usize];
-        for k in 0..2 {
+        self.head = [0; 2];
+        self.area = [0.0; 2];
+        for (k, &end) in ends.iter().enumerate() {
             self.queue[k].clear();
-            self.queue[k].push(ends[k]);
-            self.seen[ends[k] as usize] = self.stamp + k as u32;
-            self.head[k] = 0;
-            self.area[k] = 0.0;
+            self.queue[k].push(end);
+            self.seen[end as usize] = self.stamp + k as u32;
         }
         loop {
             let k = usize::from(self.area[1] < self.area[0]);
@@ -197,13 +191,7 @@ impl Flood {
     }
 
     /// Flood `k` is exhausted; decides between it and the other.
-    fn settle(
-        &mut self,
-        surface: &Surface,
-        positions: &[Vec4],
-        keep: Option<u32>,
-        k: usize,
-    ) -> Option<Region> {
+    fn settle(&mut self, surface: &Surface, positions: &[Vec4], keep: Option<u32>, k: usize) -> Option<Region> {
         let first = self.summary(positions, k);
         let clearly = (1.0 + HYSTERESIS) * self.area[k];
         while self.area[1 - k] <= clearly || first.pinned {

@@ -45,9 +45,7 @@ pub fn batches<const N: usize>(particles: usize, elements: &[[u32; N]]) -> Vec<[
             }
         }
         // A particle with more than 64 constraints in one block: the rest one at a time.
-        out.extend(
-            colour_of.iter().enumerate().filter(|&(_, &c)| c >= COLOURS).map(|(k, _)| [base + k as u32; LANES]),
-        );
+        out.extend(colour_of.iter().enumerate().filter(|&(_, &c)| c >= COLOURS).map(|(k, _)| [base + k as u32; LANES]));
         for element in chunk {
             for &p in element {
                 used[p as usize] = 0;

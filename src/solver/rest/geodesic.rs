@@ -97,8 +97,7 @@ mod tests {
     #[test]
     fn on_a_flat_grid_the_distance_is_the_straight_line() {
         let n = 20u32;
-        let positions: Vec<Vec3> =
-            (0..=n).flat_map(|i| (0..=n).map(move |j| Vec3::new(i as f32, j as f32, 0.0))).collect();
+        let positions: Vec<Vec3> = (0..=n).flat_map(|i| (0..=n).map(move |j| Vec3::new(i as f32, j as f32, 0.0))).collect();
         let faces = (0..n)
             .flat_map(|i| (0..n).map(move |j| i * (n + 1) + j))
             .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])

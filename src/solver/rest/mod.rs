@@ -77,10 +77,7 @@ impl RestShape {
                 origin.push(v);
             }
         }
-        let given = Topology::new(
-            origin.len() as u32,
-            triangles.iter().map(|t| t.map(|v| compact[v as usize])).collect(),
-        );
+        let given = Topology::new(origin.len() as u32, triangles.iter().map(|t| t.map(|v| compact[v as usize])).collect());
         let number = order::cuthill_mckee(&given);
         let mut positions = vec![Vec3::ZERO; origin.len()];
         for (old, &v) in origin.iter().enumerate() {

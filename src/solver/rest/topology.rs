@@ -34,8 +34,7 @@ impl Topology {
             }
         }
         half.sort_unstable();
-        let mut topology =
-            Self { particles, face_edges: vec![[NONE; 3]; faces.len()], faces, ..Self::default() };
+        let mut topology = Self { particles, face_edges: vec![[NONE; 3]; faces.len()], faces, ..Self::default() };
         for (a, b, face, k) in half {
             if topology.edges.last() != Some(&[a, b]) {
                 topology.edges.push([a, b]);

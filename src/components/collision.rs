@@ -1,0 +1,20 @@
+//! How a cloth meets itself and other cloths.
+
+use bevy::prelude::*;
+
+/// How a cloth meets itself and other cloths.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothCollision {
+    /// Whether it keeps off itself. Default true.
+    pub self_collision: bool,
+    /// Order of layers of clothing: higher lies outside. Default 0.
+    pub layer: i32,
+}
+
+impl Default for ClothCollision {
+    fn default() -> Self {
+        Self { self_collision: true, layer: 0 }
+    }
+}

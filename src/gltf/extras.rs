@@ -1,0 +1,372 @@
+//! From the text of extras to what they mean. Every problem is collected; nothing stops the rest.
+
+use bevy::math::Vec3;
+use serde_json::{Map, Value};
+
+use crate::components::{ClothMaterial, ColorChannel, MeshFit, PinSelect};
+
+/// A key that could not be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Problem {
+    pub key: String,
+    pub what: String,
+}
+
+impl Problem {
+    pub fn new(key: impl Into<String>, what: impl Into<String>) -> Self {
+        Self { key: key.into(), what: what.into() }
+    }
+}
+
+/// Extras of a node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct NodeExtras {
+    pub cloth: Option<ClothExtras>,
+    pub collider: Option<ColliderExtras>,
+}
+
+/// The `cloth` key.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ClothExtras {
+    pub material: Option<MaterialExtras>,
+    pub pin: Option<PinSelect>,
+    pub self_collision: Option<bool>,
+    pub layer: Option<i32>,
+    pub thickness: Option<f32>,
+    pub substep_rate: Option<f32>,
+}
+
+/// The `cloth.material` key.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum MaterialExtras {
+    Given(Box<ClothMaterial>),
+    File(String),
+}
+
+/// The `collider` key.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ColliderExtras {
+    pub fit: MeshFit,
+    pub friction: Option<f32>,
+}
+
+/// Extras of a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SceneExtras {
+    pub gravity: Option<Vec3>,
+    pub wind: Option<Vec3>,
+}
+
+/// Reads the extras of a node. Keys of other programs are none of our business.
+pub(crate) fn node(text: &str, problems: &mut Vec<Problem>) -> NodeExtras {
+    let Some(extras) = object(text) else { return NodeExtras::default() };
+    let mut keys = Map::new();
+    let mut is_cloth = false;
+    match extras.get("cloth") {
+        None => {}
+        Some(Value::Object(object)) => {
+            is_cloth = true;
+            keys = object.clone();
+        }
+        Some(value) => match boolean(value) {
+            Some(yes) => is_cloth = yes,
+            None => problems.push(Problem::new("cloth", format!("is {}: it must be true or an object", kind(value)))),
+        },
+    }
+    for (key, value) in &extras {
+        if let Some(flat) = key.strip_prefix("cloth.") {
+            keys.insert(flat.into(), value.clone());
+        }
+    }
+    if !is_cloth && !keys.is_empty() {
+        problems.push(Problem::new("cloth", "is missing or false beside `cloth.…` keys: set it to true"));
+    }
+    NodeExtras {
+        cloth: is_cloth.then(|| cloth(&keys, problems)),
+        collider: extras.get("collider").and_then(|value| collider(value, problems)),
+    }
+}
+
+/// Reads the extras of a scene.
+pub(crate) fn scene(text: &str, problems: &mut Vec<Problem>) -> SceneExtras {
+    let Some(extras) = object(text) else { return SceneExtras::default() };
+    let mut vector = |key: &str| {
+        let value = extras.get(key)?;
+        let read = value.as_array().filter(|a| a.len() == 3).and_then(|a| {
+            let [x, y, z] = [0, 1, 2].map(|i| number(&a[i]));
+            Some(Vec3::new(x?, y?, z?))
+        });
+        if read.is_none() {
+            problems.push(Problem::new(key, format!("is {}: it must be a list of three numbers", kind(value))));
+        }
+        read
+    };
+    SceneExtras { gravity: vector("gravity"), wind: vector("wind") }
+}
+
+fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras {
+    let mut cloth = ClothExtras::default();
+    for (key, value) in keys {
+        let expected = match key.as_str() {
+            "material" => {
+                cloth.material = material(value, problems);
+                continue;
+            }
+            "pin" => {
+                cloth.pin = pin(value, problems);
+                continue;
+            }
+            "self_collision" => {
+                cloth.self_collision = boolean(value);
+                cloth.self_collision.is_none().then_some("true or false")
+            }
+            "layer" => {
+                cloth.layer = value.as_i64().and_then(|i| i32::try_from(i).ok());
+                cloth.layer.is_none().then_some("an integer")
+            }
+            "thickness" => {
+                cloth.thickness = number(value);
+                cloth.thickness.is_none().then_some("a number of metres")
+            }
+            "substep_rate" => {
+                cloth.substep_rate = number(value);
+                cloth.substep_rate.is_none().then_some("a number of hertz")
+            }
+            _ => {
+                let known = "material, pin, self_collision, layer, thickness, substep_rate";
+                problems.push(Problem::new(format!("cloth.{key}"), format!("is not known: the keys are {known}")));
+                continue;
+            }
+        };
+        if let Some(expected) = expected {
+            problems.push(Problem::new(format!("cloth.{key}"), format!("is {}: it must be {expected}", kind(value))));
+        }
+    }
+    cloth
+}
+
+fn material(value: &Value, problems: &mut Vec<Problem>) -> Option<MaterialExtras> {
+    let key = "cloth.material";
+    match value {
+        Value::String(name) if name.ends_with(".ron") => Some(MaterialExtras::File(name.clone())),
+        Value::String(name) => {
+            let preset = ClothMaterial::preset(name);
+            if preset.is_none() {
+                let names: Vec<&str> = ClothMaterial::PRESETS.iter().map(|(n, _)| *n).collect();
+                let what = format!("is `{name}`: it must be one of {} or a path to a `.cloth.ron`", names.join(", "));
+                problems.push(Problem::new(key, what));
+            }
+            preset.map(Box::new).map(MaterialExtras::Given)
+        }
+        Value::Object(fields) => {
+            let mut material = ClothMaterial::default();
+            for (field, value) in fields {
+                let place = format!("{key}.{field}");
+                match (material.field_mut(field), number(value)) {
+                    (Some(slot), Some(number)) => *slot = number,
+                    (None, _) => problems.push(Problem::new(place, "is not a field of ClothMaterial")),
+                    (_, None) => problems.push(Problem::new(place, format!("is {}: it must be a number", kind(value)))),
+                }
+            }
+            Some(MaterialExtras::Given(Box::new(material)))
+        }
+        _ => {
+            problems.push(Problem::new(key, format!("is {}: it must be a name, a path or an object", kind(value))));
+            None
+        }
+    }
+}
+
+fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<PinSelect> {
+    let wrong = |what: String| Problem::new("cloth.pin", what);
+    match value {
+        Value::Array(list) => {
+            let index = |v: &Value| v.as_u64().and_then(|i| u32::try_from(i).ok());
+            let vertices: Vec<u32> = list.iter().filter_map(index).collect();
+            if vertices.len() < list.len() {
+                let bad = list.len() - vertices.len();
+                problems.push(wrong(format!("has {bad} entries that are not vertex indices; the others are used")));
+            }
+            Some(PinSelect::Vertices(vertices))
+        }
+        Value::String(name) if name.starts_with('_') && name.len() > 1 => Some(PinSelect::Attribute(name.clone())),
+        Value::String(name) => {
+            let channel = match name.to_ascii_lowercase().as_str() {
+                "color.r" => Some(ColorChannel::R),
+                "color.g" => Some(ColorChannel::G),
+                "color.b" => Some(ColorChannel::B),
+                "color.a" => Some(ColorChannel::A),
+                _ => None,
+            };
+            if channel.is_none() {
+                problems.push(wrong(format!("is `{name}`: it must be a list of indices, `_NAME` or `color.r` (g, b, a)")));
+            }
+            channel.map(PinSelect::Color)
+        }
+        _ => {
+            problems.push(wrong(format!("is {}: it must be a list of indices, `_NAME` or `color.r` (g, b, a)", kind(value))));
+            None
+        }
+    }
+}
+
+fn collider(value: &Value, problems: &mut Vec<Problem>) -> Option<ColliderExtras> {
+    let shape = |value: &Value, key: &str, problems: &mut Vec<Problem>| {
+        let fit = match value.as_str().map(str::to_ascii_lowercase).as_deref() {
+            Some("ball") => Some(MeshFit::Ball),
+            Some("capsule") => Some(MeshFit::Capsule),
+            Some("cuboid") => Some(MeshFit::Cuboid),
+            Some("convex") => Some(MeshFit::ConvexHull),
+            Some("trimesh") => Some(MeshFit::TriMesh),
+            Some("plane") => Some(MeshFit::HalfSpace),
+            _ => None,
+        };
+        if fit.is_none() {
+            let given = value.as_str().map_or_else(|| kind(value).to_string(), |s| format!("`{s}`"));
+            let known = "ball, capsule, cuboid, convex, trimesh, plane";
+            problems.push(Problem::new(key, format!("is {given}: it must be one of {known}")));
+        }
+        fit
+    };
+    let Value::Object(object) = value else {
+        return shape(value, "collider", problems).map(|fit| ColliderExtras { fit, friction: None });
+    };
+    let fit = match object.get("shape") {
+        Some(value) => shape(value, "collider.shape", problems),
+        None => {
+            problems.push(Problem::new("collider.shape", "is missing"));
+            None
+        }
+    };
+    let friction = object.get("friction").and_then(|value| {
+        let friction = number(value);
+        if friction.is_none() {
+            problems.push(Problem::new("collider.friction", format!("is {}: it must be a number", kind(value))));
+        }
+        friction
+    });
+    for key in object.keys().filter(|key| !["shape", "friction"].contains(&key.as_str())) {
+        problems.push(Problem::new(format!("collider.{key}"), "is not known: the keys are shape, friction"));
+    }
+    fit.map(|fit| ColliderExtras { fit, friction })
+}
+
+fn object(text: &str) -> Option<Map<String, Value>> {
+    match serde_json::from_str(text) {
+        Ok(Value::Object(object)) => Some(object),
+        _ => None,
+    }
+}
+
+/// A bool, or 0 or 1 as programs without bools write it.
+fn boolean(value: &Value) -> Option<bool> {
+    value.as_bool().or(match value.as_i64() {
+        Some(0) => Some(false),
+        Some(1) => Some(true),
+        _ => None,
+    })
+}
+
+fn number(value: &Value) -> Option<f32> {
+    value.as_f64().map(|x| x as f32).filter(|x| x.is_finite())
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "a bool",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a string",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (NodeExtras, Vec<String>) {
+        let mut problems = Vec::new();
+        let node = node(text, &mut problems);
+        (node, problems.into_iter().map(|p| p.key).collect())
+    }
+
+    #[test]
+    fn true_is_a_cloth_with_defaults_and_keys_of_others_are_ignored() {
+        let (node, problems) = read(r#"{"cloth": true, "my_tool": {"x": 1}}"#);
+        assert_eq!((node.cloth, node.collider, problems), (Some(ClothExtras::default()), None, vec![]));
+        assert_eq!(read(r#"{"cloth": false}"#).0, NodeExtras::default());
+        assert_eq!(read("[1, 2"), (NodeExtras::default(), vec![]));
+    }
+
+    #[test]
+    fn every_key_of_the_contract_is_read() {
+        let (node, problems) = read(
+            r#"{"cloth": {"material": "Silk", "pin": [0, 3], "self_collision": false, "layer": 2, "thickness": 0.01, "substep_rate": 600},
+                "collider": {"shape": "capsule", "friction": 0.1}}"#,
+        );
+        let expected = ClothExtras {
+            material: Some(MaterialExtras::Given(Box::new(ClothMaterial::SILK))),
+            pin: Some(PinSelect::Vertices(vec![0, 3])),
+            self_collision: Some(false),
+            layer: Some(2),
+            thickness: Some(0.01),
+            substep_rate: Some(600.0),
+        };
+        assert_eq!(node.cloth, Some(expected));
+        assert_eq!(node.collider, Some(ColliderExtras { fit: MeshFit::Capsule, friction: Some(0.1) }));
+        assert!(problems.is_empty(), "{problems:?}");
+    }
+
+    #[test]
+    fn materials_are_presets_paths_or_fields_over_the_default() {
+        let material = |text: &str| read(text).0.cloth.and_then(|c| c.material);
+        assert_eq!(material(r#"{"cloth": {"material": "a/b.cloth.ron"}}"#), Some(MaterialExtras::File("a/b.cloth.ron".into())));
+        let given = ClothMaterial { density: 0.7, ..ClothMaterial::default() };
+        assert_eq!(material(r#"{"cloth": {"material": {"density": 0.7}}}"#), Some(MaterialExtras::Given(Box::new(given))));
+    }
+
+    #[test]
+    fn pins_are_indices_attributes_or_colour_channels_nested_or_flat() {
+        let pin = |text: &str| read(text).0.cloth.and_then(|c| c.pin);
+        assert_eq!(pin(r#"{"cloth": {"pin": "_PIN"}}"#), Some(PinSelect::Attribute("_PIN".into())));
+        assert_eq!(pin(r#"{"cloth": {"pin": "color.g"}}"#), Some(PinSelect::Color(ColorChannel::G)));
+        assert_eq!(pin(r#"{"cloth": 1, "cloth.pin": [7]}"#), Some(PinSelect::Vertices(vec![7])));
+    }
+
+    #[test]
+    fn each_wrong_or_unknown_key_is_one_problem_and_the_rest_still_works() {
+        let (node, mut problems) = read(
+            r#"{"cloth": {"material": "paper", "pin": {"a": 1}, "self_collision": "yes", "layer": 1.5, "thickness": "thin", "substep_rate": null,
+                "stifness": 1}, "collider": {"shape": "donut", "frction": 1}}"#,
+        );
+        problems.sort();
+        let expected = [
+            "cloth.layer",
+            "cloth.material",
+            "cloth.pin",
+            "cloth.self_collision",
+            "cloth.stifness",
+            "cloth.substep_rate",
+            "cloth.thickness",
+            "collider.frction",
+            "collider.shape",
+        ];
+        assert_eq!(problems, expected);
+        assert_eq!(node.cloth, Some(ClothExtras::default()));
+        assert_eq!(read(r#"{"cloth": "yes"}"#).1, ["cloth"]);
+        assert_eq!(
+            read(r#"{"cloth": {"material": {"densty": 1, "drag": "much"}}}"#).1,
+            ["cloth.material.densty", "cloth.material.drag"]
+        );
+    }
+
+    #[test]
+    fn scene_extras_are_vectors() {
+        let mut problems = Vec::new();
+        let read = scene(r#"{"gravity": [0, -1.62, 0], "wind": [1, 2]}"#, &mut problems);
+        assert_eq!(read, SceneExtras { gravity: Some(Vec3::new(0.0, -1.62, 0.0)), wind: None });
+        assert_eq!(problems.len(), 1);
+    }
+}

@@ -1,0 +1,208 @@
+//! Cloth authored in a glTF: node and scene extras become components.
+//!
+//! A node whose extras hold `cloth` makes its mesh a cloth, one that holds `collider` makes it a collider; everything else has defaults. Unknown keys and
+//! wrong types are one warning each that names the file, the node and the key, and the rest of the file still works.
+//!
+//! | node extras | value |
+//! |---|---|
+//! | `cloth` | `true`, or an object with the keys below |
+//! | `cloth.material` | a preset name, a path to a `.cloth.ron` relative to the glTF, or an object with fields of [`ClothMaterial`] |
+//! | `cloth.pin` | a list of vertex indices, `"_NAME"` of a float attribute, or `"color.r"` (`g`, `b`, `a`) |
+//! | `cloth.self_collision` | bool, default true |
+//! | `cloth.layer` | integer, higher lies outside |
+//! | `cloth.thickness` | metres |
+//! | `cloth.substep_rate` | Hz |
+//! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, or `{"shape": …, "friction": …}` |
+//!
+//! | scene extras | value |
+//! |---|---|
+//! | `gravity` | `[x, y, z]` [m/s²] |
+//! | `wind` | `[x, y, z]` [m/s] |
+//!
+//! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
+//!
+//! Bevy only reads vertex attributes that it was told of before it loads. One line does that:
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy::gltf::GltfPlugin;
+//! # fn plugins() -> impl PluginGroup {
+//! DefaultPlugins.set(bevy_drape::gltf::pin_attribute(GltfPlugin::default(), "_PIN"))
+//! # }
+//! ```
+
+mod extras;
+mod preset;
+
+pub use preset::{ClothPreset, ClothPresetLoader};
+
+use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
+use bevy::mesh::{MeshVertexAttribute, VertexFormat};
+use bevy::prelude::*;
+use bevy::world_serialization::WorldAssetRoot;
+
+use crate::components::{
+    Cloth, ClothCollider, ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSolver, ColliderShape, GlobalWind,
+    MeshFit,
+};
+use crate::plugin::ClothSystems;
+use extras::{ClothExtras, MaterialExtras, Problem};
+use preset::PresetOf;
+
+/// Reads cloth, colliders, gravity and wind from the extras of glTF scenes. Part of [`ClothPlugin`](crate::ClothPlugin).
+#[derive(Debug, Default)]
+pub struct ClothGltfPlugin;
+
+impl Plugin for ClothGltfPlugin {
+    fn build(&self, _: &mut App) {}
+
+    fn finish(&self, app: &mut App) {
+        // Not in `build`, so that this plugin may come before the one that brings assets.
+        if app.world().contains_resource::<AssetServer>() {
+            app.init_asset::<ClothPreset>().register_asset_loader(ClothPresetLoader);
+        }
+    }
+}
+
+/// The systems, for `plugin.rs` to order: before anything is bound.
+pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::system::ScheduleSystem> {
+    (scenes, nodes, preset::apply.run_if(resource_exists::<Assets<ClothPreset>>)).chain().in_set(ClothSystems::Prepare)
+}
+
+/// Tells Bevy's glTF loader of a float attribute that pins name, such as `"_PIN"`. Call it for each, before the plugin is added.
+#[must_use]
+pub fn pin_attribute(plugin: GltfPlugin, name: &'static str) -> GltfPlugin {
+    // Attributes with one name get one id in every run: FNV-1a, kept apart from Bevy's own small ids.
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    // The loader compares names without their first underscore.
+    let seen = name.strip_prefix('_').unwrap_or(name);
+    plugin.add_custom_vertex_attribute(seen, MeshVertexAttribute::new(name, hash | 1 << 63, VertexFormat::Float32))
+}
+
+/// Gravity and wind of scenes that were just spawned.
+pub(crate) fn scenes(
+    added: Query<(Entity, &GltfSceneExtras), Added<GltfSceneExtras>>,
+    parents: Query<&ChildOf>,
+    roots: Query<&WorldAssetRoot>,
+    mut gravity: ResMut<ClothGravity>,
+    mut wind: ResMut<GlobalWind>,
+) {
+    for (entity, extras) in &added {
+        let mut problems = Vec::new();
+        let scene = extras::scene(&extras.value, &mut problems);
+        if let Some(pull) = scene.gravity {
+            gravity.0 = pull;
+        }
+        if let Some(velocity) = scene.wind {
+            wind.velocity = velocity;
+        }
+        warn_all(&file_of(entity, &parents, &roots), "the scene", &problems);
+    }
+}
+
+/// Cloths and colliders of nodes that were just spawned.
+pub(crate) fn nodes(
+    mut commands: Commands,
+    added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
+    meshes: Query<(), With<Mesh3d>>,
+    parents: Query<&ChildOf>,
+    roots: Query<&WorldAssetRoot>,
+    server: Option<Res<AssetServer>>,
+) {
+    for (entity, extras, name, children) in &added {
+        let mut problems = Vec::new();
+        let node = extras::node(&extras.value, &mut problems);
+        if node.cloth.is_none() && node.collider.is_none() && problems.is_empty() {
+            continue;
+        }
+        let file = file_of(entity, &parents, &roots);
+        let primitives: Vec<Entity> = if meshes.contains(entity) {
+            vec![entity]
+        } else {
+            children.into_iter().flatten().copied().filter(|child| meshes.contains(*child)).collect()
+        };
+        let lone_plane = node.collider.as_ref().is_some_and(|c| c.fit == MeshFit::HalfSpace);
+        if primitives.is_empty() && node.cloth.is_some() {
+            problems.push(Problem::new("cloth", "needs a mesh on the node"));
+        }
+        if primitives.is_empty() && node.collider.is_some() && !lone_plane {
+            problems.push(Problem::new("collider", "needs a mesh on the node to be fitted to"));
+        }
+        if let Some(cloth) = &node.cloth {
+            for &primitive in &primitives {
+                make_cloth(&mut commands, primitive, cloth, &file, server.as_deref(), &mut problems);
+            }
+        }
+        if let Some(collider) = &node.collider {
+            let shape = ColliderShape::Mesh(collider.fit);
+            let mut component = ClothCollider::new(shape);
+            if let Some(friction) = collider.friction {
+                component = component.with_friction(friction);
+            }
+            let bearers = if lone_plane { std::slice::from_ref(&entity) } else { &primitives[..] };
+            for &bearer in bearers {
+                commands.entity(bearer).try_insert(component.clone());
+            }
+        }
+        let node_name = name.map_or_else(|| entity.to_string(), |n| format!("`{n}`"));
+        warn_all(&file, &format!("node {node_name}"), &problems);
+    }
+}
+
+fn make_cloth(
+    commands: &mut Commands,
+    entity: Entity,
+    extras: &ClothExtras,
+    file: &SourceFile,
+    server: Option<&AssetServer>,
+    problems: &mut Vec<Problem>,
+) {
+    let mut material = ClothMaterial::default();
+    let mut entity = commands.entity(entity);
+    match &extras.material {
+        None => {}
+        Some(MaterialExtras::Given(given)) => material = given.as_ref().clone(),
+        Some(MaterialExtras::File(path)) => match (server, &file.0) {
+            (Some(server), Some(gltf)) => match gltf.resolve_embed_str(path) {
+                Ok(path) => {
+                    entity.try_insert(PresetOf { preset: server.load(path), thickness: extras.thickness });
+                }
+                Err(error) => problems.push(Problem::new("cloth.material", format!("is not a path: {error}"))),
+            },
+            _ => problems.push(Problem::new("cloth.material", "is a path, but the scene was not loaded from a file")),
+        },
+    }
+    if let Some(thickness) = extras.thickness {
+        material.thickness = thickness;
+    }
+    let mut solver = ClothSolver::default();
+    if let Some(rate) = extras.substep_rate {
+        solver.substep_rate = rate;
+    }
+    let pins = extras.pin.clone().map_or(ClothPins::NONE, ClothPins::from);
+    let collision = ClothCollision { self_collision: extras.self_collision.unwrap_or(true), layer: extras.layer.unwrap_or(0) };
+    entity.try_insert((Cloth, material, solver, pins, collision));
+}
+
+/// The file a scene was loaded from, if any.
+pub(crate) struct SourceFile(Option<bevy::asset::AssetPath<'static>>);
+
+impl core::fmt::Display for SourceFile {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match &self.0 {
+            Some(path) => write!(f, "{}", path.clone().without_label()),
+            None => f.write_str("a scene without a file"),
+        }
+    }
+}
+
+fn file_of(entity: Entity, parents: &Query<&ChildOf>, roots: &Query<&WorldAssetRoot>) -> SourceFile {
+    let root = core::iter::once(entity).chain(parents.iter_ancestors(entity)).find_map(|e| roots.get(e).ok());
+    SourceFile(root.and_then(|root| root.0.path()).map(|path| path.clone().into_owned().without_label().into_owned()))
+}
+
+fn warn_all(file: &SourceFile, place: &str, problems: &[Problem]) {
+    for Problem { key, what } in problems {
+        warn!("{file}: {place}: `{key}` {what}");
+    }
+}

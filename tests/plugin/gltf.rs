@@ -1,0 +1,189 @@
+//! A glTF needs no code.
+
+use std::path::PathBuf;
+
+use bevy::gltf::{GltfExtras, GltfPlugin};
+use bevy::image::ImagePlugin;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::{WorldAssetRoot, WorldSerializationPlugin};
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+use crate::warnings::warnings;
+
+/// A folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("bevy_drape_gltf_{}_{name}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder for files");
+    folder
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for chunk in bytes.chunks(3) {
+        let word = chunk.iter().enumerate().fold(0_u32, |w, (i, &b)| w | u32::from(b) << (16 - 8 * i));
+        for i in 0..4 {
+            let digit = DIGITS[(word >> (18 - 6 * i) & 63) as usize] as char;
+            text.push(if i <= chunk.len() { digit } else { '=' });
+        }
+    }
+    text
+}
+
+/// A glTF of one sheet of 5 x 5 vertices in xz; `nodes` are node objects that use mesh 0.
+fn write_gltf(path: &std::path::Path, nodes: &[String], scene_extras: &str) {
+    let mesh = sheet(5);
+    let points = vectors(&mesh, Mesh::ATTRIBUTE_POSITION);
+    let mut bytes = Vec::new();
+    for p in &points {
+        bytes.extend(p.to_array().into_iter().flat_map(f32::to_le_bytes));
+    }
+    for _ in &points {
+        bytes.extend([0.0_f32, 1.0, 0.0].into_iter().flat_map(f32::to_le_bytes));
+    }
+    for p in &points {
+        bytes.extend(if p.z < -0.49 { 1.0_f32 } else { 0.0 }.to_le_bytes());
+    }
+    let indices: Vec<u16> = mesh.indices().expect("indices").iter().map(|i| i as u16).collect();
+    let start = bytes.len();
+    bytes.extend(indices.iter().flat_map(|i| i.to_le_bytes()));
+    let list: Vec<String> = (0..nodes.len()).map(|i| i.to_string()).collect();
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0,
+        "scenes": [{{"nodes": [{nodes_in}], "extras": {scene_extras}}}],
+        "nodes": [{nodes}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "NORMAL": 1, "_PIN": 2}}, "indices": 3}}]}}],
+        "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": 25, "type": "VEC3", "min": [-0.5, 0, -0.5], "max": [0.5, 0, 0.5]}},
+            {{"bufferView": 1, "componentType": 5126, "count": 25, "type": "VEC3"}},
+            {{"bufferView": 2, "componentType": 5126, "count": 25, "type": "SCALAR"}},
+            {{"bufferView": 3, "componentType": 5123, "count": {count}, "type": "SCALAR"}}],
+        "bufferViews": [
+            {{"buffer": 0, "byteOffset": 0, "byteLength": 300}},
+            {{"buffer": 0, "byteOffset": 300, "byteLength": 300}},
+            {{"buffer": 0, "byteOffset": 600, "byteLength": 100}},
+            {{"buffer": 0, "byteOffset": {start}, "byteLength": {index_bytes}}}],
+        "buffers": [{{"byteLength": {length}, "uri": "data:application/octet-stream;base64,{data}"}}]}}"#,
+        nodes_in = list.join(","),
+        nodes = nodes.join(","),
+        count = indices.len(),
+        index_bytes = 2 * indices.len(),
+        length = bytes.len(),
+        data = base64(&bytes),
+    );
+    std::fs::write(path, text).expect("a file");
+}
+
+fn gltf_app(folder: &std::path::Path) -> App {
+    let mut app = App::new();
+    let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
+    app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
+    let gltf = bevy_drape::gltf::pin_attribute(GltfPlugin::default(), "_PIN");
+    app.add_plugins((WorldSerializationPlugin, gltf, ClothPlugin::default()));
+    app.init_asset::<AnimationClip>();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(FRAME)));
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+fn load(app: &mut App, file: &str) {
+    let scene = app.world().resource::<AssetServer>().load(format!("{file}#Scene0"));
+    app.world_mut().spawn(WorldAssetRoot(scene));
+    for _ in 0..400 {
+        app.update();
+        if app.world_mut().query::<&GltfExtras>().iter(app.world()).next().is_some() {
+            return;
+        }
+        std::thread::sleep(core::time::Duration::from_millis(5));
+    }
+    panic!("{file} did not load");
+}
+
+/// The primitive of the node of that name.
+fn primitive(app: &mut App, node: &str) -> Entity {
+    let mut nodes = app.world_mut().query::<(&Name, &Children)>();
+    let children: Vec<Entity> =
+        nodes.iter(app.world()).filter(|(n, _)| n.as_str() == node).flat_map(|(_, c)| c.iter()).collect();
+    let with_mesh = children.into_iter().find(|c| app.world().get::<Mesh3d>(*c).is_some());
+    with_mesh.unwrap_or_else(|| panic!("no mesh under {node}"))
+}
+
+fn node(name: &str, extras: &str) -> String {
+    format!(r#"{{"name": "{name}", "mesh": 0, "extras": {extras}}}"#)
+}
+
+#[test]
+fn a_curtain_and_its_weather_come_out_of_the_file() {
+    let folder = folder("curtain");
+    std::fs::write(folder.join("heavy.cloth.ron"), "(density: 0.9, bend_stiffness: 1e-3)").expect("a file");
+    write_gltf(
+        &folder.join("room.gltf"),
+        &[
+            node("Curtain", r#"{"cloth": {"material": "silk", "pin": "_PIN", "substep_rate": 600}, "other_tool": 7}"#),
+            node("Rug", r#"{"cloth": {"material": "heavy.cloth.ron", "pin": [0, 4], "thickness": 0.02}}"#),
+            node("Free", r#"{"cloth": true}"#),
+            node("Ball", r#"{"collider": {"shape": "cuboid", "friction": 0.25}}"#),
+            r#"{"name": "Floor", "translation": [0, -5, 0], "extras": {"collider": "plane"}}"#.into(),
+        ],
+        r#"{"gravity": [0, -1.62, 0], "wind": [1, 0, 2]}"#,
+    );
+    let mut app = gltf_app(&folder);
+    load(&mut app, "room.gltf");
+    for _ in 0..60 {
+        app.update();
+        std::thread::sleep(core::time::Duration::from_millis(2));
+    }
+    let [curtain, rug, free, ball] = ["Curtain", "Rug", "Free", "Ball"].map(|n| primitive(&mut app, n));
+    assert_eq!(app.world().resource::<ClothGravity>().0, Vec3::new(0.0, -1.62, 0.0));
+    assert_eq!(app.world().resource::<GlobalWind>().velocity, Vec3::new(1.0, 0.0, 2.0));
+    let material = |e| app.world().get::<ClothMaterial>(e).expect("a material");
+    assert_eq!(*material(curtain), ClothMaterial::SILK);
+    assert_eq!(*material(rug), ClothMaterial { density: 0.9, bend_stiffness: 1.0e-3, thickness: 0.02, ..default() });
+    assert_eq!(app.world().get::<ClothSolver>(curtain).expect("a solver").substep_rate, 600.0);
+    for (cloth, pinned) in [(curtain, 5), (rug, 2), (free, 0)] {
+        assert_eq!(status(&app, cloth), ClothStatus::Active, "{:?}", app.world().get::<bevy_drape::ClothError>(cloth));
+        assert_eq!(report(&app, cloth).pinned, pinned);
+        assert_eq!(report(&app, cloth).bodies, 1, "the floor; the box has no height");
+    }
+    assert_eq!(app.world().get::<ClothCollider>(ball).expect("a collider").static_friction, 0.25);
+    assert!(lowest(&world_positions(&app, free)) < lowest(&world_positions(&app, curtain)));
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn a_wrong_key_is_one_warning_with_file_node_and_key_and_the_rest_works() {
+    let folder = folder("wrong");
+    write_gltf(
+        &folder.join("wrong.gltf"),
+        &[
+            node("Curtain", r#"{"cloth": {"stifness": 3, "layer": "top", "pin": [0, 1]}}"#),
+            node("Ball", r#"{"collider": "donut"}"#),
+            r#"{"name": "Empty", "extras": {"cloth": true}}"#.into(),
+        ],
+        r#"{"wind": 3}"#,
+    );
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "wrong.gltf");
+        run(app, 20);
+        let curtain = primitive(app, "Curtain");
+        assert_eq!(status(app, curtain), ClothStatus::Active);
+        assert_eq!(report(app, curtain).pinned, 2);
+    });
+    for words in [
+        ["wrong.gltf", "`Curtain`", "`cloth.stifness`"],
+        ["wrong.gltf", "`Curtain`", "`cloth.layer`"],
+        ["wrong.gltf", "`Ball`", "`collider`"],
+        ["wrong.gltf", "`Empty`", "`cloth`"],
+        ["wrong.gltf", "the scene", "`wind`"],
+    ] {
+        let count = lines.iter().filter(|line| words.iter().all(|word| line.contains(word))).count();
+        assert_eq!(count, 1, "{words:?} in {lines:#?}");
+    }
+    assert_eq!(lines.len(), 5, "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}

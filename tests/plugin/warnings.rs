@@ -1,0 +1,95 @@
+//! One warning for one cause, with the name of the entity and the cure.
+
+use std::sync::{Arc, Mutex};
+
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::log::tracing;
+use bevy::log::tracing_subscriber;
+use bevy::log::tracing_subscriber::fmt::MakeWriter;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+#[derive(Clone, Default)]
+struct Log(Arc<Mutex<Vec<u8>>>);
+
+impl std::io::Write for Log {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().expect("a log").extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl<'a> MakeWriter<'a> for Log {
+    type Writer = Self;
+
+    fn make_writer(&'a self) -> Self {
+        self.clone()
+    }
+}
+
+/// What `act` warned of, line by line. The app runs in this thread, because the log is one of this thread.
+pub fn warnings(mut app: App, act: impl FnOnce(&mut App)) -> Vec<String> {
+    app.edit_schedule(PostUpdate, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    });
+    let log = Log::default();
+    let subscriber =
+        tracing_subscriber::fmt().with_max_level(tracing::Level::WARN).with_ansi(false).with_writer(log.clone()).finish();
+    tracing::subscriber::with_default(subscriber, || act(&mut app));
+    let text = String::from_utf8(log.0.lock().expect("a log").clone()).expect("text");
+    text.lines().filter(|line| line.contains("bevy_drape")).map(str::to_owned).collect()
+}
+
+#[test]
+fn a_mesh_that_cannot_be_a_cloth_is_one_warning_with_name_and_cure() {
+    let lines = warnings(app(), |app| {
+        let mesh = Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default());
+        spawn(app, mesh, Name::new("washing line"));
+        run(app, 400);
+    });
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("washing line") && lines[0].contains("needs triangles"), "{lines:#?}");
+}
+
+#[test]
+fn each_setting_out_of_range_is_one_warning() {
+    let lines = warnings(app(), |app| {
+        let material = ClothMaterial { density: -1.0, damping: f32::NAN, ..default() };
+        spawn(app, sheet(5), (material, Name::new("flag"), border()));
+        run(app, 100);
+    });
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+    assert!(lines[0].contains("flag") && lines[0].contains("`density`") && lines[1].contains("`damping`"), "{lines:#?}");
+}
+
+#[test]
+fn waiting_is_silent_for_five_seconds_and_then_one_warning() {
+    let lines = warnings(app(), |app| {
+        spawn(app, sheet(5), (Transform::from_scale(Vec3::ZERO), Name::new("growing")));
+        run(app, 280);
+    });
+    assert_eq!(lines, Vec::<String>::new(), "within 5 s");
+    let lines = warnings(app(), |app| {
+        spawn(app, sheet(5), (Transform::from_scale(Vec3::ZERO), Name::new("growing")));
+        run(app, 900);
+    });
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("growing") && lines[0].contains("scale"), "{lines:#?}");
+}
+
+#[test]
+fn cleaning_a_mesh_is_not_worth_a_warning() {
+    let lines = warnings(app(), |app| {
+        let mut split = sheet(5);
+        split.duplicate_vertices();
+        spawn(app, split, ClothPins::vertices([0, 100_000]));
+        run(app, 100);
+    });
+    assert_eq!(lines, Vec::<String>::new());
+}
