@@ -36,6 +36,9 @@ struct Arguments {
     /// Frames per second of simulated time.
     #[arg(long, default_value_t = 60.0, value_parser = rate)]
     fps: f64,
+    /// Substeps per second [Hz] of cloths that do not say; more than in a game, since nobody waits.
+    #[arg(long, default_value_t = 7200.0)]
+    substep_rate: f32,
     /// Folder to write to; made if it is not there.
     #[arg(long, default_value = "bake")]
     out: PathBuf,
@@ -65,6 +68,7 @@ const SETTLE: u32 = 20;
 fn bake(arguments: &Arguments) -> Result<(), String> {
     let mut app = app(arguments)?;
     load(&mut app, &arguments.scene)?;
+    refine(&mut app, arguments.substep_rate);
     std::fs::create_dir_all(&arguments.out).map_err(|error| unwritable(&arguments.out, &error))?;
 
     let names = names(&mut app);
@@ -201,6 +205,15 @@ fn ready(app: &mut App, scene: &Path) -> Result<(), String> {
         return Err(format!("{} has no cloth: no node with a mesh has `cloth` in its extras", scene.display()));
     }
     Ok(())
+}
+
+/// Cloths with the rate of a game get that of a bake.
+fn refine(app: &mut App, substep_rate: f32) {
+    let game = ClothSolver::default().substep_rate;
+    let mut solvers = app.world_mut().query::<&mut ClothSolver>();
+    for mut solver in solvers.iter_mut(app.world_mut()).filter(|solver| solver.substep_rate == game) {
+        solver.substep_rate = substep_rate;
+    }
 }
 
 fn one_line(error: &impl ToString) -> String {

@@ -15,7 +15,7 @@ const DROP: f32 = 0.12;
 
 fn main() -> AppExit {
     Stage::new("drape")
-        .camera(OrbitCamera::around(Vec3::new(0.0, 0.5, 0.0), 5.0).from(0.25, 0.38))
+        .camera(OrbitCamera::around(Vec3::new(0.0, 0.42, 0.0), 4.1).from(0.25, 0.36))
         .hint("R: again    space: pause")
         .report(report)
         .build()

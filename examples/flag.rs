@@ -24,7 +24,7 @@ const STEP: f32 = 1.15;
 
 fn main() -> AppExit {
     Stage::new("flag")
-        .camera(OrbitCamera::around(Vec3::new(0.75, 1.75, 0.0), 5.8).from(0.35, 0.12))
+        .camera(OrbitCamera::around(Vec3::new(0.7, 1.75, 0.3), 5.6).from(-0.55, 0.10))
         .hint("up, down: wind    space: pause")
         .report(report)
         .build()

@@ -1,32 +1,17 @@
-//! Cloth for Bevy that does not stretch like rubber, does not tangle, and says so when it does.
-//!
-//! ```
-//! use bevy::prelude::*;
-//! use bevy_drape::prelude::*;
-//!
-//! fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
-//!     commands.spawn((
-//!         Mesh3d(meshes.add(Plane3d::default().mesh().size(2.0, 2.0).subdivisions(40))),
-//!         Cloth,
-//!         ClothMaterial::SILK,
-//!         ClothPins::where_position(|p| p.z < -0.99),
-//!     ));
-//!     commands.spawn((Transform::from_xyz(0.0, -1.0, 0.0), ClothCollider::ball(0.5)));
-//! }
-//! ```
-
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod bind;
+// In the order of the data flow.
+pub mod plugin;
 pub mod components;
 #[cfg(feature = "gltf")]
 pub mod gltf;
+mod bind;
 mod notices;
-pub mod plugin;
-pub mod scenes;
 pub mod simulation;
-pub mod solver;
 mod systems;
+pub mod solver;
+pub mod scenes;
 
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothLayers,

@@ -19,7 +19,7 @@ struct SoftBox {
 }
 
 /// Radiance of the room at the horizon.
-const ROOM: Vec3 = Vec3::new(0.23, 0.25, 0.28);
+const ROOM: Vec3 = Vec3::new(0.25, 0.27, 0.30);
 /// How much brighter the ceiling is than the horizon; the floor is darker by as much.
 const SLOPE: Vec3 = Vec3::new(0.16, 0.17, 0.19);
 /// One box above, a strip behind that draws silhouettes, one on the shadow side.

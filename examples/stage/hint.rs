@@ -11,7 +11,7 @@ pub fn spawn(commands: &mut Commands, hint: &str) {
     commands.spawn((
         Text::new(text),
         TextFont { font_size: FontSize::Px(13.0), ..default() },
-        TextColor(Color::srgba(0.1, 0.1, 0.12, 0.75)),
+        TextColor(Color::srgba(0.06, 0.06, 0.08, 0.9)),
         Node { position_type: PositionType::Absolute, top: px(12), left: px(12), ..default() },
     ));
 }

@@ -76,9 +76,9 @@ fn stage(app: &mut App, camera: OrbitCamera, quality: Quality) {
 
 /// A little more colour and contrast than the tone mapping leaves.
 fn grading() -> ColorGrading {
-    let section = ColorGradingSection { contrast: 1.04, ..default() };
+    let section = ColorGradingSection { contrast: 1.015, ..default() };
     ColorGrading {
-        global: ColorGradingGlobal { post_saturation: 1.02, ..default() },
+        global: ColorGradingGlobal { post_saturation: 1.08, ..default() },
         shadows: section,
         midtones: section,
         highlights: section,

@@ -11,7 +11,7 @@ use crate::solver::settings::Stepping;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothSolver {
-    /// Substeps per second [Hz]. Default 480, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional.
+    /// Substeps per second [Hz]. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional.
     pub substep_rate: f32,
     /// Longest frame that is simulated [s]. Default 0.1, range 0.001 to 1. Time beyond it is counted in [`ClothReport::lost_time`](crate::ClothReport::lost_time).
     pub max_frame: f32,
@@ -48,7 +48,7 @@ pub enum TeleportMode {
 impl Default for ClothSolver {
     fn default() -> Self {
         Self {
-            substep_rate: 480.0,
+            substep_rate: 360.0,
             max_frame: 0.1,
             gravity_scale: 1.0,
             time_scale: 1.0,
@@ -64,7 +64,7 @@ impl Default for ClothSolver {
 impl ClothSolver {
     pub(crate) fn stepping(&self, checked: &mut Checked) -> Stepping {
         Stepping {
-            substep_rate: checked.within("substep_rate", self.substep_rate, 480.0, 30.0, 10_000.0),
+            substep_rate: checked.within("substep_rate", self.substep_rate, 360.0, 30.0, 10_000.0),
             max_frame: checked.within("max_frame", self.max_frame, 0.1, 0.001, 1.0),
         }
     }

@@ -4,15 +4,15 @@
 //! SI units and gives numbers back, so that tests, benchmarks and other engines can call it directly.
 //! Modules stand in the order of the data flow.
 
-pub mod body;
-pub mod detect;
-pub mod evaluate;
-pub mod integrate;
-pub mod recover;
-pub mod resolve;
-pub mod rest;
 pub mod settings;
+pub mod rest;
 pub mod state;
-pub mod step;
-pub mod surface;
+pub mod body;
 pub mod wind;
+pub mod integrate;
+pub mod step;
+pub mod detect;
+pub mod resolve;
+pub mod evaluate;
+pub mod recover;
+pub mod surface;

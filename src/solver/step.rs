@@ -93,7 +93,8 @@ const BEND_EVERY: u64 = 2;
 /// Beyond this many strain limits a cloth is taut, and its springs are swept several times in each substep of the next frame.
 ///
 /// Tried for a skirt of uneven triangles, whose worst edge is 1.35 with three sweeps: smoothing the masses (no change), pulling each particle to its neighbour
-/// nearer to a pin (1.18, but gains energy elsewhere), repeating only the edges beyond the limit (1.38). Shorter substeps help: 1.1 at 1440 Hz.
+/// nearer to a pin (1.18, but gains energy elsewhere), repeating only the edges beyond the limit (1.38) or those near pins (1.6), tethers along the edges of pins (no
+/// change). Shorter substeps help.
 const TAUT: f32 = 2.0;
 
 /// How often the springs of a taut cloth are swept in each substep.

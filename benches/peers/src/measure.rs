@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::peer::{BALL_RADIUS, Engine, Peer, Scene};
+use crate::peer::{BALL_RADIUS, Engine, Peer, Scene, Solved};
 use crate::sheet::{self, Strain};
 
 /// A line of the table.
@@ -18,10 +18,12 @@ pub struct Row {
     pub p50: f64,
     /// 95th percentile [ms].
     pub p95: f64,
-    /// Median over the frames of time over distance constraints solved [ns].
-    pub projection: f64,
-    /// Distance constraints solved in the last frame, each sweep counted.
-    pub projections: u64,
+    /// Median over the frames of time over springs solved [ns].
+    pub per_spring: f64,
+    /// Median over the frames of time over all constraints solved [ns].
+    pub per_constraint: f64,
+    /// Constraints solved in the last frame.
+    pub solved: Solved,
     /// Edges of the grid at the end.
     pub edge: Strain,
     /// All that the engine itself holds at a distance against stretch and shear, at the end.
@@ -30,6 +32,16 @@ pub struct Row {
     pub drop: f64,
     /// Closest vertex to the ball [m].
     pub gap: Option<f64>,
+}
+
+/// One frame.
+struct Time {
+    /// All of it [ms].
+    frame: f64,
+    /// Over the springs solved [ns].
+    spring: f64,
+    /// Over all constraints solved [ns].
+    constraint: f64,
 }
 
 /// The first fifth of `frames` is warm-up and the first swing.
@@ -43,24 +55,29 @@ pub fn row(engine: Engine, scene: Scene, size: u32, peer: &mut dyn Peer, frames:
     let (edges, springs) = (sheet::grid_edges(size), peer.springs());
     let overhead = peer.overhead();
     let mut times = Vec::new();
-    let mut projections = 0;
+    let mut solved = Solved::default();
     for _ in 0..frames {
         let start = Instant::now();
-        projections = peer.step();
+        solved = peer.step();
         let time = (start.elapsed().as_secs_f64() - overhead).max(0.0);
-        times.push((time * 1.0e3, time * 1.0e9 / projections.max(1) as f64));
+        times.push(Time {
+            frame: time * 1.0e3,
+            spring: time * 1.0e9 / solved.springs.max(1) as f64,
+            constraint: time * 1.0e9 / solved.all.max(1) as f64,
+        });
     }
     let timed = &times[(frames - timed_frames(frames)) as usize..];
-    let frame: Vec<f64> = timed.iter().map(|t| t.0).collect();
+    let column = |value: fn(&Time) -> f64, percent| percentile(timed.iter().map(value).collect(), percent);
     let now = peer.positions();
     Row {
         engine,
         scene,
         size,
-        p50: percentile(frame.clone(), 50),
-        p95: percentile(frame, 95),
-        projection: percentile(timed.iter().map(|t| t.1).collect(), 50),
-        projections,
+        p50: column(|t| t.frame, 50),
+        p95: column(|t| t.frame, 95),
+        per_spring: column(|t| t.spring, 50),
+        per_constraint: column(|t| t.constraint, 50),
+        solved,
         edge: sheet::strain(&edges, &rest, &now),
         spring: sheet::strain(&springs, &rest, &now),
         drop: sheet::drop(&rest, &now),

@@ -1,8 +1,18 @@
 //! `bevy_drape`: the solver alone, as its own tests and benchmarks call it.
 
-use bevy_drape::scenes;
+use bevy_drape::scenes::{self, SceneCloth};
 
-use crate::peer::{FRAME, Peer, Scene};
+use crate::peer::{FRAME, Peer, Scene, Solved};
+
+/// Bending elements are solved once in this many substeps.
+const BEND_EVERY: u64 = 2;
+
+/// Tethers of a free particle: one to each group of touching pins, and no more than this.
+const TETHERS: u64 = 2;
+
+/// A frame that starts with an edge beyond this many strain limits sweeps the springs [`TAUT_SWEEPS`] times in each substep.
+const TAUT: f32 = 2.0;
+const TAUT_SWEEPS: u64 = 3;
 
 /// One of the crate's scenes.
 pub struct Ours {
@@ -21,11 +31,18 @@ impl Ours {
 }
 
 impl Peer for Ours {
-    /// Springs only; bending elements and tethers come on top. A frame that starts overstretched sweeps the springs more than once
-    /// per substep and is counted as if it did not.
-    fn step(&mut self) -> u64 {
+    fn step(&mut self) -> Solved {
+        let sweeps: Vec<u64> = self.scene.cloths.iter().map(sweeps).collect();
         self.scene.step(FRAME);
-        self.scene.cloths.iter().map(|c| c.rest.springs.count as u64 * u64::from(c.report.substeps)).sum()
+        let mut solved = Solved::default();
+        for (cloth, sweeps) in self.scene.cloths.iter().zip(sweeps) {
+            let substeps = u64::from(cloth.report.substeps);
+            let springs = cloth.rest.springs.count as u64 * sweeps * substeps;
+            let bending = cloth.rest.bends.count as u64 * substeps / BEND_EVERY;
+            solved.springs += springs;
+            solved.all += springs + bending + tethers(cloth) * substeps;
+        }
+        solved
     }
 
     fn positions(&self) -> Vec<[f32; 3]> {
@@ -43,4 +60,15 @@ impl Peer for Ours {
         }
         cloth.rest.topology.edges.iter().map(|e| e.map(|p| vertex[p as usize])).collect()
     }
+}
+
+/// Sweeps over the springs in each substep of the next frame.
+fn sweeps(cloth: &SceneCloth) -> u64 {
+    if cloth.report.worst_edge > 1.0 + TAUT * cloth.fabric.strain_limit { TAUT_SWEEPS } else { 1 }
+}
+
+/// Tethers to pins of which no two touch.
+fn tethers(cloth: &SceneCloth) -> u64 {
+    let pins = cloth.anchors.particles.len() as u64;
+    (cloth.state.positions.len() as u64 - pins) * pins.min(TETHERS)
 }

@@ -65,10 +65,19 @@ impl fmt::Display for Scene {
     }
 }
 
+/// Constraints solved in a frame, each as often as it was swept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Solved {
+    /// Distance constraints against stretch and shear.
+    pub springs: u64,
+    /// All that hold the cloth together: springs, bending, tethers. Contacts are not counted.
+    pub all: u64,
+}
+
 /// A sheet on one engine. Vertex `(i, j)` has index `i * size + j`; in [`Scene::Hang`] `(0, 0)` and `(0, size - 1)` are pinned.
 pub trait Peer {
-    /// Advances by one [`FRAME`] and says how many distance constraints were solved in it, each sweep counted.
-    fn step(&mut self) -> u64;
+    /// Advances by one [`FRAME`].
+    fn step(&mut self) -> Solved;
 
     /// Where the vertices are [m].
     fn positions(&self) -> Vec<[f32; 3]>;

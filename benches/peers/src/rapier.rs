@@ -2,12 +2,14 @@
 
 use rapier3d::prelude::*;
 
-use crate::peer::{BALL_RADIUS, DENSITY, FALL_FROM, FRAME, Peer, Scene};
+use crate::peer::{BALL_RADIUS, DENSITY, FALL_FROM, FRAME, Peer, Scene, Solved};
 
 /// A world with one cloth.
 pub struct Rapier {
     world: PhysicsWorld,
     cloth: SoftBodyHandle,
+    /// Edges against stretch and shear; the others are for bending.
+    springs: u64,
 }
 
 impl Rapier {
@@ -29,8 +31,9 @@ impl Rapier {
                 world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::ball(BALL_RADIUS));
             }
         }
+        let springs = cloth.edges.len() as u64;
         let cloth = world.insert_soft_body(cloth);
-        Self { world, cloth }
+        Self { world, cloth, springs }
     }
 
     fn cloth(&self) -> Option<&SoftBody> {
@@ -38,7 +41,7 @@ impl Rapier {
     }
 
     /// Sweeps over all edges in the next frame. Edges stretched by more than three quarters are swept twice as often, which is not counted.
-    fn sweeps(&self) -> usize {
+    fn sweeps(&self) -> u64 {
         let parameters = &self.world.integration_parameters;
         let extra = self.cloth().and_then(|cloth| {
             // Bodies that are hit fast get more substeps.
@@ -48,16 +51,16 @@ impl Rapier {
         let (substeps, iterations) = extra.unwrap_or_default();
         let per_substep =
             parameters.num_internal_pgs_iterations + iterations + parameters.num_internal_stabilization_iterations;
-        (parameters.num_solver_iterations + substeps) * per_substep
+        ((parameters.num_solver_iterations + substeps) * per_substep) as u64
     }
 }
 
 impl Peer for Rapier {
-    /// Bending is made of the same distance constraints as stretch, and counted.
-    fn step(&mut self) -> u64 {
+    fn step(&mut self) -> Solved {
         let sweeps = self.sweeps();
         self.world.step();
-        self.cloth().map_or(0, |cloth| (cloth.edges().len() * sweeps) as u64)
+        let edges = self.cloth().map_or(0, |cloth| cloth.edges().len() as u64);
+        Solved { springs: self.springs * sweeps, all: edges * sweeps }
     }
 
     fn positions(&self) -> Vec<[f32; 3]> {

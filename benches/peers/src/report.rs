@@ -17,8 +17,10 @@ struct Ratio {
     engine: Engine,
     /// Its time of a frame over ours (dimensionless).
     frame: f64,
-    /// Its time of a projection over ours (dimensionless).
-    projection: f64,
+    /// Its time per spring over ours (dimensionless).
+    spring: f64,
+    /// Its time per constraint over ours (dimensionless).
+    constraint: f64,
     /// Its worst edge.
     edge: f64,
     /// Our worst edge.
@@ -41,8 +43,8 @@ pub fn tables(rows: &[Row], frames: u32, timed: u32, runs: u32) -> String {
         // Writing to a `String` cannot fail.
         let _ = write!(
             text,
-            "\n{} {}²: {} takes {:.2} x our time for a frame and {:.2} x for a projection; worst edge {:.2}, ours {:.2}.",
-            ratio.scene, ratio.size, ratio.engine, ratio.frame, ratio.projection, ratio.edge, ratio.our_edge
+            "\n{} {}²: {} takes {:.2} x our time for a frame, {:.2} x per spring, {:.2} x per constraint; worst edge {:.2}, ours {:.2}.",
+            ratio.scene, ratio.size, ratio.engine, ratio.frame, ratio.spring, ratio.constraint, ratio.edge, ratio.our_edge
         );
     }
     text.push('\n');
@@ -57,19 +59,21 @@ fn table(text: &mut String, scene: Scene, rows: &[&Row]) {
     let _ = writeln!(
         text,
         "\n{scene}\n\n\
-         | N | engine | ms p50 | ms p95 | ns per projection | projections | worst edge | mean edge | worst spring | {last} |\n\
-         |---:|---|---:|---:|---:|---:|---:|---:|---:|{rule}|"
+         | N | engine | ms p50 | ms p95 | ns per spring | ns per constraint | springs | constraints | worst edge | mean edge | worst spring | {last} |\n\
+         |---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|{rule}|"
     );
     for row in rows {
         let _ = write!(
             text,
-            "| {} | {} | {:.3} | {:.3} | {:.2} | {} | {:.3} | {:.4} | {:.3} | {:.3} |",
+            "| {} | {} | {:.3} | {:.3} | {:.2} | {:.2} | {} | {} | {:.3} | {:.4} | {:.3} | {:.3} |",
             row.size,
             row.engine,
             row.p50,
             row.p95,
-            row.projection,
-            row.projections,
+            row.per_spring,
+            row.per_constraint,
+            row.solved.springs,
+            row.solved.all,
             row.edge.worst,
             row.edge.mean,
             row.spring.worst,
@@ -91,8 +95,10 @@ pub fn json(rows: &[Row], frames: u32, timed: u32, runs: u32) -> Value {
             "engine": row.engine.to_string(),
             "frame_ms_p50": row.p50,
             "frame_ms_p95": row.p95,
-            "projection_ns": row.projection,
-            "projections": row.projections,
+            "spring_ns": row.per_spring,
+            "constraint_ns": row.per_constraint,
+            "springs": row.solved.springs,
+            "constraints": row.solved.all,
             "worst_edge": row.edge.worst,
             "mean_edge": row.edge.mean,
             "worst_spring": row.spring.worst,
@@ -107,7 +113,8 @@ pub fn json(rows: &[Row], frames: u32, timed: u32, runs: u32) -> Value {
             "size": ratio.size,
             "engine": ratio.engine.to_string(),
             "frame": ratio.frame,
-            "projection": ratio.projection,
+            "spring": ratio.spring,
+            "constraint": ratio.constraint,
         })
     });
     json!({
@@ -132,7 +139,8 @@ fn ratios(rows: &[Row]) -> Vec<Ratio> {
                 size,
                 engine: row.engine,
                 frame: row.p50 / ours.p50,
-                projection: row.projection / ours.projection,
+                spring: row.per_spring / ours.per_spring,
+                constraint: row.per_constraint / ours.per_constraint,
                 edge: row.edge.worst,
                 our_edge: ours.edge.worst,
             });

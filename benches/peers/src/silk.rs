@@ -16,7 +16,7 @@ use bevy_silk::components::cloth_rendering::ClothRendering;
 use bevy_silk::prelude::{ClothBuilder, ClothConfig, ClothPlugin, rectangle_mesh};
 
 use crate::measure::percentile;
-use crate::peer::{FRAME, Peer, Scene};
+use crate::peer::{FRAME, Peer, Scene, Solved};
 
 /// Frames of an empty app from which [`Peer::overhead`] is taken.
 const EMPTY_FRAMES: u32 = 300;
@@ -57,9 +57,10 @@ impl Silk {
 }
 
 impl Peer for Silk {
-    fn step(&mut self) -> u64 {
+    fn step(&mut self) -> Solved {
         self.app.update();
-        self.cloth().map_or(0, |cloth| cloth.stick_lengths.len() as u64 * self.sweeps)
+        let springs = self.cloth().map_or(0, |cloth| cloth.stick_lengths.len() as u64 * self.sweeps);
+        Solved { springs, all: springs }
     }
 
     fn positions(&self) -> Vec<[f32; 3]> {

@@ -65,8 +65,8 @@ impl Pattern {
         match self {
             Self::Plain => (warp + weft).is_multiple_of(2),
             Self::Twill => (warp + weft) % 4 < 2,
-            Self::Denim => (warp + weft) % 4 != 0,
-            Self::Satin => (3 * warp + weft) % 8 != 0,
+            Self::Denim => !(warp + weft).is_multiple_of(4),
+            Self::Satin => !(3 * warp + weft).is_multiple_of(8),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Substeps: prediction under forces, then constraints, one pass each (small-step XPBD, Macklin et al. 2019).
 
-pub mod anchor;
-pub mod bend;
 pub mod damp;
 pub mod predict;
-pub mod spring;
+pub mod anchor;
+pub mod bend;
 pub mod tether;
+pub mod spring;

@@ -73,15 +73,28 @@ pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, posi
     let slack = Vec4::splat(1.0 + strain_limit);
     let batches = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square).zip(factors.soft.iter().zip(&factors.hard));
     for (((a, b), &inverse_square), (&soft, &hard)) in batches {
-        let (pa, pb, d) = gather(a, b, positions);
-        let q = lengths_squared(d) * inverse_square;
-        let ratio = (q + Vec4::splat(3.0)) / (q * 3.0 + Vec4::ONE);
-        let s = ((Vec4::ONE - ratio) * soft).max((Vec4::ONE - ratio * slack) * hard).to_array();
-        for lane in 0..LANES {
-            let move_by = d[lane] * XYZ * s[lane];
-            positions[a[lane] as usize] = pa[lane] + move_by * pa[lane].w;
-            positions[b[lane] as usize] = pb[lane] - move_by * pb[lane].w;
-        }
+        solve_batch(a, b, inverse_square, soft, hard, slack, positions);
+    }
+}
+
+#[inline(always)]
+fn solve_batch(
+    a: &[u32; LANES],
+    b: &[u32; LANES],
+    inverse_square: Vec4,
+    soft: Vec4,
+    hard: Vec4,
+    slack: Vec4,
+    positions: &mut [Vec4],
+) {
+    let (pa, pb, d) = gather(a, b, positions);
+    let q = lengths_squared(d) * inverse_square;
+    let ratio = (q + Vec4::splat(3.0)) / (q * 3.0 + Vec4::ONE);
+    let s = ((Vec4::ONE - ratio) * soft).max((Vec4::ONE - ratio * slack) * hard).to_array();
+    for lane in 0..LANES {
+        let move_by = d[lane] * XYZ * s[lane];
+        positions[a[lane] as usize] = pa[lane] + move_by * pa[lane].w;
+        positions[b[lane] as usize] = pb[lane] - move_by * pb[lane].w;
     }
 }
 
