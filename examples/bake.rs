@@ -6,6 +6,7 @@
 //!
 //! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame did. The exit code is 0 only if
 //! all was written; a file that cannot be simulated is one line on stderr and exit code 2.
+#![expect(clippy::print_stderr, reason = "a program speaks on its terminal")]
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

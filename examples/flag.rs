@@ -5,7 +5,6 @@
 //! | key | does |
 //! |---|---|
 //! | up, down | more wind, less wind |
-//! | space | pauses |
 
 mod stage;
 
@@ -25,7 +24,7 @@ const STEP: f32 = 1.15;
 fn main() -> AppExit {
     Stage::new("flag")
         .camera(OrbitCamera::around(Vec3::new(0.7, 1.75, 0.3), 5.6).from(-0.55, 0.10))
-        .hint("up, down: wind    space: pause")
+        .hint("up, down: wind")
         .report(report)
         .build()
         .add_plugins(ClothPlugin::default())
@@ -53,7 +52,7 @@ fn setup(
     let flags = [
         (FabricLook::Stripes(Color::srgb(0.95, 0.94, 0.90)), Color::srgb(0.72, 0.08, 0.10), 2.0, ClothMaterial::SILK, -1.4),
         (FabricLook::Cotton, Color::srgb(0.95, 0.62, 0.08), 8.0, ClothMaterial::COTTON, 0.0),
-        (FabricLook::Denim, Color::srgb(0.10, 0.20, 0.45), 8.0, ClothMaterial::DENIM, 1.4),
+        (FabricLook::Denim, Color::srgb(0.10, 0.20, 0.45), 16.0, ClothMaterial::DENIM, 1.4),
     ];
     for (look, color, repeats, cloth, z) in flags {
         let cloth_material = fabric(&mut images, &mut materials, look, color, repeats);
@@ -75,19 +74,12 @@ fn setup(
     Ok(())
 }
 
-fn keys(keys: Res<ButtonInput<KeyCode>>, mut wind: ResMut<GlobalWind>, mut time: ResMut<Time<Virtual>>) {
+fn keys(keys: Res<ButtonInput<KeyCode>>, mut wind: ResMut<GlobalWind>) {
     if keys.just_pressed(KeyCode::ArrowUp) {
         wind.velocity *= STEP;
     }
     if keys.just_pressed(KeyCode::ArrowDown) {
         wind.velocity /= STEP;
-    }
-    if keys.just_pressed(KeyCode::Space) {
-        if time.is_paused() {
-            time.unpause();
-        } else {
-            time.pause();
-        }
     }
 }
 

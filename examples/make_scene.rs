@@ -6,6 +6,7 @@
 //! ```
 //!
 //! The file shows the contract: cloth, pins, colliders, gravity and wind are extras of nodes and of the scene.
+#![expect(clippy::print_stderr, reason = "a program speaks on its terminal")]
 
 mod glb;
 

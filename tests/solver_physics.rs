@@ -3,9 +3,11 @@
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, grid, hang};
+use bevy::tasks::TaskPoolBuilder;
+use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, flags, grid, hang};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::settings::Fabric;
+use bevy_drape::solver::step::FrameInput;
 use bevy_drape::solver::wind::Wind;
 use glam::{Vec3, vec3};
 
@@ -246,15 +248,26 @@ fn a_tiny_frame_moves_by_a_tiny_way() {
 }
 
 #[test]
-fn two_runs_have_the_same_bits_whatever_thread_steps_them() {
-    let run_once = || {
-        let mut scene = bevy_drape::scenes::flags(2, 24);
-        run(&mut scene, 1.0, |_| 1.0 / 60.0);
+fn the_bits_are_the_same_with_1_2_and_4_threads_and_in_a_second_run() {
+    let run_on = |threads: usize| {
+        let mut scene = flags(6, 20);
+        let pool = TaskPoolBuilder::new().num_threads(threads).build();
+        for _ in 0..90 {
+            let input = FrameInput { dt: 1.0 / 60.0, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind };
+            pool.scope(|scope| {
+                for cloth in &mut scene.cloths {
+                    let input = &input;
+                    scope.spawn(async move { cloth.step(input) });
+                }
+            });
+            scene.wind.advance(1.0 / 60.0);
+        }
         scene.cloths.into_iter().map(|c| c.state).collect::<Vec<_>>()
     };
-    let here = run_once();
-    let elsewhere = std::thread::spawn(run_once).join().expect("the other run");
-    assert!(here == elsewhere, "the bits differ");
+    let one = run_on(1);
+    for threads in [1, 2, 4] {
+        assert!(run_on(threads) == one, "the bits differ with {threads} threads");
+    }
 }
 
 #[test]

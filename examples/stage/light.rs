@@ -23,15 +23,21 @@ const KEY_RADIUS: f32 = 0.11;
 const KEY_ILLUMINANCE: f32 = 3700.0;
 /// Colour of the key light.
 const KEY_COLOR: Color = Color::srgb(1.0, 0.955, 0.89);
-/// The part of the environment that is drawn as shadowed lights if there are many exposures.
+/// The most of the environment that is drawn as points of the sky, with shadows ...
 const SHADOWED_SHARE: f32 = 0.75;
-
+/// ... for which this many of them must be drawn: the shadow of each must not show.
+const SKY_POINTS: f32 = 16.0;
 /// The part of the environment that is left in a window, since it reaches what it should not.
 const UNSHADED: f32 = 0.85;
 
 /// Part of the environment that lights without shadows.
 pub fn unshadowed(quality: &Quality) -> f32 {
-    if quality.exposures > 1 { 1.0 - SHADOWED_SHARE } else { UNSHADED }
+    if quality.exposures > 1 { 1.0 - shadowed(quality) } else { UNSHADED }
+}
+
+/// Part of the environment that is drawn as points of the sky.
+fn shadowed(quality: &Quality) -> f32 {
+    SHADOWED_SHARE * (quality.exposures as f32 / SKY_POINTS).min(1.0).sqrt()
 }
 
 /// Hangs up the lights.
@@ -42,7 +48,7 @@ pub fn spawn(commands: &mut Commands, quality: &Quality, brightness: f32) {
         commands.spawn((KeyLight, key, key_from(index, quality.key_lights)));
     }
     if quality.exposures > 1 {
-        let sky = environment::sky() * SHADOWED_SHARE;
+        let sky = environment::sky() * shadowed(quality);
         let radiance = sky.max_element();
         let sky = DirectionalLight {
             color: Color::LinearRgba(LinearRgba::from_vec3(sky / radiance)),

@@ -96,7 +96,7 @@ pub(crate) fn resolve(
             PinSelect::Vertices(vertices) => vertices.iter().for_each(|&v| hold(v, 1.0)),
             PinSelect::Weighted(weights) => weights.iter().for_each(|&(v, w)| hold(v, w)),
             PinSelect::Position(predicate) => {
-                (0..).zip(&authored.positions).filter(|(_, p)| predicate.holds(**p)).for_each(|(v, _)| hold(v, 1.0))
+                (0..).zip(&authored.positions).filter(|(_, p)| predicate.holds(**p)).for_each(|(v, _)| hold(v, 1.0));
             }
             PinSelect::Color(channel) => (0..).zip(color(mesh, *channel)?).for_each(|(v, w)| hold(v, w)),
             PinSelect::Attribute(name) => (0..).zip(attribute(mesh, name)?).for_each(|(v, w)| hold(v, w)),

@@ -187,7 +187,7 @@ pub fn step(
         }
         state.substep = h;
         anchor::solve(anchors, s1, h, x);
-        if state.substeps % BEND_EVERY == 0 {
+        if state.substeps.is_multiple_of(BEND_EVERY) {
             bend::solve(&rest.bends, &scratch.bends, x);
         }
         scratch.tethers.solve(fabric.tether_scale, x);

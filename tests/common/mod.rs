@@ -101,7 +101,7 @@ pub fn report(app: &App, entity: Entity) -> &ClothReport {
 /// Simulated positions in the world.
 pub fn particles(app: &App, entity: Entity) -> Vec<Vec3> {
     let particles = app.world().get::<ClothParticles>(entity).expect("a bound cloth");
-    particles.world_positions().map(|p| p.as_vec3()).collect()
+    particles.world_positions().map(|p| Vec3::new(p.x as f32, p.y as f32, p.z as f32)).collect()
 }
 
 /// Whether every shown position is finite.

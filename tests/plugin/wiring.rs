@@ -64,9 +64,7 @@ fn our_systems_have_no_ambiguous_order() {
         app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin, plugin));
         for label in [PostUpdate.intern(), FixedPostUpdate.intern()] {
             app.edit_schedule(label, |schedule| {
-                let mut settings = ScheduleBuildSettings::default();
-                settings.ambiguity_detection = LogLevel::Error;
-                schedule.set_build_settings(settings);
+                schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..default() });
             });
         }
         app.finish();

@@ -351,8 +351,8 @@ mod tests {
     #[test]
     fn ties_do_not_depend_on_the_order_of_the_question() {
         let p: Vec<Point> = (0..4).map(|i| Point { id: 7 - i, at: DVec3::new(f64::from(i), f64::from(i * i), 0.0) }).collect();
-        let mut with = Ties::default();
-        with.directions = (0..8).map(|i| Ties::direction(DVec3::Z, (i % 3) as u16, i)).collect();
+        let directions = (0..8).map(|i| Ties::direction(DVec3::Z, (i % 3) as u16, i)).collect();
+        let with = Ties { directions, ..Ties::default() };
         for mut ties in [Ties::default(), with] {
             let first = orient(p[0], p[1], p[2], p[3], &mut ties).positive;
             assert_eq!(first, !orient(p[1], p[0], p[2], p[3], &mut ties).positive);

@@ -1,0 +1,53 @@
+//! A frame of 1/60 s of the scenes that tests and programs share.
+
+#![expect(missing_docs, reason = "criterion's macro writes a public function")]
+
+use std::hint::black_box;
+
+use bevy_drape::scenes::{self, Scene, grid};
+use bevy_drape::solver::rest::RestShape;
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use glam::vec3;
+
+/// Frames before timing starts: the cloth is in motion and buffers are warm.
+const WARM: usize = 120;
+
+fn frames(c: &mut Criterion, name: &str, sizes: &[u32], scene: impl Fn(u32) -> Scene) {
+    let mut group = c.benchmark_group(name);
+    group.sample_size(20);
+    for &n in sizes {
+        let mut scene = scene(n);
+        (0..WARM).for_each(|_| scene.step(1.0 / 60.0));
+        let work: usize = scene.cloths.iter().map(|c| c.rest.constraints() * c.report.substeps as usize).sum();
+        group.throughput(Throughput::Elements(work as u64));
+        group.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| scene.step(1.0 / 60.0)));
+    }
+    group.finish();
+}
+
+fn hang(c: &mut Criterion) {
+    frames(c, "hang", &[30, 64, 128, 256], scenes::hang);
+}
+
+fn ball(c: &mut Criterion) {
+    frames(c, "ball", &[30, 64, 128], scenes::ball);
+}
+
+fn flags(c: &mut Criterion) {
+    frames(c, "flags of 30 x 30", &[1, 10], |k| scenes::flags(k, 30));
+}
+
+/// Binding: weld, clean, renumber, batches.
+fn bind(c: &mut Criterion) {
+    let mut group = c.benchmark_group("bind");
+    group.sample_size(10);
+    for n in [64, 256] {
+        let mesh = grid(n, n, |u, v| vec3(u, 0.0, v));
+        group.throughput(Throughput::Elements(u64::from(n * n)));
+        group.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| RestShape::build(black_box(&mesh))));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, hang, ball, flags, bind);
+criterion_main!(benches);
