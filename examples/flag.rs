@@ -23,7 +23,7 @@ const STEP: f32 = 1.15;
 
 fn main() -> AppExit {
     Stage::new("flag")
-        .camera(OrbitCamera::around(Vec3::new(0.7, 1.75, 0.3), 5.6).from(-0.55, 0.10))
+        .camera(OrbitCamera::around(Vec3::new(0.5, 1.7, 0.0), 6.6).from(-0.12, 0.08))
         .hint("up, down: wind")
         .report(report)
         .build()
@@ -50,22 +50,28 @@ fn setup(
         ..default()
     });
     let flags = [
-        (FabricLook::Stripes(Color::srgb(0.95, 0.94, 0.90)), Color::srgb(0.72, 0.08, 0.10), 2.0, ClothMaterial::SILK, -1.4),
-        (FabricLook::Cotton, Color::srgb(0.95, 0.62, 0.08), 8.0, ClothMaterial::COTTON, 0.0),
-        (FabricLook::Denim, Color::srgb(0.10, 0.20, 0.45), 16.0, ClothMaterial::DENIM, 1.4),
+        (
+            FabricLook::Stripes(Color::srgb(0.95, 0.94, 0.90)),
+            Color::srgb(0.72, 0.08, 0.10),
+            2.0,
+            ClothMaterial::SILK,
+            (-2.0, -0.5),
+        ),
+        (FabricLook::Cotton, Color::srgb(0.95, 0.62, 0.08), 8.0, ClothMaterial::COTTON, (-0.1, 0.0)),
+        (FabricLook::Denim, Color::srgb(0.10, 0.20, 0.45), 16.0, ClothMaterial::DENIM, (1.8, -0.5)),
     ];
-    for (look, color, repeats, cloth, z) in flags {
+    for (look, color, repeats, cloth, (x, z)) in flags {
         let cloth_material = fabric(&mut images, &mut materials, look, color, repeats);
         commands.spawn((
             Mesh3d(pole.clone()),
             MeshMaterial3d(steel.clone()),
-            Transform::from_xyz(-0.03, (HEIGHT + 0.1) / 2.0, z),
+            Transform::from_xyz(x - 0.03, (HEIGHT + 0.1) / 2.0, z),
             ClothCollider::cylinder(0.025, HEIGHT + 0.1),
         ));
         commands.spawn((
             Mesh3d(sheet.clone()),
             MeshMaterial3d(cloth_material),
-            Transform::from_xyz(SIZE.x / 2.0, HEIGHT - SIZE.y / 2.0, z),
+            Transform::from_xyz(x + SIZE.x / 2.0, HEIGHT - SIZE.y / 2.0, z),
             Cloth,
             cloth,
             ClothPins::where_position(|p| p.x < -0.49 * SIZE.x),

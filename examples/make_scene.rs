@@ -72,8 +72,8 @@ fn curtain() -> Vec<u8> {
 
     let mesh = glb.mesh(&cuboid(vec3(0.3, 0.25, 0.3)), stone);
     glb.node("Box", mesh, vec3(1.5, 0.25, 0.2), Quat::from_rotation_y(0.4), json!({ "collider": "cuboid" }));
-    let mesh = glb.mesh(&sheet(44, 44, |u, v| vec3(1.2 * (u - 0.5), 0.0, 1.2 * (v - 0.5))), teal);
-    let extras = json!({ "cloth": { "material": "cotton" } });
+    let mesh = glb.mesh(&sheet(60, 60, |u, v| vec3(1.2 * (u - 0.5), 0.0, 1.2 * (v - 0.5))), teal);
+    let extras = json!({ "cloth": { "material": "cotton", "thickness": 0.016 } });
     glb.node("Throw", mesh, vec3(1.5, 0.7, 0.2), Quat::IDENTITY, extras);
 
     let mesh = glb.mesh(&sheet(2, 2, |u, v| vec3(6.0 * (u - 0.5), 0.0, 6.0 * (v - 0.5))), stone);

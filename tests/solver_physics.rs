@@ -288,6 +288,17 @@ fn pins_are_exactly_where_their_targets_are() {
 }
 
 #[test]
+fn cloth_without_a_strain_limit_between_two_pins_stays_finite() {
+    let rest = build(&grid(12, 12, |u, v| vec3(u, 0.0, v)));
+    let row: Vec<u32> = (0..12).collect();
+    let rubber = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, stretch_stiffness: 750.0, ..fabric() };
+    let mut scene = vacuum(SceneCloth::new(rest, rubber, Vec3::ZERO, &row));
+    run(&mut scene, 2.0, |_| 1.0 / 60.0);
+    let worst = scene.cloths[0].report.worst_edge;
+    assert!(worst < 2.0, "worst edge {worst}");
+}
+
+#[test]
 fn a_softly_held_particle_stays_near_its_target() {
     let rest = build(&grid(8, 8, |u, v| vec3(u, 0.0, v)));
     let every: Vec<u32> = (0..64).collect();

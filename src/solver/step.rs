@@ -77,7 +77,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Memory held [B].
+    /// Memory held by factors, tethers and forces [B]; contacts and gusts come on top where there are any.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.springs.bytes() + self.bends.bytes() + self.tethers.bytes() + size_of_val(&self.acceleration[..])

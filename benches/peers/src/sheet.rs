@@ -52,3 +52,39 @@ fn length([a, b]: &[u32; 2], points: &[[f32; 3]]) -> f64 {
     let (Some(a), Some(b)) = (points.get(*a as usize), points.get(*b as usize)) else { return f64::NAN };
     a.iter().zip(b).map(|(a, b)| (f64::from(*b) - f64::from(*a)).powi(2)).sum::<f64>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A flat square of 1 m.
+    fn flat(size: u32) -> Vec<[f32; 3]> {
+        let step = 1.0 / (size - 1) as f32;
+        (0..size * size).map(|v| [(v / size) as f32 * step, 0.0, (v % size) as f32 * step]).collect()
+    }
+
+    #[test]
+    fn grid_edges_are_as_many_and_as_long_as_they_should_be() {
+        let (edges, sheet) = (grid_edges(5), flat(5));
+        assert_eq!(edges.len(), 2 * 5 * 4);
+        for edge in &edges {
+            assert!((length(edge, &sheet) - 0.25).abs() < 1.0e-6, "{edge:?} is {} m long", length(edge, &sheet));
+        }
+    }
+
+    #[test]
+    fn a_sheet_stretched_twofold_along_one_side_has_worst_2_and_mean_one_and_a_half() {
+        let rest = flat(4);
+        let now: Vec<[f32; 3]> = rest.iter().map(|[x, y, z]| [2.0 * x, *y, *z]).collect();
+        let Strain { worst, mean } = strain(&grid_edges(4), &rest, &now);
+        assert!((worst - 2.0).abs() < 1.0e-6 && (mean - 1.5).abs() < 1.0e-6, "worst {worst}, mean {mean}");
+    }
+
+    #[test]
+    fn a_position_that_is_not_finite_is_an_infinite_strain() {
+        let rest = flat(3);
+        let mut now = rest.clone();
+        now[4][1] = f32::NAN;
+        assert_eq!(strain(&grid_edges(3), &rest, &now).worst, f64::INFINITY);
+    }
+}

@@ -22,7 +22,7 @@ use crate::solver::settings::Fabric;
 pub struct SpringFactors {
     /// `1 / (w_a + w_b + 1 / (k h²))` [kg], by batch and lane; 0 where nothing can move.
     soft: Vec<Vec4>,
-    /// `1 / (w_a + w_b)` [kg].
+    /// `1 / (w_a + w_b)` [kg]; 0 without a strain limit.
     hard: Vec<Vec4>,
 }
 
@@ -46,7 +46,8 @@ impl SpringFactors {
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
             let free = w.cmpgt(Vec4::ZERO);
             self.soft.push(Vec4::select(free, (w + (stiffness * h * h).recip()).recip(), Vec4::ZERO));
-            self.hard.push(Vec4::select(free, w.recip(), Vec4::ZERO));
+            let limited = fabric.strain_limit.is_finite();
+            self.hard.push(if limited { Vec4::select(free, w.recip(), Vec4::ZERO) } else { Vec4::ZERO });
         }
     }
 }
@@ -70,7 +71,8 @@ const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Solves every spring once.
 pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
-    let slack = Vec4::splat(1.0 + strain_limit);
+    // Without a limit the factors are 0, and infinity times 0 would not be a number.
+    let slack = Vec4::splat(if strain_limit.is_finite() { 1.0 + strain_limit } else { 1.0 });
     let batches = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square).zip(factors.soft.iter().zip(&factors.hard));
     for (((a, b), &inverse_square), (&soft, &hard)) in batches {
         solve_batch(a, b, inverse_square, soft, hard, slack, positions);
@@ -98,7 +100,7 @@ fn solve_batch(
     }
 }
 
-/// Longest and mean length over rest length of all springs (dimensionless). NaN positions give an infinite longest.
+/// Longest and mean length over rest length of all springs (dimensionless), lanes that repeat counted again. NaN positions give infinity.
 #[must_use]
 pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
     let mut worst = Vec4::ZERO;

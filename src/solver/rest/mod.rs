@@ -116,18 +116,26 @@ impl RestShape {
         Ok((shape, report))
     }
 
-    /// Vertices without a face ride on the nearest particle.
+    /// Vertices without a face ride on the nearest particle, found outwards along a sorted axis.
     fn attach_isolated(&mut self, mesh: &SourceMesh) {
+        let mut order: Vec<u32> = (0..self.positions.len() as u32).collect();
+        order.sort_by(|&a, &b| self.positions[a as usize].x.total_cmp(&self.positions[b as usize].x));
         for (v, particle) in self.particle_of_vertex.iter_mut().enumerate().filter(|(_, p)| **p == NONE) {
             let at = mesh.positions[v];
-            let nearest = (0..self.positions.len())
-                .min_by(|&a, &b| {
-                    let d = |i: usize| self.positions[i].distance_squared(at);
-                    d(a).total_cmp(&d(b))
-                })
-                .unwrap_or(0);
-            *particle = nearest as u32;
-            self.isolated.push((v as u32, at - self.positions[nearest]));
+            let start = order.partition_point(|&p| self.positions[p as usize].x < at.x);
+            let (mut nearest, mut best) = (order[0], f32::INFINITY);
+            let mut look = |p: u32| {
+                let d = self.positions[p as usize] - at;
+                let better = (d.length_squared(), p) < (best, nearest);
+                if better {
+                    (best, nearest) = (d.length_squared(), p);
+                }
+                d.x * d.x <= best
+            };
+            order[start..].iter().take_while(|p| look(**p)).for_each(drop);
+            order[..start].iter().rev().take_while(|p| look(**p)).for_each(drop);
+            *particle = nearest;
+            self.isolated.push((v as u32, at - self.positions[nearest as usize]));
         }
     }
 

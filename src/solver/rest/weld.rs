@@ -21,6 +21,10 @@ pub fn weld(positions: &[Vec3], tolerance: f32) -> Vec<u32> {
             if positions[i as usize].distance_squared(positions[j as usize]) <= tolerance * tolerance {
                 let (a, b) = (find(&mut leader, i), find(&mut leader, j));
                 leader[a.max(b) as usize] = a.min(b);
+                if positions[i as usize] == positions[j as usize] {
+                    // The other looks at the same neighbours: a thousand vertices at one place cost a thousand comparisons.
+                    break;
+                }
             }
         }
     }
