@@ -25,7 +25,9 @@ pub use simulation::{ClothParticles, ClothRest};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothPlugin, ClothReport, ClothSolver,
-        ClothStatus, ClothSystems, ClothWind, ColorChannel, GlobalWind, MeshFit, OnTargetLost, WindZone,
+        Cloth, ClothCollider, ClothError, ClothFailed, ClothGravity, ClothLayers, ClothMaterial, ClothParticles, ClothPins,
+        ClothPlugin, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothSystems, ClothTargetLost, ClothTeleported,
+        ClothWind, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, TeleportMode, WindZone,
+        WindZoneShape,
     };
 }

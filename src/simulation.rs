@@ -10,7 +10,7 @@ use bevy::prelude::*;
 
 use crate::bind::{AnchorSets, Placement, Skin, Surface};
 use crate::components::checked::Checked;
-use crate::components::{RecoveryCause, RecoveryLevel};
+use crate::components::{RecoveryCause, RecoveryLevel, WaitingFor};
 use crate::solver::body::Body;
 use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
@@ -18,6 +18,16 @@ use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
 use crate::solver::step::{Anchors, Scratch};
 use crate::solver::wind::Wind;
+
+/// What changed since a cloth was bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Change {
+    #[default]
+    None,
+    Pins,
+    Scale,
+    Mesh,
+}
 
 /// Which meshes and which scale a cloth was made from.
 #[derive(Component)]
@@ -35,12 +45,16 @@ pub(crate) struct Binding {
     pub skinned_bounds: bool,
     /// Whether the entity had `NoAutoAabb` before.
     pub own_bounds: bool,
+    /// What changed and could not be bound yet.
+    pub pending: Change,
 }
 
 /// How long a cloth has waited.
 #[derive(Component, Clone, Copy)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct WaitingSince {
+    /// What for.
+    pub reason: WaitingFor,
     /// Real time at the start [s].
     pub at: f64,
     /// Whether the user was told.
@@ -150,6 +164,8 @@ pub(crate) struct ClothInputs {
     pub limits: Limits,
     pub gravity: Vec3,
     pub time_scale: f32,
+    /// Least jump [m] and turn [rad] of the carrier that count as a teleport.
+    pub teleport: (f32, f32),
     pub anchors: Anchors,
     pub sets: AnchorSets,
     pub skin: Option<Skin>,
@@ -183,6 +199,7 @@ impl ClothInputs {
             limits: Limits::default(),
             gravity: Vec3::ZERO,
             time_scale: 1.0,
+            teleport: (f32::INFINITY, f32::INFINITY),
             anchors,
             sets,
             skin,
@@ -226,6 +243,12 @@ impl ClothInputs {
                 }
             };
         }
+    }
+
+    /// Puts the anchors where their targets are now, so that nothing is dragged there in the first frame.
+    pub fn settle(&mut self, origin: DVec3) {
+        self.aim(origin);
+        self.anchors.from.clone_from(&self.anchors.to);
     }
 
     /// Lets go of the anchors whose sets were released.

@@ -112,10 +112,12 @@ pub(crate) fn resolve(
     Ok(resolved)
 }
 
-/// Where anchors of a cloth that is already simulated stay: an old anchor of the same set keeps its place, a new one is held where its particle is.
+/// Where anchors of a cloth that is already simulated stay: an old anchor keeps its place, a new one is held where its particle is.
 pub(crate) struct Continuing<'a> {
     pub sets: &'a AnchorSets,
     pub anchors: &'a Anchors,
+    /// The old set that each new one goes on from.
+    pub known: &'a [Option<usize>],
     /// Positions of the particles in the world, less `origin` [m].
     pub positions: &'a [Vec4],
     pub origin: DVec3,
@@ -135,10 +137,15 @@ impl Resolved {
             let at_rest = rest.positions[particle as usize];
             let Some(before) = before else { return (at_rest, None) };
             let old = before.anchors.particles.binary_search(&particle).ok();
-            if let Some(old) = old.filter(|&old| before.sets.set_of[old] == set) {
-                return (before.rescale * before.sets.local[old], Some(before.anchors.to[old]));
+            let held = old.and_then(|old| {
+                Some((*before.sets.set_of.get(old)?, *before.sets.local.get(old)?, *before.anchors.to.get(old)?))
+            });
+            let known = before.known.get(set as usize).copied().flatten();
+            if let Some((_, local, to)) = held.filter(|(of, ..)| known == Some(*of as usize)) {
+                return (before.rescale * local, Some(to));
             }
-            let now = before.positions[particle as usize].truncate();
+            let now = held.map(|(.., to)| to).or_else(|| before.positions.get(particle as usize).map(|x| x.truncate()));
+            let Some(now) = now else { return (at_rest, None) };
             let space = sets.get(set as usize).map(|s| s.space_from(before.origin).inverse());
             (space.map_or(at_rest, |space| space.transform_point3(now)), Some(now))
         };

@@ -12,6 +12,9 @@ use crate::systems::colliders::ColliderBody;
 /// It moves with the entity, fast or slow, and is not moved by the cloth. Which cloths it touches is up to [`ClothLayers`](crate::ClothLayers).
 /// Entities with `Disabled` push nothing.
 ///
+/// Contacts are tested at the particles of the cloth only: a tip or an edge that is thinner than the spacing of the mesh can poke out between them.
+/// Give the collider a [`margin`](Self::margin), round its tip, or make the mesh finer.
+///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 
+use super::checked::Checked;
+
 /// Where a cloth is held, and by what.
 ///
 /// A list of sets, each with its own weight and target. Pinned vertices keep their place relative to the target: the cloth's own
@@ -52,6 +54,9 @@ pub enum PinSelect {
     /// Vertices of the mesh by index, each with a weight from 0 to 1.
     Weighted(Vec<(u32, f32)>),
     /// Vertices at whose position, in the space of the mesh [m], the predicate holds.
+    ///
+    /// A function cannot be written to a file: serializing pins or a scene that hold one is an error. Name the vertices, a colour channel or an
+    /// attribute instead where scenes are saved.
     #[cfg_attr(feature = "serialize", serde(skip))]
     Position(PositionPredicate),
     /// A channel of the vertex colour is the weight.
@@ -129,6 +134,13 @@ impl From<PinSelect> for ClothPins {
 }
 
 impl ClothPins {
+    /// Names a weight that is out of range: it is used clamped, and holds nothing if it is not a number.
+    pub(crate) fn checked(&self, checked: &mut Checked) {
+        if let Some(bad) = self.sets.iter().find(|set| !(0.0..=1.0).contains(&set.weight)) {
+            checked.within("PinSet::weight", bad.weight, 0.0, 0.0, 1.0);
+        }
+    }
+
     /// No pins.
     pub const NONE: Self = Self { sets: Vec::new(), on_target_lost: OnTargetLost::Hold };
 
@@ -144,7 +156,7 @@ impl ClothPins {
         PinSelect::Weighted(weights.into_iter().collect()).into()
     }
 
-    /// Holds the vertices at whose position in the space of the mesh [m] the predicate holds.
+    /// Holds the vertices at whose position in the space of the mesh [m] the predicate holds. Cannot be serialized: see [`PinSelect::Position`].
     #[must_use]
     pub fn where_position(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
         PinSelect::Position(PositionPredicate::new(predicate)).into()

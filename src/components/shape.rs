@@ -130,7 +130,7 @@ pub struct ColliderPart {
     pub translation: Vec3,
     /// Orientation in the collider.
     pub rotation: Quat,
-    /// The shape; a compound inside a compound is ignored.
+    /// The shape. It must not be a compound or triangles: a collider with such a part pushes nothing, and says so in a warning.
     pub shape: ColliderShape,
 }
 

@@ -7,9 +7,9 @@
 //! |---|---|
 //! | `cloth` | `true`, or an object with the keys below |
 //! | `cloth.material` | a preset name, a path to a `.cloth.ron` relative to the glTF, or an object with fields of [`ClothMaterial`] |
-//! | `cloth.pin` | a list of vertex indices, `"_NAME"` of a float attribute, or `"color.r"` (`g`, `b`, `a`) |
-//! | `cloth.self_collision` | bool, default true |
-//! | `cloth.layer` | integer, higher lies outside |
+//! | `cloth.pin` | a list of vertex indices (the primitive must have normals), `"_NAME"` of a float attribute, or `"color.r"` (`g`, `b`, `a`) |
+//! | `cloth.self_collision` | bool, default true; reserved: has no effect yet |
+//! | `cloth.layer` | integer, higher lies outside; reserved: has no effect yet |
 //! | `cloth.thickness` | metres |
 //! | `cloth.substep_rate` | Hz |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, or `{"shape": …, "friction": …}` |
@@ -37,21 +37,21 @@ mod preset;
 pub use preset::{ClothPreset, ClothPresetLoader};
 
 use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
-use bevy::mesh::{MeshVertexAttribute, VertexFormat};
+use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
     Cloth, ClothCollider, ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSolver, ColliderShape, GlobalWind,
-    MeshFit,
+    MeshFit, PinSelect,
 };
 use crate::plugin::ClothSystems;
 use extras::{ClothExtras, MaterialExtras, Problem};
 use preset::PresetOf;
 
-/// Reads cloth, colliders, gravity and wind from the extras of glTF scenes. Part of [`ClothPlugin`](crate::ClothPlugin).
+/// Brings the assets that extras name. Part of [`ClothPlugin`](crate::ClothPlugin), never added by users.
 #[derive(Debug, Default)]
-pub struct ClothGltfPlugin;
+pub(crate) struct ClothGltfPlugin;
 
 impl Plugin for ClothGltfPlugin {
     fn build(&self, _: &mut App) {}
@@ -104,7 +104,8 @@ pub(crate) fn scenes(
 pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
-    meshes: Query<(), With<Mesh3d>>,
+    meshes: Query<&Mesh3d>,
+    assets: Res<Assets<Mesh>>,
     parents: Query<&ChildOf>,
     roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
@@ -129,6 +130,18 @@ pub(crate) fn nodes(
             problems.push(Problem::new("collider", "needs a mesh on the node to be fitted to"));
         }
         if let Some(cloth) = &node.cloth {
+            if primitives.len() > 1 {
+                let what =
+                    "each becomes a cloth of its own and they come apart: join their materials, or pin them where they meet";
+                problems.push(Problem::new("cloth", format!("is on a mesh with {} primitives: {what}", primitives.len())));
+            }
+            let listed = matches!(&cloth.pin, Some(PinSelect::Vertices(vertices)) if !vertices.is_empty());
+            let mut shown = primitives.iter().filter_map(|p| meshes.get(*p).ok()).filter_map(|m| assets.get(&m.0));
+            if listed && shown.any(without_normals) {
+                let what = "lists vertices but the primitive has no normals, so that its vertices are numbered anew: \
+                            export normals, or pin by attribute or colour";
+                problems.push(Problem::new("cloth.pin", what));
+            }
             for &primitive in &primitives {
                 make_cloth(&mut commands, primitive, cloth, &file, server.as_deref(), &mut problems);
             }
@@ -147,6 +160,23 @@ pub(crate) fn nodes(
         let node_name = name.map_or_else(|| entity.to_string(), |n| format!("`{n}`"));
         warn_all(&file, &format!("node {node_name}"), &problems);
     }
+}
+
+/// Whether Bevy's loader made the normals: it then splits every triangle off, and indices of the file are no longer those of the mesh.
+fn without_normals(mesh: &Mesh) -> bool {
+    let Ok(None) = mesh.try_indices_option() else { return false };
+    let vectors = |attribute| match mesh.try_attribute(attribute) {
+        Ok(VertexAttributeValues::Float32x3(values)) => Some(values),
+        _ => None,
+    };
+    let (Some(points), Some(normals)) = (vectors(Mesh::ATTRIBUTE_POSITION), vectors(Mesh::ATTRIBUTE_NORMAL)) else {
+        return false;
+    };
+    points.as_chunks::<3>().0.iter().zip(normals.as_chunks::<3>().0).all(|(corners, normals)| {
+        let [a, b, c] = corners.map(Vec3::from);
+        let flat = (b - a).cross(c - a).normalize_or_zero();
+        normals.iter().all(|n| flat == Vec3::ZERO || flat.distance_squared(Vec3::from(*n)) < 1.0e-8)
+    })
 }
 
 fn make_cloth(

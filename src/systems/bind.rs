@@ -21,13 +21,13 @@ use crate::components::{
     ClothStatus, PinSet, WaitingFor,
 };
 use crate::notices::{Notices, label};
-use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
 
 /// Silence before a cloth that waits is mentioned [s].
-const PATIENCE: f64 = 5.0;
+pub(crate) const PATIENCE: f64 = 5.0;
 
 /// A cloth, bound or not.
 #[derive(QueryData)]
@@ -78,15 +78,6 @@ impl From<ClothError> for Obstacle {
     }
 }
 
-/// What changed since a cloth was bound.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Change {
-    None,
-    Pins,
-    Scale,
-    Mesh,
-}
-
 /// Binds every cloth that is new or whose mesh, scale or pins changed.
 pub(crate) fn bind(
     mut commands: Commands,
@@ -120,6 +111,8 @@ struct Made {
     authored: Authored,
     resolved: Resolved,
     sets: Vec<AnchorSet>,
+    /// The old set that each of them goes on from.
+    known: Vec<Option<usize>>,
     skin: Option<Skin>,
     joints: Vec<Affine3A>,
     surface: Surface,
@@ -145,8 +138,14 @@ fn bind_one(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindab
     Ok(())
 }
 
-/// Compares what is there with what was bound.
-fn want(assembly: &Assembly, cloth: &BindableItem) -> Result<Wanted, Obstacle> {
+/// Compares what is there with what was bound. A change is remembered before anything is waited for.
+fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacle> {
+    let news = news(assembly, cloth);
+    if let Some(binding) = &mut cloth.binding
+        && binding.pending < news
+    {
+        binding.pending = news;
+    }
     let shown = &cloth.mesh.as_ref().ok_or(Obstacle::Wait(WaitingFor::Mesh))?.0;
     let bound = cloth.binding.as_ref().filter(|b| b.instance.as_ref().is_none_or(|i| i.id() == shown.id()));
     let source = match bound {
@@ -155,35 +154,37 @@ fn want(assembly: &Assembly, cloth: &BindableItem) -> Result<Wanted, Obstacle> {
     };
     let skinned = cloth.skinned.or(cloth.binding.as_ref().and_then(|b| b.skinned.as_ref())).cloned();
     let placement = match &skinned {
-        Some(skinned) => skin_placement(assembly, skinned)?,
+        Some(skinned) => match (skin_placement(assembly, skinned), &cloth.inputs) {
+            // A joint that is gone or broken is where it was last.
+            (Err(_), Some(inputs)) if cloth.skinned.is_none() => inputs.placement,
+            (placement, _) => placement?,
+        },
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Scale))?,
     };
-    let failed = cloth.error.is_some();
-    let unstable = cloth.error.is_some_and(|e| e.kind == ClothErrorKind::Unstable);
-    let tuned = cloth.material.is_changed() || cloth.solver.is_changed();
     let change = match bound {
-        Some(b) if b.source.id() != source.id() => Change::Mesh,
-        Some(_) if assembly.sources.modified.contains(&source.id()) => Change::Mesh,
-        Some(_) if failed && assembly.sources.added.contains(&source.id()) => Change::Mesh,
-        Some(_) if unstable && (tuned || cloth.pins.is_changed()) => Change::Mesh,
-        Some(b) if !placement.fits(&b.bake) => {
-            if failed {
-                Change::Mesh
-            } else {
-                Change::Scale
-            }
-        }
-        Some(_) if cloth.pins.is_changed() => {
-            if failed {
-                Change::Mesh
-            } else {
-                Change::Pins
-            }
-        }
-        Some(_) => Change::None,
-        None => Change::Mesh,
+        Some(b) if b.source.id() == source.id() && placement.fits(&b.bake) => b.pending,
+        Some(b) if b.source.id() == source.id() && cloth.error.is_none() => b.pending.max(Change::Scale),
+        _ => Change::Mesh,
     };
     Ok(Wanted { source, placement, skinned, change })
+}
+
+/// What changed in this frame, apart from scale and handle, which can be seen at any time.
+fn news(assembly: &Assembly, cloth: &BindableItem) -> Change {
+    let Some(binding) = &cloth.binding else { return Change::Mesh };
+    let source = binding.source.id();
+    let failed = cloth.error.is_some();
+    let unstable = cloth.error.is_some_and(|e| e.kind == ClothErrorKind::Unstable);
+    let tuned = unstable && (cloth.material.is_changed() || cloth.solver.is_changed());
+    let repinned = cloth.pins.is_changed();
+    let arrived = assembly.sources.modified.contains(&source) || (failed && assembly.sources.added.contains(&source));
+    if arrived || tuned || (failed && repinned) {
+        Change::Mesh
+    } else if repinned {
+        Change::Pins
+    } else {
+        Change::None
+    }
 }
 
 /// Reads, builds and resolves; fails or waits without having written anything.
@@ -202,22 +203,25 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         kind: ClothErrorKind::BadMesh,
         detail: format!("{error}: check the mesh in the program it was made with"),
     })?;
-    let continues =
-        cloth.error.is_none() && cloth.rest.is_some_and(|old| *change < Change::Mesh || same_topology(old.shape(), &rest));
+    let frozen = cloth.particles.as_ref().is_none_or(|p| p.recovery.is_frozen());
+    let continues = cloth.error.is_none() && !frozen && cloth.rest.is_some_and(|old| same_topology(&old.0, &rest));
     let old = cloth.inputs.as_ref().filter(|_| continues);
     let origin = match &cloth.particles {
         Some(particles) if continues => particles.origin,
         _ => placement.translation.as_dvec3(),
     };
-    let sets = join(&cloth.pins, old.map(|o| &o.sets), &assembly.transforms, placement)?;
+    let joined = join(&cloth.pins, old.map(|o| &o.sets), &assembly.transforms, placement)?;
+    let (sets, known): (Vec<AnchorSet>, Vec<Option<usize>>) = joined.into_iter().unzip();
     let resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
-    let mut joints = Vec::new();
+    let mut joints = last_joints(cloth, origin);
     let skin = match skinned {
         Some(skinned) => Skin::new(mesh, &authored, &rest, bound_joints(assembly, skinned)?),
         None => None,
     };
-    if let Some(skin) = &skin {
-        skin.matrices(&assembly.transforms, origin, &mut joints);
+    if let Some(skin) = &skin
+        && !skin.matrices(&assembly.transforms, origin, &mut joints)
+    {
+        return Err(Obstacle::Wait(WaitingFor::Skin));
     }
     let surface = Surface::new(mesh, &authored);
     let instance = if *change == Change::Mesh {
@@ -227,12 +231,12 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     };
     let mut report = ClothBuildReport::new(&built);
     report.bad_pins.clone_from(&resolved.bad_pins);
-    Ok(Made { rest, report, authored, resolved, sets, skin, joints, surface, instance, origin, continues })
+    Ok(Made { rest, report, authored, resolved, sets, known, skin, joints, surface, instance, origin, continues })
 }
 
 /// Writes what was made to the entity.
 fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem, wanted: Wanted, made: Made) {
-    let Made { rest, report, authored, resolved, sets, skin, joints, surface, instance, origin, continues } = made;
+    let Made { rest, report, authored, resolved, sets, known, skin, joints, surface, instance, origin, continues } = made;
     let placement = wanted.placement;
     if *cloth.build != report {
         debug!("{} is bound: {report:?}", label(cloth.entity, cloth.name));
@@ -246,27 +250,31 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         (continues, &mut cloth.particles, &mut cloth.inputs, &mut cloth.shown, &mut cloth.binding)
     {
         let rescale = if placement.fits(&binding.bake) { Mat3::IDENTITY } else { placement.bake * binding.bake.inverse() };
-        rescale_about(particles, &inputs.placement, rescale);
+        rescale_about(particles, inputs, rescale);
         let positions = &particles.state.positions;
-        let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, positions, origin, rescale };
+        let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, known: &known, positions, origin, rescale };
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, true);
         shown.surface = surface;
         shown.fit(vertices);
         shown.forced = true;
-        binding.bake = placement.bake;
+        (binding.bake, binding.pending) = (placement.bake, Change::None);
         if wanted.change > Change::Pins {
             entity.try_insert((ClothRest(rest), ClothScratch::default()));
         }
     } else {
         let (anchors, sets) = resolved.into_anchors(sets, &rest, None);
-        let inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
+        let mut inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
+        inputs.settle(origin);
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };
         shown.fit(vertices);
         entity.try_insert((ClothRest(rest), particles, inputs, shown, ClothScratch::default()));
         *cloth.report = ClothReport::default();
+        if let Some(binding) = &mut cloth.binding {
+            (binding.bake, binding.pending) = (placement.bake, Change::None);
+        }
     }
     cloth.report.pinned = pinned;
     if let Some((instance, bounds)) = instance {
@@ -300,6 +308,7 @@ fn give_instance(
         skinned: wanted.skinned,
         skinned_bounds,
         own_bounds,
+        pending: Change::None,
     });
     entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
     entity.try_insert(NoAutoAabb);
@@ -314,37 +323,50 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
     let state = ClothState { previous: positions.clone(), positions, ..ClothState::default() };
     let mut recovery = Recovery::default();
     recovery.start(&state);
-    ClothParticles { state, origin, before: Vec::new(), recovery, carrier: None }
+    ClothParticles { state, origin, before: Vec::new(), recovery, carrier: Some(inputs.carrier()) }
 }
 
-/// Scales the state about the place of the cloth.
-fn rescale_about(particles: &mut ClothParticles, placement: &Placement, rescale: Mat3) {
+/// Scales state and anchors about the place of the cloth.
+fn rescale_about(particles: &mut ClothParticles, inputs: &mut ClothInputs, rescale: Mat3) {
     if rescale == Mat3::IDENTITY {
         return;
     }
+    let placement = &inputs.placement;
     let turn = Mat3::from_quat(placement.rotation);
     let (matrix, at) = (turn * rescale * turn.transpose(), placement.translation_from(particles.origin));
-    particles.carry(|x| matrix * (x - at) + at);
+    let motion = |x: Vec3| matrix * (x - at) + at;
+    particles.carry(motion);
+    inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
 }
 
-/// Joins every pin set to its target, as it was joined before if it was.
+/// Where the joints of a bound cloth were last, as seen from `origin`.
+fn last_joints(cloth: &BindableItem, origin: DVec3) -> Vec<Affine3A> {
+    let (Some(inputs), Some(particles), None) = (&cloth.inputs, &cloth.particles, cloth.skinned) else { return Vec::new() };
+    let shift = (particles.origin - origin).as_vec3();
+    let mut joints = inputs.joints.clone();
+    joints.iter_mut().for_each(|joint| joint.translation += Vec3A::from(shift));
+    joints
+}
+
+/// Joins every pin set to its target, as an old set of that target was joined, which is named too. Sets may have changed places.
 fn join(
     pins: &ClothPins,
     old: Option<&AnchorSets>,
     transforms: &Transforms,
     placement: &Placement,
-) -> Result<Vec<AnchorSet>, Obstacle> {
+) -> Result<Vec<(AnchorSet, Option<usize>)>, Obstacle> {
+    let old = old.map_or(&[][..], |old| &old.sets);
     let join = |(s, set): (usize, &PinSet)| {
-        let known = old.and_then(|old| old.sets.get(s)).filter(|known| known.target == set.target);
-        if let Some(known) = known {
-            return Ok(known.clone());
+        let fits = |at: &usize| old.get(*at).is_some_and(|known| known.target == set.target);
+        if let Some(at) = Some(s).filter(fits).or_else(|| (0..old.len()).find(fits)) {
+            return Ok((old[at].clone(), Some(at)));
         }
         let Some(target) = set.target else {
-            return Ok(AnchorSet::own(placement));
+            return Ok((AnchorSet::own(placement), None));
         };
         let affine = transforms.get(target).ok().map(GlobalTransform::affine);
         let affine = affine.filter(|a| Placement::of(a).is_some()).ok_or(Obstacle::Wait(WaitingFor::Target))?;
-        Ok(AnchorSet::new(target, &affine, placement))
+        Ok((AnchorSet::new(target, &affine, placement), None))
     };
     pins.sets.iter().enumerate().map(join).collect()
 }
@@ -368,8 +390,20 @@ fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placemen
     Ok(placement)
 }
 
-fn same_topology(a: &RestShape, b: &RestShape) -> bool {
-    a.topology.faces == b.topology.faces && a.particle_of_vertex == b.particle_of_vertex
+/// Whether vertices and faces of two shapes hang on the same particles; a mirrored face counts as the same.
+fn same_topology(a: &Arc<RestShape>, b: &Arc<RestShape>) -> bool {
+    if Arc::ptr_eq(a, b) {
+        return true;
+    }
+    let corners = |shape: &RestShape| {
+        let mut faces = shape.topology.faces.clone();
+        faces.iter_mut().for_each(|face| face.sort_unstable());
+        faces.sort_unstable();
+        faces
+    };
+    a.particle_of_vertex == b.particle_of_vertex
+        && a.positions.len() == b.positions.len()
+        && (a.topology.faces == b.topology.faces || corners(a) == corners(b))
 }
 
 /// Radius of the ball around the box of the shape at rest [m].
@@ -392,10 +426,19 @@ fn wait(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem
         inputs.active = false;
     }
     cloth.status.set_if_neq(ClothStatus::Waiting(reason));
+    if cloth.error.is_some() {
+        // It no longer fails but waits; when that is over it is tried from the start.
+        if let Some(binding) = &mut cloth.binding {
+            binding.pending = Change::Mesh;
+        }
+        commands.entity(cloth.entity).try_remove::<ClothError>();
+    }
+    let since = WaitingSince { reason, at: now, told: false };
     match &mut cloth.waiting {
         None => {
-            commands.entity(cloth.entity).try_insert(WaitingSince { at: now, told: false });
+            commands.entity(cloth.entity).try_insert(since);
         }
+        Some(old) if old.reason != reason => **old = since,
         Some(since) if !since.told && now - since.at > PATIENCE => {
             since.told = true;
             if notices.first(cloth.entity, reason.cure()) {
@@ -425,7 +468,9 @@ fn fail(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(Mat3::IDENTITY, |p| p.bake),
     };
     let (skinned_bounds, own_bounds) = (false, cloth.own_bounds && cloth.binding.is_none());
-    entity.try_insert(Binding { source, instance: None, bake, skinned: None, skinned_bounds, own_bounds });
+    let pending = Change::None;
+    entity.try_insert(Binding { source, instance: None, bake, skinned: None, skinned_bounds, own_bounds, pending });
+    entity.try_remove::<WaitingSince>();
     *cloth.status = ClothStatus::Failed;
     if notices.first(cloth.entity, error.kind.name()) {
         warn!("cloth {} cannot be simulated: {error}", label(cloth.entity, cloth.name));

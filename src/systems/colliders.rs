@@ -2,9 +2,10 @@
 
 use bevy::prelude::*;
 
+use super::bind::PATIENCE;
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::checked::Checked;
-use crate::components::{ClothCollider, ClothLayers, ColliderShape};
+use crate::components::{ClothCollider, ClothLayers, ColliderShape, MeshFit};
 use crate::notices::{Notices, label};
 use crate::solver::body::{SharedShape, shape};
 
@@ -12,14 +13,28 @@ use crate::solver::body::{SharedShape, shape};
 #[derive(Component, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ColliderBody {
-    /// Whether the shape was tried.
-    made: bool,
+    stage: Stage,
     shape: Option<SharedShape>,
     unscaled: Option<SharedShape>,
     scale: Vec3,
     mesh: Option<AssetId<Mesh>>,
     pose: Option<Isometry3d>,
     reach: f32,
+}
+
+/// How far a shape is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Stage {
+    /// Not tried yet.
+    #[default]
+    New,
+    /// Its mesh is not there; since that real time [s].
+    Waiting {
+        since: f64,
+    },
+    /// It cannot be made until something changes.
+    Failed,
+    Made,
 }
 
 /// A body in the world in this frame.
@@ -47,6 +62,7 @@ pub(crate) fn shapes(
     meshes: Res<Assets<Mesh>>,
     sources: Res<Sources>,
     mut notices: ResMut<Notices>,
+    time: Res<Time<Real>>,
     mut colliders: Query<(
         Entity,
         Option<&Name>,
@@ -56,33 +72,44 @@ pub(crate) fn shapes(
         Option<&mut ColliderBody>,
     )>,
 ) {
+    let now = time.elapsed_secs_f64();
     for (entity, name, collider, global, mesh, body) in &mut colliders {
-        let source = mesh.map(|m| sources.authored(&m.0));
-        let fitted = matches!(collider.shape, ColliderShape::Mesh(_));
-        let mesh_id = source.as_ref().filter(|_| fitted).map(Handle::id);
-        let scale = global.scale();
         let Some(mut body) = body else {
             commands.entity(entity).try_insert(ColliderBody::default());
             continue;
         };
+        let source = mesh.map(|m| sources.authored(&m.0)).filter(|_| needs_mesh(&collider.shape));
+        let mesh_id = source.as_ref().map(Handle::id);
         let arrived = mesh_id.is_some_and(|id| sources.modified.contains(&id) || sources.added.contains(&id));
-        let changed = collider.is_changed() || body.mesh != mesh_id || arrived || !body.made;
-        if changed || (body.unscaled.is_none() && fitted) {
-            body.made = true;
+        let changed = collider.is_changed() || body.mesh != mesh_id || arrived || body.stage == Stage::New;
+        if changed || matches!(body.stage, Stage::Waiting { .. }) {
             body.mesh = mesh_id;
-            body.scale = Vec3::ZERO;
-            body.unscaled = match shape_of(&collider.shape, source.as_ref().and_then(|s| meshes.get(s))) {
-                Ok(shape) => Some(shape),
-                Err(ColliderError::NoMesh) => None,
+            let (unscaled, stage) = match shape_of(&collider.shape, source.as_ref().and_then(|s| meshes.get(s))) {
+                Ok(shape) => (Some(shape), Stage::Made),
+                Err(ColliderError::NoMesh) => (None, waiting(body.stage, now)),
                 Err(error) => {
                     if notices.first(entity, "shape") {
                         warn!("collider {} pushes nothing: {error}", label(entity, name));
                     }
-                    None
+                    (None, Stage::Failed)
                 }
             };
+            if let Stage::Waiting { since } = stage
+                && now - since > PATIENCE
+                && notices.first(entity, "mesh")
+            {
+                let cure = "give its entity a `Mesh3d`, keep the loader of its asset running, or check the path";
+                warn!("collider {} still waits: {}: {cure}", label(entity, name), ColliderError::NoMesh);
+            }
+            (body.unscaled, body.stage, body.scale) = (unscaled, stage, Vec3::NAN);
         }
-        if changed || (scale - body.scale).abs().max_element() > 1.0e-4 * scale.abs().max_element() {
+        let scale = global.scale();
+        if !scale.is_finite() {
+            // It keeps the shape it had; the place of one that has none is told of here, of others with their pose.
+            if body.shape.is_none() && notices.first(entity, "scale") {
+                warn!("collider {} pushes nothing: the scale of its transform is not finite", label(entity, name));
+            }
+        } else if !((scale - body.scale).abs().max_element() <= 1.0e-4 * scale.abs().max_element()) {
             body.scale = scale;
             body.shape = body.unscaled.as_ref().and_then(|unscaled| match shape::scaled(unscaled, scale) {
                 Ok(shape) => Some(shape),
@@ -95,6 +122,20 @@ pub(crate) fn shapes(
             });
             body.reach = body.shape.as_ref().map_or(0.0, |s| s.compute_local_bounding_sphere().radius);
         }
+    }
+}
+
+/// Waits since `now`, or for as long as it did.
+fn waiting(stage: Stage, now: f64) -> Stage {
+    if matches!(stage, Stage::Waiting { .. }) { stage } else { Stage::Waiting { since: now } }
+}
+
+/// Whether a shape, or a part of it, is fitted to the mesh of the entity. A plane needs none.
+fn needs_mesh(shape: &ColliderShape) -> bool {
+    match shape {
+        ColliderShape::Mesh(fit) => *fit != MeshFit::HalfSpace,
+        ColliderShape::Compound { parts } => parts.iter().any(|part| needs_mesh(&part.shape)),
+        _ => false,
     }
 }
 

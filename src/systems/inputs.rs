@@ -60,12 +60,21 @@ pub(crate) fn settings(
     air: Res<WorldAir>,
     mut notices: ResMut<Notices>,
     mut cloths: Query<
-        (Entity, Option<&Name>, &ClothMaterial, &ClothSolver, Option<&ClothWind>, &mut ClothInputs, &mut ClothReport),
+        (
+            Entity,
+            Option<&Name>,
+            &ClothMaterial,
+            &ClothSolver,
+            &ClothPins,
+            Option<&ClothWind>,
+            &mut ClothInputs,
+            &mut ClothReport,
+        ),
         With<Cloth>,
     >,
     time: Res<Time>,
 ) {
-    for (entity, name, material, solver, own_wind, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, pins, own_wind, mut inputs, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -77,7 +86,9 @@ pub(crate) fn settings(
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);
         inputs.time_scale = solver.time_scale(checked);
+        inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
+        pins.checked(checked);
         let zones = core::mem::take(&mut inputs.wind.zones);
         match own_wind {
             Some(own) => {
@@ -100,9 +111,12 @@ pub(crate) fn settings(
 pub(crate) fn anchors(
     mut commands: Commands,
     transforms: Transforms,
-    mut cloths: Query<(Entity, &ClothRest, &ClothSolver, &ClothPins, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
+    mut cloths: Query<
+        (Entity, &ClothRest, &ClothSolver, &ClothPins, &mut ClothInputs, &mut ClothParticles, &mut ClothReport),
+        With<Cloth>,
+    >,
 ) {
-    for (entity, rest, solver, pins, mut inputs, mut particles) in &mut cloths {
+    for (entity, rest, solver, pins, mut inputs, mut particles, mut report) in &mut cloths {
         let (inputs, particles) = (&mut *inputs, &mut *particles);
         if !inputs.active || inputs.time_scale == 0.0 {
             continue;
@@ -110,6 +124,10 @@ pub(crate) fn anchors(
         if follow_targets(&mut commands, &transforms, entity, pins, inputs) {
             commands.entity(entity).try_despawn();
             continue;
+        }
+        let pinned = u32::try_from(inputs.anchors.particles.len()).unwrap_or(u32::MAX);
+        if report.pinned != pinned {
+            report.pinned = pinned;
         }
         let jump = jump(inputs, particles, solver);
         let origin = particles.origin;
@@ -197,10 +215,10 @@ impl Jump {
 }
 
 /// Whether the carrier jumped since the last frame: further than 1 m and three radii, or by more than 60 degrees, by default.
-fn jump(inputs: &mut ClothInputs, particles: &mut ClothParticles, solver: &ClothSolver) -> Option<Jump> {
+fn jump(inputs: &ClothInputs, particles: &mut ClothParticles, solver: &ClothSolver) -> Option<Jump> {
     let to = inputs.carrier();
     let from = particles.carrier.replace(to)?;
-    let (least, turn) = solver.teleport_limits(&mut inputs.checked);
+    let (least, turn) = inputs.teleport;
     let distance = from.translation.distance(to.translation);
     let angle = from.rotation.angle_between(to.rotation);
     let far = !(distance <= least.max(3.0 * inputs.radius)) || !(angle <= turn);
@@ -217,6 +235,8 @@ fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     particles.origin += shift.as_dvec3();
     particles.carry(|x| x - shift);
     inputs.anchors.to.iter_mut().for_each(|x| *x -= shift);
+    // A joint that is gone keeps its matrix.
+    inputs.joints.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
 }
 
 fn blow(air: &mut Wind, wind: &GlobalWind) {

@@ -25,6 +25,9 @@ pub(crate) fn integrate(
             let fits = particles.state.positions.len() == rest.0.positions.len();
             if inputs.active && fits && dt > 0.0 && !particles.recovery.is_frozen() {
                 advance(&rest.0, dt, interpolates, &mut inputs, &mut particles, &mut scratch, &mut report);
+            } else if !particles.before.is_empty() {
+                // Nothing moved: there is nothing to interpolate.
+                particles.before.clear();
             }
         },
     );

@@ -346,3 +346,39 @@ fn both_widths_of_indices_are_kept_and_large_meshes_work() {
     assert_eq!(build(&app, wide).particles, 260 * 260);
     assert!(finite(&app, wide) && lowest(&world_positions(&app, wide)) < 0.0);
 }
+
+/// F21
+#[test]
+fn a_scale_at_which_fewer_vertices_are_welded_starts_anew() {
+    let mut app = app();
+    // A hem so fine that it is one line while the cloth is folded flat along x.
+    let columns = [0.0, 0.25, 0.5, 0.75, 1.0, 1.002, 1.004];
+    let points: Vec<[f32; 3]> = (0..5).flat_map(|z| columns.map(|x| [x, 0.0, 0.25 * z as f32])).collect();
+    let faces = (0..4_u32).flat_map(|z| (0..6).map(move |x| 7 * z + x));
+    let indices = faces.flat_map(|v| [v, v + 7, v + 1, v + 1, v + 7, v + 8]).collect();
+    let mesh = mesh_of(PrimitiveTopology::TriangleList, points, Some(Indices::U32(indices)));
+    let everywhere = ClothPins::where_position(|p| p.z < 0.01);
+    let cloth = spawn(&mut app, mesh, (everywhere, Transform::from_scale(Vec3::new(2.0e-3, 1.0, 1.0))));
+    run(&mut app, 5);
+    assert_eq!(build(&app, cloth).particles, 25);
+    for (scale, particles) in [(1.0, 35), (2.0e-3, 25), (-1.0, 35)] {
+        app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale.x = scale;
+        run(&mut app, 5);
+        assert_eq!((status(&app, cloth), build(&app, cloth).particles), (ClothStatus::Active, particles));
+        let time = report(&app, cloth).time;
+        run(&mut app, 5);
+        assert!(report(&app, cloth).time > time && finite(&app, cloth), "it starts anew once, not in every frame");
+    }
+}
+
+/// F21
+#[test]
+fn a_new_scale_takes_the_pins_along() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(9), (border(), Transform::from_xyz(2.0, 0.0, 0.0).with_scale(Vec3::splat(2.0))));
+    run(&mut app, 60);
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
+    run(&mut app, 1);
+    assert!(report(&app, cloth).worst_edge < 1.1, "{:?}", report(&app, cloth));
+    assert!(report(&app, cloth).time > 0.5, "it goes on");
+}

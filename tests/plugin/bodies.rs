@@ -172,3 +172,42 @@ trait IntoUnit: Sized {
     fn into_unit(self) {}
 }
 impl<T> IntoUnit for T {}
+
+#[test]
+fn a_collider_whose_scale_is_not_a_number_comes_back_with_a_scale() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(5), border());
+    let never = app.world_mut().spawn((Transform::from_scale(Vec3::splat(f32::NAN)), ClothCollider::ball(0.1))).id();
+    let broken = app.world_mut().spawn(ClothCollider::ball(0.1)).id();
+    run(&mut app, 3);
+    assert_eq!(bodies(&app, cloth), 1);
+    for scale in [Vec3::new(1.0, f32::NAN, 1.0), Vec3::INFINITY, Vec3::splat(2.0)] {
+        for body in [never, broken] {
+            app.world_mut().get_mut::<Transform>(body).expect("a transform").scale = scale;
+        }
+        run(&mut app, 3);
+        assert_eq!(bodies(&app, cloth), if scale.is_finite() { 2 } else { 1 }, "{scale}");
+        assert!(finite(&app, cloth));
+    }
+}
+
+#[test]
+fn a_part_of_a_compound_that_is_fitted_waits_for_the_mesh_and_a_fit_that_failed_is_tried_again_when_it_changes() {
+    use bevy_drape::ColliderShape;
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(5), border());
+    let late = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let part = (Vec3::X, Quat::IDENTITY, ColliderShape::Mesh(MeshFit::ConvexHull));
+    app.world_mut().spawn((Mesh3d(late.clone()), ClothCollider::compound([part])));
+    let wrong = add(&mut app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
+    app.world_mut().spawn((Mesh3d(wrong.clone()), ClothCollider::fit_mesh(MeshFit::TriMesh)));
+    run(&mut app, 5);
+    assert_eq!(bodies(&app, cloth), 0);
+    let sphere = || Sphere::new(0.25).mesh().ico(2).expect("a sphere");
+    app.world_mut().resource_mut::<Assets<Mesh>>().insert(late.id(), sphere()).expect("a live handle");
+    run(&mut app, 3);
+    assert_eq!(bodies(&app, cloth), 1);
+    *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&wrong).expect("the mesh") = sphere();
+    run(&mut app, 3);
+    assert_eq!(bodies(&app, cloth), 2);
+}

@@ -35,6 +35,12 @@ fn base64(bytes: &[u8]) -> String {
 
 /// A glTF of one sheet of 5 x 5 vertices in xz; `nodes` are node objects that use mesh 0.
 fn write_gltf(path: &std::path::Path, nodes: &[String], scene_extras: &str) {
+    let whole = r#"{"attributes": {"POSITION": 0, "NORMAL": 1, "_PIN": 2}, "indices": 3}"#;
+    write_gltf_of(path, whole, nodes, scene_extras);
+}
+
+/// As [`write_gltf`], with other primitives of the mesh.
+fn write_gltf_of(path: &std::path::Path, primitives: &str, nodes: &[String], scene_extras: &str) {
     let mesh = sheet(5);
     let points = vectors(&mesh, Mesh::ATTRIBUTE_POSITION);
     let mut bytes = Vec::new();
@@ -55,7 +61,7 @@ fn write_gltf(path: &std::path::Path, nodes: &[String], scene_extras: &str) {
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0,
         "scenes": [{{"nodes": [{nodes_in}], "extras": {scene_extras}}}],
         "nodes": [{nodes}],
-        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "NORMAL": 1, "_PIN": 2}}, "indices": 3}}]}}],
+        "meshes": [{{"primitives": [{primitives}]}}],
         "accessors": [
             {{"bufferView": 0, "componentType": 5126, "count": 25, "type": "VEC3", "min": [-0.5, 0, -0.5], "max": [0.5, 0, 0.5]}},
             {{"bufferView": 1, "componentType": 5126, "count": 25, "type": "VEC3"}},
@@ -146,7 +152,7 @@ fn a_curtain_and_its_weather_come_out_of_the_file() {
     assert_eq!(*material(rug), ClothMaterial { density: 0.9, bend_stiffness: 1.0e-3, thickness: 0.02, ..default() });
     assert_eq!(app.world().get::<ClothSolver>(curtain).expect("a solver").substep_rate, 600.0);
     for (cloth, pinned) in [(curtain, 5), (rug, 2), (free, 0)] {
-        assert_eq!(status(&app, cloth), ClothStatus::Active, "{:?}", app.world().get::<bevy_drape::ClothError>(cloth));
+        assert_eq!(status(&app, cloth), ClothStatus::Active, "{:?}", app.world().get::<ClothError>(cloth));
         assert_eq!(report(&app, cloth).pinned, pinned);
         assert_eq!(report(&app, cloth).bodies, 1, "the floor; the box has no height");
     }
@@ -185,5 +191,29 @@ fn a_wrong_key_is_one_warning_with_file_node_and_key_and_the_rest_works() {
         assert_eq!(count, 1, "{words:?} in {lines:#?}");
     }
     assert_eq!(lines.len(), 5, "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn pins_by_index_without_normals_and_meshes_in_several_pieces_are_told_of() {
+    let folder = folder("pieces");
+    let (smooth, bare) =
+        (r#"{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 3}"#, r#"{"attributes": {"POSITION": 0}, "indices": 3}"#);
+    let told = |name: &str, primitives: &str, extras: &str| {
+        write_gltf_of(&folder.join(name), primitives, &[node("Curtain", extras)], "{}");
+        warnings(gltf_app(&folder), |app| {
+            load(app, name);
+            run(app, 20);
+        })
+    };
+    let pins = r#"{"cloth": {"pin": [0, 4]}}"#;
+    assert_eq!(told("smooth.gltf", smooth, pins), Vec::<String>::new());
+    assert_eq!(told("free.gltf", bare, r#"{"cloth": true}"#), Vec::<String>::new());
+    let lines = told("bare.gltf", bare, pins);
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(["bare.gltf", "`Curtain`", "`cloth.pin`", "no normals"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    let lines = told("two.gltf", &format!("{smooth}, {smooth}"), pins);
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(["two.gltf", "`Curtain`", "2 primitives"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }

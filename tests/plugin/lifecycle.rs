@@ -20,6 +20,7 @@ fn removing_cloth_gives_the_authored_mesh_back_and_leaves_nothing() {
     assert_eq!(app.world().get::<Mesh3d>(cloth).map(|m| m.0.id()), Some(source.id()));
     assert!(app.world().get::<ClothParticles>(cloth).is_none() && app.world().get::<NoAutoAabb>(cloth).is_none());
     assert!(!app.world().resource::<Assets<Mesh>>().contains(instance), "the instance mesh was left behind");
+    assert_eq!(status(&app, cloth), ClothStatus::New);
     app.world_mut().entity_mut(cloth).insert(Cloth);
     run(&mut app, 10);
     assert_eq!(status(&app, cloth), ClothStatus::Active);
@@ -123,4 +124,24 @@ fn cloth_before_its_mesh_waits() {
     app.world_mut().entity_mut(cloth).insert(Mesh3d(mesh));
     run(&mut app, 3);
     assert_eq!(status(&app, cloth), ClothStatus::Active);
+}
+
+#[test]
+fn a_cloth_that_failed_and_waits_has_no_error_until_it_fails_again() {
+    use bevy_drape::WaitingFor;
+    let mut app = app();
+    let source = add(&mut app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
+    let cloth = app.world_mut().spawn((Mesh3d(source.clone()), Cloth)).id();
+    let scale = |app: &mut App, scale| {
+        app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = scale;
+        run(app, 3);
+        (status(app, cloth), app.world().get::<ClothError>(cloth).is_some())
+    };
+    assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Failed, true));
+    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Scale), false));
+    assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Failed, true));
+    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Scale), false));
+    *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&source).expect("the mesh") = sheet(5);
+    run(&mut app, 3);
+    assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Active, false));
 }

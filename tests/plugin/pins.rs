@@ -135,6 +135,7 @@ fn a_target_that_is_gone_holds_releases_or_despawns() {
         let alive = app.world().get_entity(cloth).is_ok();
         assert_eq!(alive, reaction != OnTargetLost::Despawn, "{reaction:?}");
         if alive {
+            assert_eq!(pinned(&app, cloth), if reaction == OnTargetLost::Hold { 6 } else { 0 }, "{reaction:?}");
             let top = world_positions(&app, cloth).iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
             assert_eq!(top > -0.01, reaction == OnTargetLost::Hold, "{reaction:?}: highest at {top}");
             assert!(finite(&app, cloth));
@@ -225,4 +226,100 @@ fn a_skinned_mesh_is_simulated_in_place_of_being_skinned_and_its_pins_follow_the
     run(&mut app, 1);
     assert!(app.world().get::<SkinnedMesh>(cloth).is_some(), "the skin comes back");
     assert!(shown(&app, cloth).contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX));
+}
+
+#[test]
+fn a_pinned_sheet_that_is_turned_is_not_dragged_into_place_in_its_first_frame() {
+    use core::f32::consts::FRAC_PI_2;
+    for turn in [Quat::from_rotation_y(FRAC_PI_2), Quat::from_rotation_x(FRAC_PI_2), Quat::from_rotation_z(2.0)] {
+        let mut app = app();
+        let at = Transform { translation: Vec3::new(3.0, 1.0, -2.0), rotation: turn, ..default() };
+        let cloth = spawn(&mut app, sheet(16), (border(), at));
+        run(&mut app, 1);
+        assert!(report(&app, cloth).worst_edge < 1.05, "{turn}: {:?}", report(&app, cloth));
+        let rest = vectors(&sheet(16), Mesh::ATTRIBUTE_POSITION);
+        for (p, now) in rest.iter().zip(world_positions(&app, cloth)).filter(|(p, _)| p.z < -0.499) {
+            assert!(at.transform_point(*p).distance(now) < 1.0e-4, "{turn}: {now} for {}", at.transform_point(*p));
+        }
+    }
+}
+
+#[test]
+fn pins_that_change_while_the_cloth_has_to_wait_are_not_forgotten() {
+    let mut app = app();
+    let hand = app.world_mut().spawn_empty().id();
+    let cloth = spawn(&mut app, sheet(6), border());
+    run(&mut app, 10);
+    *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = ClothPins::vertices([0]).to(hand);
+    run(&mut app, 5);
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Target));
+    app.world_mut().entity_mut(hand).insert(Transform::default());
+    run(&mut app, 5);
+    assert_eq!((status(&app, cloth), pinned(&app, cloth)), (ClothStatus::Active, 1));
+
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ZERO;
+    *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = ClothPins::vertices([0, 5]);
+    run(&mut app, 5);
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Scale));
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
+    run(&mut app, 5);
+    assert_eq!((status(&app, cloth), pinned(&app, cloth)), (ClothStatus::Active, 2));
+}
+
+#[test]
+fn pin_sets_that_change_places_or_targets_do_not_drag_what_they_hold() {
+    let mut app = app();
+    let [a, b] = [-1.0, 1.0].map(|x| app.world_mut().spawn(Transform::from_xyz(x, 1.0, 0.0)).id());
+    let (first, second) = (|| ClothPins::vertices([0]), || ClothPins::vertices([5]));
+    let cloth = spawn(&mut app, sheet(6), first().to(a).and(second().to(b)));
+    run(&mut app, 10);
+    for _ in 0..20 {
+        app.world_mut().get_mut::<Transform>(a).expect("a transform").translation += Vec3::new(0.005, 0.01, 0.0);
+        app.world_mut().get_mut::<Transform>(b).expect("a transform").translation += Vec3::new(-0.005, 0.01, 0.005);
+        run(&mut app, 1);
+    }
+    let before = world_positions(&app, cloth);
+    let (swapped, reordered) = (first().to(b).and(second().to(a)), second().to(a).and(first().to(b)));
+    for pins in [swapped, reordered, second().and(first().to(b)), first().and(second())] {
+        *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = pins;
+        run(&mut app, 5);
+        let now = world_positions(&app, cloth);
+        for v in [0, 5] {
+            assert!(before[v].distance(now[v]) < 1.0e-4, "vertex {v} was at {} and is at {}", before[v], now[v]);
+        }
+    }
+}
+
+/// F18
+#[test]
+fn a_skinned_cloth_whose_first_joint_breaks_or_goes_stays_where_the_joint_was() {
+    let mut app = app();
+    let mut mesh = sheet(6);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, bevy::mesh::VertexAttributeValues::Uint16x4(vec![[0, 1, 0, 0]; 36]));
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[0.5, 0.5, 0.0, 0.0]; 36]);
+    let joints: Vec<Entity> = (0..2).map(|_| app.world_mut().spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id()).collect();
+    let inverse_bindposes = app
+        .world_mut()
+        .resource_mut::<Assets<SkinnedMeshInverseBindposes>>()
+        .add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]));
+    let skin = SkinnedMesh { inverse_bindposes, joints: joints.clone() };
+    let cloth = spawn(&mut app, mesh, (border(), skin));
+    run(&mut app, 30);
+    let before = world_positions(&app, cloth);
+    let held = |app: &App| {
+        assert_eq!(status(app, cloth), ClothStatus::Active);
+        let now = world_positions(app, cloth);
+        assert!(before[0].distance(now[0]) < 1.0e-4 && finite(app, cloth), "{} was at {}", now[0], before[0]);
+    };
+    app.world_mut().get_mut::<Transform>(joints[0]).expect("a joint").translation = Vec3::NAN;
+    run(&mut app, 5);
+    held(&app);
+    app.world_mut().despawn(joints[0]);
+    run(&mut app, 5);
+    held(&app);
+    // Pins that change meanwhile are bound with the last matrices.
+    *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = ClothPins::vertices([0, 5]);
+    run(&mut app, 30);
+    held(&app);
+    assert_eq!(pinned(&app, cloth), 2);
 }

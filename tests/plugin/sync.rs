@@ -139,3 +139,18 @@ fn in_a_fixed_schedule_what_is_shown_lies_between_two_ticks() {
     assert!(least > 0.0, "it stood still for a frame: {steps:?}");
     assert!(most / least < 3.0, "it moves in jerks: {steps:?}");
 }
+
+#[test]
+fn in_a_fixed_schedule_a_cloth_that_is_stopped_stands_still() {
+    let mut app = app_with(ClothPlugin::new(FixedPostUpdate));
+    frame_length(&mut app, 1.0 / 200.0);
+    let cloth = spawn(&mut app, sheet(5), ());
+    run(&mut app, 40);
+    app.world_mut().get_mut::<ClothSolver>(cloth).expect("a solver").time_scale = 0.0;
+    run(&mut app, 8);
+    let still = positions(&app, cloth);
+    for frame in 0..20 {
+        run(&mut app, 1);
+        assert_eq!(positions(&app, cloth), still, "frame {frame}");
+    }
+}

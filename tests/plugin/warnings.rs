@@ -93,3 +93,52 @@ fn cleaning_a_mesh_is_not_worth_a_warning() {
     });
     assert_eq!(lines, Vec::<String>::new());
 }
+
+#[test]
+fn a_collider_whose_mesh_never_comes_is_one_warning_after_five_seconds() {
+    let lines = |frames| {
+        warnings(app(), |app| {
+            app.world_mut().spawn((ClothCollider::fit_mesh(MeshFit::Cuboid), Name::new("rock")));
+            let wrong = add(app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
+            app.world_mut().spawn((Mesh3d(wrong), ClothCollider::fit_mesh(MeshFit::Cuboid), Name::new("wire")));
+            run(app, frames);
+        })
+        .into_iter()
+        // Systems of other tests may borrow this thread.
+        .filter(|line| line.contains("`rock`") || line.contains("`wire`"))
+        .collect::<Vec<_>>()
+    };
+    assert_eq!(lines(280).len(), 1, "only the mesh that is wrong within 5 s");
+    let lines = lines(900);
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+    assert!(lines[0].contains("wire") && lines[1].contains("rock") && lines[1].contains("Mesh3d"), "{lines:#?}");
+}
+
+#[test]
+fn limits_of_teleports_and_weights_of_pins_that_are_out_of_range_are_named() {
+    for bad in [f32::NAN, -1.0, f32::INFINITY] {
+        let lines = warnings(app(), |app| {
+            let solver = ClothSolver { teleport_distance: bad, teleport_angle: bad, ..default() };
+            let pins = border().and(ClothPins::vertices([24]).weighted(bad));
+            let cloth = spawn(app, sheet(5), (pins, solver, Name::new("loose")));
+            run(app, 20);
+            assert_eq!(report(app, cloth).clamped, ["teleport_distance", "teleport_angle", "PinSet::weight"], "{bad}");
+            assert!(finite(app, cloth));
+        });
+        assert_eq!(lines.iter().filter(|line| line.contains("`loose`")).count(), 3, "{lines:#?}");
+    }
+}
+
+#[test]
+fn waiting_for_something_else_is_a_new_patience() {
+    let lines = warnings(app(), |app| {
+        let hand = app.world_mut().spawn_empty().id();
+        let pins = border().to(hand);
+        let cloth = spawn(app, sheet(5), (Transform::from_scale(Vec3::ZERO), pins, Name::new("patient")));
+        run(app, 200);
+        app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
+        run(app, 200);
+        assert_eq!(status(app, cloth), ClothStatus::Waiting(bevy_drape::WaitingFor::Target));
+    });
+    assert_eq!(lines.iter().filter(|line| line.contains("`patient`")).count(), 0, "{lines:#?}");
+}
