@@ -21,6 +21,7 @@ mod bind;
 pub mod components;
 #[cfg(feature = "gltf")]
 pub mod gltf;
+mod groups;
 mod notices;
 pub mod plugin;
 pub mod scenes;
@@ -29,10 +30,11 @@ pub mod solver;
 mod systems;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothLayers,
-    ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTargetLost, ClothTeleported,
-    ClothWind, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet,
-    PositionPredicate, RecoveryCause, RecoveryLevel, TeleportMode, WaitingFor, WindZone, WindZoneShape,
+    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothHeld,
+    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTangled,
+    ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderPart, ColliderShape, ColorChannel, GlobalWind,
+    MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
+    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
 pub use plugin::{ClothPlugin, ClothSystems};
 pub use simulation::{ClothParticles, ClothRest};
@@ -40,7 +42,8 @@ pub use simulation::{ClothParticles, ClothRest};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothPlugin, ClothReport, ClothSolver,
-        ClothStatus, ClothSystems, ClothWind, ColorChannel, GlobalWind, MeshFit, OnTargetLost, WindZone,
+        Cloth, ClothCollider, ClothCollision, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothPlugin, ClothReport,
+        ClothSolver, ClothStatus, ClothSystems, ClothWind, ColorChannel, GlobalWind, MeshFit, OnTargetLost, SkipFrame,
+        SkipPolicy, Untangle, UntangleMethod, WindZone,
     };
 }

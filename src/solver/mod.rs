@@ -7,6 +7,7 @@
 pub mod body;
 pub mod detect;
 pub mod evaluate;
+pub mod group;
 pub mod integrate;
 pub mod recover;
 pub mod resolve;

@@ -22,6 +22,7 @@ use crate::components::{
 };
 use crate::notices::{Notices, label};
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::solver::group::Display;
 use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
@@ -314,7 +315,7 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
     let state = ClothState { previous: positions.clone(), positions, ..ClothState::default() };
     let mut recovery = Recovery::default();
     recovery.start(&state);
-    ClothParticles { state, origin, before: Vec::new(), recovery, carrier: None }
+    ClothParticles { state, origin, before: Vec::new(), recovery, display: Display::default(), carrier: None }
 }
 
 /// Scales the state about the place of the cloth.
@@ -325,6 +326,7 @@ fn rescale_about(particles: &mut ClothParticles, placement: &Placement, rescale:
     let turn = Mat3::from_quat(placement.rotation);
     let (matrix, at) = (turn * rescale * turn.transpose(), placement.translation_from(particles.origin));
     particles.carry(|x| matrix * (x - at) + at);
+    particles.display.reset();
 }
 
 /// Joins every pin set to its target, as it was joined before if it was.

@@ -8,7 +8,7 @@ use crate::bind::{AnchorSet, Placement, Transforms};
 use crate::components::checked::Checked;
 use crate::components::{
     Cloth, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleported,
-    ClothWind, GlobalWind, OnTargetLost, TeleportMode, WindZone, WindZoneShape,
+    ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone, WindZoneShape,
 };
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
@@ -60,12 +60,22 @@ pub(crate) fn settings(
     air: Res<WorldAir>,
     mut notices: ResMut<Notices>,
     mut cloths: Query<
-        (Entity, Option<&Name>, &ClothMaterial, &ClothSolver, Option<&ClothWind>, &mut ClothInputs, &mut ClothReport),
+        (
+            Entity,
+            Option<&Name>,
+            &ClothMaterial,
+            &ClothSolver,
+            &Untangle,
+            &SkipFrame,
+            Option<&ClothWind>,
+            &mut ClothInputs,
+            &mut ClothReport,
+        ),
         With<Cloth>,
     >,
     time: Res<Time>,
 ) {
-    for (entity, name, material, solver, own_wind, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, untangle, skip, own_wind, mut inputs, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -76,6 +86,8 @@ pub(crate) fn settings(
         }
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);
+        inputs.untangle = untangle.settings(checked);
+        inputs.evaluate = skip.settings(checked);
         inputs.time_scale = solver.time_scale(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
         let zones = core::mem::take(&mut inputs.wind.zones);
