@@ -33,7 +33,8 @@ fn two_sheets_spawned_tangled_come_apart_within_two_seconds_and_say_so() {
     assert_eq!(seen::<ClothTangled>(&app).len(), 2);
     run(&mut app, TWO_SECONDS);
     assert_eq!(crossings(&app, &cloths), 0, "{:?}", report(&app, cloths[0]));
-    assert_eq!(seen::<ClothUntangled>(&app).len(), 2);
+    // Without contacts they may touch again on their way apart.
+    assert_eq!(seen::<ClothUntangled>(&app).len(), seen::<ClothTangled>(&app).len());
     assert!(seen::<ClothUntangled>(&app).iter().all(|e| e.after > 0.0 && e.after < 2.0));
 }
 
@@ -55,8 +56,8 @@ fn clean_cloths_have_the_same_bits_with_and_without_untangling() {
     let run_with = |enabled: bool| {
         let mut app = app();
         let untangle = Untangle { enabled, ..default() };
-        let cloths = [0.0, 0.3].map(|y| {
-            let place = Transform::from_xyz(0.1 * y, 2.0 + y, 0.0);
+        let cloths = [0.0, 0.2].map(|z| {
+            let place = Transform::from_xyz(0.01, 2.0, z);
             spawn(&mut app, sheet(16), (border(), place, untangle))
         });
         run(&mut app, 90);
@@ -97,7 +98,7 @@ fn at_most_two_frames_in_a_row_and_a_tenth_of_any_second_are_held() {
     let most = held.windows(60).map(|w| w.iter().filter(|&&h| h).count()).max().unwrap_or(0);
     // Two cloths may hold different frames.
     assert!(most <= 12, "{most} of 60 frames");
-    let mut app = app_with(bevy_drape::ClothPlugin::default());
+    let mut app = app_with(ClothPlugin::default());
     assert!(driven(&mut app, SkipFrame::OFF, 120).iter().all(|&h| !h));
 }
 
