@@ -1,7 +1,7 @@
 //! Which cloths can meet: they are looked at together, as one surface.
 //!
 //! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; a group is everything that is linked so. Cloths that
-//! are together part only when boxes twice as wide are apart. Groups and their members are in the order of entities, so that nothing depends on
+//! are together part only when boxes twice as wide are apart. ClothGroups and their members are in the order of entities, so that nothing depends on
 //! the order of archetypes or threads.
 
 use std::sync::Arc;
@@ -21,11 +21,11 @@ const FARTHEST: f64 = 1.0e6;
 /// How much wider the boxes are of cloths that are together already.
 const STAY: f64 = 2.0;
 
-/// Every group of cloths.
+/// Cloths that can meet, and where they cross.
 #[derive(Resource, Default)]
-pub(crate) struct Groups {
+pub struct ClothGroups {
     /// In the order of their first members.
-    pub list: Vec<ClothGroup>,
+    pub(crate) list: Vec<ClothGroup>,
     before: Vec<ClothGroup>,
     candidates: Vec<Candidate>,
     by_x: Vec<u32>,
@@ -104,14 +104,27 @@ impl Candidate {
     }
 }
 
-impl Groups {
+impl ClothGroups {
+    /// Segments of all intersection curves in the world [m], each with a number for its curve; as of the last look.
+    pub fn contours(&self) -> impl Iterator<Item = (usize, [DVec3; 2])> + '_ {
+        self.list.iter().flat_map(|group| {
+            let place = |p: Vec3| group.origin + p.as_dvec3();
+            group.group.segments().map(move |(contour, ends)| (contour, ends.map(place)))
+        })
+    }
+
+    /// The members of each group, in the order of entities.
+    pub fn members(&self) -> impl Iterator<Item = impl Iterator<Item = Entity> + '_> + '_ {
+        self.list.iter().map(|group| group.members.iter().map(|m| m.entity))
+    }
+
     /// Forgets who could meet whom.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.candidates.clear();
     }
 
     /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world [m].
-    pub fn add(
+    pub(crate) fn add(
         &mut self,
         member: Member,
         inputs: &ClothInputs,
@@ -130,7 +143,7 @@ impl Groups {
     }
 
     /// Links what can meet and builds the groups that are new or changed. `place` is told each member's group and its number there.
-    pub fn form(&mut self, mut place: impl FnMut(Entity, u32, u32)) {
+    pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32)) {
         self.candidates.sort_unstable_by_key(|c| c.member.entity);
         self.link();
         let Self { list, before, candidates, root, order, members, .. } = self;

@@ -36,6 +36,7 @@ pub use components::{
     MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
     TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
+pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
 pub use simulation::{ClothParticles, ClothRest};
 

@@ -19,7 +19,7 @@ use bevy::transform::TransformSystems;
 
 use crate::bind::{RestCache, Sources};
 use crate::components::{ClothGravity, GlobalWind};
-use crate::groups::Groups;
+use crate::groups::ClothGroups;
 use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
@@ -102,7 +102,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<Notices>()
             .init_resource::<WorldBodies>()
             .init_resource::<WorldAir>()
-            .init_resource::<Groups>()
+            .init_resource::<ClothGroups>()
             .add_observer(release::on_remove_cloth)
             .add_observer(release::on_remove_collider)
             .add_observer(release::on_remove_zone);

@@ -5,12 +5,12 @@ use bevy::tasks::ComputeTaskPool;
 
 use super::stopwatch;
 use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
-use crate::groups::{ClothGroup, Groups, Member};
+use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 
-/// Groups cloths that can meet.
+/// ClothGroups cloths that can meet.
 pub(crate) fn group(
-    mut groups: ResMut<Groups>,
+    mut groups: ResMut<ClothGroups>,
     mut cloths: Query<
         (
             Entity,
@@ -45,7 +45,7 @@ pub(crate) fn group(
 }
 
 /// Looks for crossings, in parallel over groups. Each writes only its own data, so the result has the same bits for any number of threads.
-pub(crate) fn detect(mut groups: ResMut<Groups>, cloths: Query<&ClothParticles, With<Cloth>>) {
+pub(crate) fn detect(mut groups: ResMut<ClothGroups>, cloths: Query<&ClothParticles, With<Cloth>>) {
     each(&mut groups.list, |group| {
         let clock = stopwatch();
         for part in 0..group.members.len() {

@@ -9,13 +9,13 @@ use crate::components::{
     Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
     ClothUntangled, RecoveryLevel,
 };
-use crate::groups::Groups;
+use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::evaluate::{Pose, Shown, Verdict};
 
 /// Looks again where something moved, in parallel over groups.
-pub(crate) fn look(mut groups: ResMut<Groups>) {
+pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
     each(&mut groups.list, |group| {
         let clock = stopwatch();
         group.group.evaluate();
@@ -26,7 +26,7 @@ pub(crate) fn look(mut groups: ResMut<Groups>) {
 /// Decides what every cloth shows, in parallel over cloths.
 pub(crate) fn judge(
     time: Res<Time>,
-    groups: Res<Groups>,
+    groups: Res<ClothGroups>,
     mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
 ) {
     let dt = time.delta_secs();

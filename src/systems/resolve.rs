@@ -5,13 +5,13 @@ use bevy::prelude::*;
 use super::detect::each;
 use super::stopwatch;
 use crate::components::Cloth;
-use crate::groups::Groups;
+use crate::groups::ClothGroups;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::step::relax;
 
 /// Untangles, in parallel over groups, and gives back what moved.
 pub(crate) fn resolve(
-    mut groups: ResMut<Groups>,
+    mut groups: ResMut<ClothGroups>,
     springs: Query<(&ClothRest, &ClothInputs, &ClothScratch), With<Cloth>>,
     mut cloths: Query<&mut ClothParticles, With<Cloth>>,
 ) {
