@@ -11,7 +11,7 @@ use bevy_drape::solver::rest::SourceMesh;
 
 /// Draws curves and the panel.
 pub fn plugin(app: &mut App) {
-    app.add_systems(Startup, panel).add_systems(PostStartup, adopt).add_systems(Update, curves);
+    app.add_systems(Startup, (panel, pen)).add_systems(PostStartup, adopt).add_systems(Update, curves);
 }
 
 /// Words that change.
@@ -35,10 +35,14 @@ fn adopt(mut commands: Commands, cameras: Query<Entity, With<Camera3d>>) {
     });
 }
 
-/// Every intersection curve as a line, each in a colour of its own.
-fn curves(mut gizmos: Gizmos, groups: Option<Res<ClothGroups>>, mut store: ResMut<GizmoConfigStore>) {
+/// Lines are thick and in front of everything.
+fn pen(mut store: ResMut<GizmoConfigStore>) {
     let (config, _) = store.config_mut::<DefaultGizmoConfigGroup>();
     (config.line.width, config.depth_bias) = (5.0, -1.0);
+}
+
+/// Every intersection curve as a line, each in a colour of its own.
+fn curves(mut gizmos: Gizmos, groups: Option<Res<ClothGroups>>) {
     for (curve, [from, to]) in groups.iter().flat_map(|groups| groups.contours()) {
         let color = Color::hsl(curve as f32 * 137.5 % 360.0, 1.0, 0.5);
         gizmos.line(from.as_vec3(), to.as_vec3(), color);
