@@ -58,7 +58,7 @@ struct Choice {
 
 fn main() -> AppExit {
     let arguments = Arguments::parse();
-    let distance = if arguments.tangle == 0 { 7.0 } else { 2.4 };
+    let (distance, middle) = if arguments.tangle == 0 { (8.4, 1.15) } else { (2.6, 1.2) };
     let choice = Choice {
         tangle: arguments.tangle.min(8),
         unit: None,
@@ -67,7 +67,7 @@ fn main() -> AppExit {
         slow: true,
     };
     Stage::from_args("tangled", arguments.stage)
-        .camera(OrbitCamera::around(Vec3::new(0.0, 1.4, 0.0), distance).from(0.4, 0.3))
+        .camera(OrbitCamera::around(Vec3::new(0.0, middle, 0.0), distance).from(0.4, 0.3))
         .hint("0 to 8: tangle    F1 to F7: unit    H L G E: method    S: slow motion    space: pause")
         .report(report)
         .build()

@@ -1,7 +1,7 @@
 //! Which cloths can meet: they are looked at together, as one surface.
 //!
 //! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; a group is everything that is linked so. Cloths that
-//! are together part only when boxes twice as wide are apart. ClothGroups and their members are in the order of entities, so that nothing depends on
+//! are together part only when boxes twice as wide are apart. Groups and their members are in the order of entities, so that nothing depends on
 //! the order of archetypes or threads.
 
 use std::sync::Arc;

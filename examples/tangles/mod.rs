@@ -60,12 +60,12 @@ pub fn line(report: &ClothReport) -> String {
 
 /// A mesh with texture coordinates for one of the solver.
 pub fn mesh(source: &SourceMesh, coordinates: impl Fn(usize) -> [f32; 2]) -> Mesh {
-    let positions: Vec<[f32; 3]> = source.positions.iter().map(|p| p.to_array()).collect();
+    let positions: Vec<[f32; 3]> = source.positions.iter().map(Vec3::to_array).collect();
     let uvs: Vec<[f32; 2]> = (0..positions.len()).map(coordinates).collect();
     let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_indices(Indices::U32(source.triangles.concat()))
+        .with_inserted_indices(Indices::U32(source.triangles.iter().flat_map(|&[a, b, c]| [a, c, b]).collect()))
         .with_computed_smooth_normals();
     mesh.clone().with_generated_tangents().unwrap_or(mesh)
 }

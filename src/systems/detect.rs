@@ -8,7 +8,7 @@ use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 
-/// ClothGroups cloths that can meet.
+/// Groups cloths that can meet.
 pub(crate) fn group(
     mut groups: ResMut<ClothGroups>,
     mut cloths: Query<

@@ -50,7 +50,7 @@ pub fn sheet(n: u32) -> Mesh {
 /// A mesh for Bevy from one for the solver.
 pub fn mesh_of(source: &bevy_drape::solver::rest::SourceMesh) -> Mesh {
     let usage = bevy::asset::RenderAssetUsages::default();
-    let positions: Vec<[f32; 3]> = source.positions.iter().map(|p| p.to_array()).collect();
+    let positions: Vec<[f32; 3]> = source.positions.iter().map(Vec3::to_array).collect();
     Mesh::new(bevy::mesh::PrimitiveTopology::TriangleList, usage)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
         .with_inserted_indices(bevy::mesh::Indices::U32(source.triangles.concat()))

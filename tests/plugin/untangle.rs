@@ -150,7 +150,7 @@ fn bits(threads: usize) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for cloth in cloths {
         let state = app.world().get::<ClothParticles>(cloth).expect("a bound cloth").state();
-        for value in state.positions.iter().chain(&state.previous).flat_map(|x| x.to_array()) {
+        for value in state.positions.iter().chain(&state.previous).flat_map(Vec4::to_array) {
             hash = (hash ^ u64::from(value.to_bits())).wrapping_mul(0x0100_0000_01b3);
         }
     }
