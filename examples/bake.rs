@@ -40,9 +40,18 @@ struct Arguments {
     /// Substeps per second [Hz] of cloths that do not say; more than in a game, since nobody waits.
     #[arg(long, default_value_t = 7200.0)]
     substep_rate: f32,
+    /// How crossing cloths are taken apart; the default is what each cloth asks for.
+    #[arg(long, value_parser = method)]
+    method: Option<UntangleMethod>,
     /// Folder to write to; made if it is not there.
     #[arg(long, default_value = "bake")]
     out: PathBuf,
+}
+
+fn method(text: &str) -> Result<UntangleMethod, String> {
+    let plain = |name: &str| name.to_lowercase().replace(['-', '_'], "");
+    let known = UntangleMethod::ALL.into_iter().find(|m| plain(&format!("{m:?}")) == plain(text));
+    known.ok_or_else(|| "must be history, local-gradient, global-gradient or by-end-type".into())
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -70,6 +79,10 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
     let mut app = app(arguments)?;
     load(&mut app, &arguments.scene)?;
     refine(&mut app, arguments.substep_rate);
+    if let Some(method) = arguments.method {
+        let mut cloths = app.world_mut().query::<&mut Untangle>();
+        cloths.iter_mut(app.world_mut()).for_each(|mut untangle| untangle.method = method);
+    }
     std::fs::create_dir_all(&arguments.out).map_err(|error| unwritable(&arguments.out, &error))?;
 
     let names = names(&mut app);
@@ -267,7 +280,7 @@ fn write_frame(app: &mut App, names: &BTreeMap<Entity, String>, frame: u32, out:
             return Err(format!("{name} is gone in frame {frame}"));
         };
         let mut text = String::new();
-        for p in particles.world_positions() {
+        for p in particles.shown_positions() {
             if !p.is_finite() {
                 return Err(format!("{name} has a position that is not finite in frame {frame}"));
             }
@@ -294,6 +307,16 @@ fn describe(app: &mut App, names: &BTreeMap<Entity, String>, frame: u32, elapsed
                 "worst_edge": report.worst_edge,
                 "substeps": report.substeps,
                 "body_contacts": report.body_contacts,
+                "crossings": report.crossings,
+                "contours": report.contours,
+                "contour_length": report.contour_length,
+                "held": report.held,
+                "stage_ms": {
+                    "integrate": report.integrate_ms,
+                    "detect": report.detect_ms,
+                    "resolve": report.resolve_ms,
+                    "evaluate": report.evaluate_ms,
+                },
                 "restores": report.restores,
                 "resets": report.resets,
             }))

@@ -9,7 +9,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
-use bevy_drape::scenes::{self, Scene, SceneCloth};
+use bevy_drape::scenes::{self, Scene, SceneCloth, StageTimes, Tangle};
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::step::FrameInput;
 use clap::{Parser, ValueEnum};
 
@@ -21,6 +24,40 @@ enum SceneName {
     Ball,
     /// Flags in a gusty wind; `--cloths` says how many.
     Flags,
+    /// Two 1 m sheets dropped crosswise on each other over a ball.
+    Sheets,
+    /// A stack of sheets dropped on a ball; `--cloths` says how many.
+    Layers,
+    /// Two sheets tangled: a shallow dent.
+    Dent,
+    /// A deep dent.
+    DeepDent,
+    /// A corner through the middle.
+    Corner,
+    /// Two sheets that overlap at their borders.
+    BorderOverlap,
+    /// A strip stabbed through a sheet.
+    StripStab,
+    /// The same at an angle.
+    TiltedStrip,
+    /// A sheet that cuts another in two.
+    FullCut,
+    /// Two wavy sheets.
+    Waves,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MethodName {
+    /// Sides are remembered (1995).
+    History,
+    /// Each crossing for itself (2006).
+    LocalGradient,
+    /// One gradient per contour (2009).
+    GlobalGradient,
+    /// By how a contour ends.
+    ByEndType,
+    /// No detection at all.
+    None,
 }
 
 /// Steps a scene without a window and prints what it cost.
@@ -32,7 +69,7 @@ struct Arguments {
     /// Vertices along each side of a cloth.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
     size: u32,
-    /// Number of cloths in `flags`.
+    /// Number of cloths in `flags` and `layers`.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     cloths: u32,
     /// Frames of 1/60 s that are timed, after a tenth as many to warm up.
@@ -41,6 +78,12 @@ struct Arguments {
     /// Threads that step cloths.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     threads: u32,
+    /// How crossing cloths are taken apart. Default: by end type where cloths can meet, none elsewhere.
+    #[arg(long, value_enum)]
+    method: Option<MethodName>,
+    /// Cloths keep off themselves, too.
+    #[arg(long)]
+    self_collision: bool,
     /// Prints one line of JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -52,22 +95,93 @@ fn main() -> ExitCode {
         SceneName::Hang => scenes::hang(arguments.size),
         SceneName::Ball => scenes::ball(arguments.size),
         SceneName::Flags => scenes::flags(arguments.cloths, arguments.size),
+        SceneName::Sheets => scenes::sheets(arguments.size),
+        SceneName::Layers => scenes::layers(arguments.cloths.max(2), arguments.size),
+        SceneName::Dent => scenes::tangle(Tangle::Dent, arguments.size),
+        SceneName::DeepDent => scenes::tangle(Tangle::DeepDent, arguments.size),
+        SceneName::Corner => scenes::tangle(Tangle::Corner, arguments.size),
+        SceneName::BorderOverlap => scenes::tangle(Tangle::BorderOverlap, arguments.size),
+        SceneName::StripStab => scenes::tangle(Tangle::StripStab, arguments.size),
+        SceneName::TiltedStrip => scenes::tangle(Tangle::TiltedStrip, arguments.size),
+        SceneName::FullCut => scenes::tangle(Tangle::FullCut, arguments.size),
+        SceneName::Waves => scenes::tangle(Tangle::Waves, arguments.size),
     };
+    if let Some(method) = method(&arguments) {
+        let settings =
+            UntangleSettings { resolve: ResolveSettings { method, ..Default::default() }, ..UntangleSettings::default() };
+        scene = match scene.untangled(settings, EvaluateSettings::default(), arguments.self_collision) {
+            Ok(scene) => scene,
+            Err(error) => {
+                eprintln!("stress: {error}");
+                return ExitCode::from(2);
+            }
+        };
+    }
     // The calling thread works too.
     let pool = (arguments.threads > 1).then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());
-    for _ in 0..arguments.frames / 10 {
+    // A tangle is what its first frames are about.
+    let warm_up = if scene.gravity == glam::Vec3::ZERO { 0 } else { arguments.frames / 10 };
+    for _ in 0..warm_up {
         step(&mut scene, pool.as_ref());
     }
-    let mut times: Vec<f64> = (0..arguments.frames)
-        .map(|_| {
-            let start = Instant::now();
-            step(&mut scene, pool.as_ref());
-            start.elapsed().as_secs_f64() * 1.0e3
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    print(&arguments, &scene, &times);
+    let mut run = Run::default();
+    for frame in 1..=arguments.frames {
+        let start = Instant::now();
+        step(&mut scene, pool.as_ref());
+        run.frames.push(start.elapsed().as_secs_f64() * 1.0e3);
+        run.note(frame, &scene);
+    }
+    print(&arguments, &scene, &mut run);
     ExitCode::SUCCESS
+}
+
+/// The method asked for, or the one that suits the scene.
+fn method(arguments: &Arguments) -> Option<Method> {
+    use SceneName::{Ball, Flags, Hang};
+    let meets = arguments.self_collision || !matches!(arguments.scene, Hang | Ball | Flags);
+    match arguments.method {
+        Some(MethodName::None) => None,
+        Some(MethodName::History) => Some(Method::History),
+        Some(MethodName::LocalGradient) => Some(Method::LocalGradient),
+        Some(MethodName::GlobalGradient) => Some(Method::GlobalGradient),
+        Some(MethodName::ByEndType) => Some(Method::ByEndType),
+        None => meets.then_some(Method::ByEndType),
+    }
+}
+
+/// What all frames did.
+#[derive(Default)]
+struct Run {
+    /// Time of every frame [ms].
+    frames: Vec<f64>,
+    /// Time of every stage and frame [ms].
+    stages: [Vec<f64>; 4],
+    held_frames: u32,
+    tangled_frames: u32,
+    /// First frame after which nothing crossed any more.
+    clean_after: u32,
+    most_crossings: u32,
+}
+
+impl Run {
+    fn note(&mut self, frame: u32, scene: &Scene) {
+        let StageTimes { integrate, detect, resolve, evaluate } = scene.times;
+        for (times, time) in self.stages.iter_mut().zip([integrate, detect, resolve, evaluate]) {
+            times.push(time);
+        }
+        self.held_frames += u32::from(scene.is_held());
+        self.most_crossings = self.most_crossings.max(scene.crossings());
+        if scene.crossings() > 0 {
+            self.tangled_frames += 1;
+            self.clean_after = frame;
+        }
+    }
+}
+
+/// Sorts the times and takes one at a percentile.
+fn percentile(times: &mut [f64], p: usize) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times.get((times.len() * p / 100).min(times.len().saturating_sub(1))).copied().unwrap_or_default()
 }
 
 /// One frame of 1/60 s; cloths are dealt to the threads.
@@ -77,6 +191,7 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
         scene.step(dt);
         return;
     };
+    let start = Instant::now();
     let input = FrameInput { dt, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind };
     let share = scene.cloths.len().div_ceil(4 * (pool.thread_num() + 1));
     pool.scope(|scope| {
@@ -86,10 +201,12 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
         }
     });
     scene.wind.advance(dt);
+    scene.times = StageTimes { integrate: start.elapsed().as_secs_f64() * 1.0e3, ..StageTimes::default() };
+    scene.settle(dt);
 }
 
-fn print(arguments: &Arguments, scene: &Scene, times: &[f64]) {
-    let percentile = |p: usize| times[(times.len() * p / 100).min(times.len() - 1)];
+fn print(arguments: &Arguments, scene: &Scene, run: &mut Run) {
+    let [integrate, detect, resolve, evaluate] = &mut run.stages;
     let particles: usize = scene.cloths.iter().map(|c| c.state.positions.len()).sum();
     let springs: usize = scene.cloths.iter().map(|c| c.rest.constraints()).sum();
     let substeps = scene.cloths.first().map_or(0, |c| c.report.substeps);
@@ -104,15 +221,23 @@ fn print(arguments: &Arguments, scene: &Scene, times: &[f64]) {
         "size": arguments.size,
         "cloths": scene.cloths.len(),
         "threads": arguments.threads,
-        "frames": times.len(),
+        "frames": run.frames.len(),
         "particles": particles,
         "springs": springs,
         "substeps": substeps,
-        "frame_ms_p50": percentile(50),
-        "frame_ms_p95": percentile(95),
-        "stage_ms": { "integrate": percentile(50) },
-        "crossings": 0,
-        "held_frames": 0,
+        "frame_ms_p50": percentile(&mut run.frames, 50),
+        "frame_ms_p95": percentile(&mut run.frames, 95),
+        "stage_ms": {
+            "integrate": percentile(integrate, 50),
+            "detect": percentile(detect, 50),
+            "resolve": percentile(resolve, 50),
+            "evaluate": percentile(evaluate, 50),
+        },
+        "crossings": scene.crossings(),
+        "most_crossings": run.most_crossings,
+        "tangled_frames": run.tangled_frames,
+        "clean_after": run.clean_after,
+        "held_frames": run.held_frames,
         "bytes_per_particle": (shared + own) / particles.max(1),
         "worst_edge": worst,
         "mean_edge": mean,

@@ -7,6 +7,7 @@ pub mod components;
 #[cfg(feature = "gltf")]
 pub mod gltf;
 mod bind;
+mod groups;
 mod notices;
 pub mod simulation;
 mod systems;
@@ -14,20 +15,23 @@ pub mod solver;
 pub mod scenes;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothLayers,
-    ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTargetLost, ClothTeleported,
-    ClothWind, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet,
-    PositionPredicate, RecoveryCause, RecoveryLevel, TeleportMode, WaitingFor, WindZone, WindZoneShape,
+    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothHeld,
+    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTangled,
+    ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderPart, ColliderShape, ColorChannel, GlobalWind,
+    MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
+    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
+pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
 pub use simulation::{ClothParticles, ClothRest};
 
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothError, ClothFailed, ClothGravity, ClothLayers, ClothMaterial, ClothParticles, ClothPins,
-        ClothPlugin, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothSystems, ClothTargetLost, ClothTeleported,
-        ClothWind, ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, TeleportMode, WindZone,
+        Cloth, ClothCollider, ClothCollision, ClothError, ClothFailed, ClothGravity, ClothHeld, ClothLayers, ClothMaterial,
+        ClothParticles, ClothPins, ClothPlugin, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothSystems,
+        ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderShape, ColorChannel, GlobalWind,
+        MeshFit, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone,
         WindZoneShape,
     };
 }

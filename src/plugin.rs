@@ -19,10 +19,11 @@ use bevy::transform::TransformSystems;
 
 use crate::bind::{RestCache, Sources};
 use crate::components::{ClothGravity, GlobalWind};
+use crate::groups::ClothGroups;
 use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
-use crate::systems::{bind, colliders, evaluate, inputs, integrate, release, sources, sync};
+use crate::systems::{bind, colliders, detect, evaluate, inputs, integrate, release, resolve, sources, sync};
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
 ///
@@ -101,6 +102,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<Notices>()
             .init_resource::<WorldBodies>()
             .init_resource::<WorldAir>()
+            .init_resource::<ClothGroups>()
             .add_observer(release::on_remove_cloth)
             .add_observer(release::on_remove_collider)
             .add_observer(release::on_remove_zone);
@@ -126,7 +128,11 @@ impl Plugin for ClothPlugin {
                     .chain()
                     .in_set(ClothSystems::Prepare),
                 integrate::integrate.run_if(time_flows).in_set(ClothSystems::Integrate),
-                evaluate::evaluate.in_set(ClothSystems::Evaluate),
+                (detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
+                resolve::resolve.run_if(time_flows).in_set(ClothSystems::Resolve),
+                ((evaluate::look, evaluate::judge, evaluate::tell).chain().run_if(time_flows), evaluate::recoveries)
+                    .chain()
+                    .in_set(ClothSystems::Evaluate),
             ),
         )
         .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));

@@ -1,10 +1,18 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
+mod tangles;
+
 use std::sync::Arc;
+use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
+pub use tangles::Tangle;
+
 use crate::solver::body::{Body, Pose, shape};
+use crate::solver::detect::{PartRef, SurfaceError};
+use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Shown};
+use crate::solver::group::{Display, Group, UntangleSettings};
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
@@ -56,6 +64,8 @@ pub struct SceneCloth {
     pub scratch: Scratch,
     /// The last frame.
     pub report: StepReport,
+    /// What is shown while it is tangled.
+    pub display: Display,
 }
 
 impl SceneCloth {
@@ -79,6 +89,7 @@ impl SceneCloth {
             state,
             scratch: Scratch::default(),
             report: StepReport::default(),
+            display: Display::default(),
         };
         cloth.prepare();
         cloth
@@ -126,17 +137,128 @@ pub struct Scene {
     pub wind: Wind,
     /// Gravity [m/s²].
     pub gravity: Vec3,
+    /// Untangling; none: cloths pass through each other.
+    pub untangle: Option<Untangling>,
+    /// What the last frame cost.
+    pub times: StageTimes,
+}
+
+/// How the cloths of a scene are untangled.
+#[derive(Clone, Debug, Default)]
+pub struct Untangling {
+    /// All cloths as one surface.
+    pub group: Group,
+    /// How they are taken apart.
+    pub settings: UntangleSettings,
+    /// What is shown meanwhile.
+    pub skip: EvaluateSettings,
+}
+
+/// Time that each stage took in a frame [ms].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageTimes {
+    /// Stepping all cloths [ms].
+    pub integrate: f64,
+    /// Looking for crossings [ms].
+    pub detect: f64,
+    /// Taking them apart [ms].
+    pub resolve: f64,
+    /// Looking again, and deciding what to show [ms].
+    pub evaluate: f64,
 }
 
 impl Scene {
-    /// Advances every cloth by `dt` [s], one after the other.
+    /// Cloths that pass through each other, in still air under standard gravity.
+    #[must_use]
+    pub fn new(cloths: Vec<SceneCloth>) -> Self {
+        Self { cloths, bodies: Vec::new(), wind: Wind::STILL, gravity: GRAVITY, untangle: None, times: StageTimes::default() }
+    }
+
+    /// Untangles from now on: each cloth with the others, and with itself if `self_collision`.
+    ///
+    /// # Errors
+    /// [`SurfaceError`] when there are too many cloths or particles.
+    pub fn untangled(
+        mut self,
+        settings: UntangleSettings,
+        skip: EvaluateSettings,
+        self_collision: bool,
+    ) -> Result<Self, SurfaceError> {
+        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness);
+        let cloths: Vec<_> = self.cloths.iter().map(part).collect();
+        let parts: Vec<PartRef<'_>> = cloths
+            .iter()
+            .map(|(rest, thickness)| PartRef {
+                topology: &rest.topology,
+                rest: &rest.positions,
+                layer: 0,
+                self_collision,
+                thickness: *thickness,
+            })
+            .collect();
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip });
+        Ok(self)
+    }
+
+    /// Advances every cloth by `dt` [s], one after the other, and untangles.
     pub fn step(&mut self, dt: f32) {
+        let start = Instant::now();
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
         for cloth in &mut self.cloths {
             cloth.step(&input);
         }
         self.wind.advance(dt);
+        self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
+        self.settle(dt);
     }
+
+    /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
+    pub fn settle(&mut self, dt: f32) {
+        let Some(Untangling { group, settings, skip }) = &mut self.untangle else { return };
+        let start = Instant::now();
+        for (part, cloth) in self.cloths.iter().enumerate() {
+            group.gather(part, &cloth.state, Vec3::ZERO, false);
+        }
+        group.detect();
+        self.times.detect = since(start);
+
+        let start = Instant::now();
+        let cloths = &self.cloths;
+        group.resolve(settings, |part, positions| {
+            if let Some(cloth) = cloths.get(part) {
+                step::relax(&cloth.rest, &cloth.fabric, &cloth.scratch, positions);
+            }
+        });
+        for (part, cloth) in self.cloths.iter_mut().enumerate() {
+            group.scatter(part, &mut cloth.state, Vec3::ZERO);
+        }
+        self.times.resolve = since(start);
+
+        let start = Instant::now();
+        group.evaluate();
+        for (part, SceneCloth { display, state, .. }) in self.cloths.iter_mut().enumerate() {
+            let pose = evaluate::Pose::default();
+            display.settle(&group.verdict(part), state, group.weights(part), pose, dt, skip);
+        }
+        self.times.evaluate = since(start);
+    }
+
+    /// Edges that cross faces; 0 without untangling.
+    #[must_use]
+    pub fn crossings(&self) -> u32 {
+        self.untangle.as_ref().map_or(0, |u| u.group.total().crossings)
+    }
+
+    /// Whether a cloth is shown in its last clean shape.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.cloths.iter().map(|c| c.display.outcome()).any(|Outcome { shown, .. }| shown == Shown::Held)
+    }
+}
+
+/// Time since then [ms].
+fn since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1.0e3
 }
 
 /// Material of the scenes: the default with [`DENSITY`].
@@ -150,20 +272,16 @@ fn sheet(n: u32) -> Arc<RestShape> {
     Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default())
 }
 
-fn scene(cloths: Vec<SceneCloth>) -> Scene {
-    Scene { cloths, bodies: Vec::new(), wind: Wind::STILL, gravity: GRAVITY }
-}
-
 /// A 1 m sheet of `n` x `n` vertices pinned at two corners, starting flat.
 #[must_use]
 pub fn hang(n: u32) -> Scene {
-    scene(vec![SceneCloth::new(sheet(n), fabric(), Vec3::ZERO, &[0, n.max(2) - 1])])
+    Scene::new(vec![SceneCloth::new(sheet(n), fabric(), Vec3::ZERO, &[0, n.max(2) - 1])])
 }
 
 /// A 1 m sheet dropped from 0.5 m above the centre of a ball of radius 0.3 m.
 #[must_use]
 pub fn ball(n: u32) -> Scene {
-    let mut scene = scene(vec![SceneCloth::new(sheet(n), fabric(), vec3(0.0, 0.5, 0.0), &[])]);
+    let mut scene = Scene::new(vec![SceneCloth::new(sheet(n), fabric(), vec3(0.0, 0.5, 0.0), &[])]);
     scene.bodies.extend(shape::ball(0.3).ok().map(|ball| Body::at_rest(ball, Pose::IDENTITY)));
     scene
 }
@@ -176,11 +294,41 @@ pub fn flags(k: u32, n: u32) -> Scene {
     let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
     let pole: Vec<u32> = (0..n).collect();
     let mut scene =
-        scene((0..k).map(|i| SceneCloth::new(rest.clone(), fabric(), vec3(0.0, 2.0, 1.5 * i as f32), &pole)).collect());
+        Scene::new((0..k).map(|i| SceneCloth::new(rest.clone(), fabric(), vec3(0.0, 2.0, 1.5 * i as f32), &pole)).collect());
     scene.wind = Wind {
         velocity: Quat::from_rotation_y(0.2) * vec3(8.0, 0.0, 0.0),
         turbulence: Turbulence { intensity: 0.2, length: 2.0, seed: 7, ..Turbulence::NONE },
         ..Wind::STILL
     };
     scene
+}
+
+/// Two 1 m sheets of `n` x `n` vertices, turned by 45 degrees against each other, dropped on a ball of radius 0.3 m.
+#[must_use]
+pub fn sheets(n: u32) -> Scene {
+    layers(2, n)
+}
+
+/// `k` sheets of `n` x `n` vertices, 3 cm above each other and each turned by 45 degrees against the one below, dropped on a ball.
+#[must_use]
+pub fn layers(k: u32, n: u32) -> Scene {
+    let cloth = |i: u32| {
+        let turn = Quat::from_rotation_y(core::f32::consts::FRAC_PI_4 * i as f32);
+        let mesh = grid(n, n, |u, v| turn * vec3(u - 0.5, 0.0, v - 0.5));
+        let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
+        SceneCloth::new(rest, fabric(), vec3(0.004 * i as f32, 0.4 + 0.03 * i as f32, 0.003 * i as f32), &[])
+    };
+    let mut scene = Scene::new((0..k.max(1)).map(cloth).collect());
+    scene.bodies.extend(shape::ball(0.3).ok().map(|ball| Body::at_rest(ball, Pose::IDENTITY)));
+    scene
+}
+
+/// Two sheets that start in each other and float.
+#[must_use]
+pub fn tangle(tangle: Tangle, n: u32) -> Scene {
+    let cloth = |mesh: SourceMesh| {
+        let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
+        SceneCloth::new(rest, fabric(), Vec3::ZERO, &[])
+    };
+    Scene { gravity: Vec3::ZERO, ..Scene::new(tangle.meshes(n).map(cloth).into()) }
 }

@@ -12,6 +12,8 @@ use crate::bind::{AnchorSets, Placement, Skin, Surface};
 use crate::components::checked::Checked;
 use crate::components::{RecoveryCause, RecoveryLevel, WaitingFor};
 use crate::solver::body::Body;
+use crate::solver::evaluate::EvaluateSettings;
+use crate::solver::group::{Display, UntangleSettings};
 use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
@@ -90,6 +92,8 @@ pub struct ClothParticles {
     /// Positions at the start of the last frame [m]; only kept when shown positions are interpolated.
     pub(crate) before: Vec<Vec3>,
     pub(crate) recovery: Recovery,
+    /// What is shown instead of the live shape while it is tangled.
+    pub(crate) display: Display,
     /// Where the carrier was in the last simulated frame.
     pub(crate) carrier: Option<Isometry3d>,
 }
@@ -110,6 +114,14 @@ impl ClothParticles {
     /// Simulated positions in the world [m], one per particle.
     pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
+    }
+
+    /// Positions to show in the world [m], one per particle: the simulated ones, except where a tangled cloth is held. With a fixed clock,
+    /// what is drawn lies between these and those of the frame before.
+    pub fn shown_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let held = self.display.held().filter(|held| held.len() == self.len());
+        let live = self.state.positions.iter().enumerate();
+        live.map(move |(i, x)| self.origin + held.map_or(x.truncate(), |held| held[i]).as_dvec3())
     }
 
     /// State of the solver, relative to [`Self::origin`].
@@ -138,6 +150,7 @@ impl ClothParticles {
         for x in &mut self.before {
             *x = motion(*x);
         }
+        self.display.carry(&motion);
         self.recovery.carry(motion);
     }
 
@@ -149,6 +162,7 @@ impl ClothParticles {
             *old = *x;
         }
         self.before.clear();
+        self.display.reset();
         self.recovery.start(&self.state);
     }
 }
@@ -162,6 +176,8 @@ pub(crate) struct ClothInputs {
     pub fabric: Fabric,
     pub stepping: Stepping,
     pub limits: Limits,
+    pub untangle: UntangleSettings,
+    pub evaluate: EvaluateSettings,
     pub gravity: Vec3,
     pub time_scale: f32,
     /// Least jump [m] and turn [rad] of the carrier that count as a teleport.
@@ -197,6 +213,8 @@ impl ClothInputs {
             fabric: Fabric::default(),
             stepping: Stepping::default(),
             limits: Limits::default(),
+            untangle: UntangleSettings::default(),
+            evaluate: EvaluateSettings::default(),
             gravity: Vec3::ZERO,
             time_scale: 1.0,
             teleport: (f32::INFINITY, f32::INFINITY),
@@ -287,11 +305,15 @@ pub(crate) struct ClothScratch {
     pub fresh: bool,
     /// What the last frame had to recover from.
     pub recovered: Option<(RecoveryLevel, RecoveryCause)>,
+    /// Box of the cloth in the world at the last look [m].
+    pub bounds: Option<(DVec3, DVec3)>,
+    /// The group of cloths it can meet, and its number there.
+    pub group: Option<(u32, u32)>,
 }
 
 impl Default for ClothScratch {
     fn default() -> Self {
-        Self { solver: Scratch::default(), fresh: true, recovered: None }
+        Self { solver: Scratch::default(), fresh: true, recovered: None, bounds: None, group: None }
     }
 }
 

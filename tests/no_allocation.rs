@@ -34,6 +34,24 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 #[test]
+fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
+    use bevy_drape::scenes::{self, Tangle};
+    for (name, scene) in [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))] {
+        let mut scene = scene.untangled(Default::default(), Default::default(), true).expect("a few cloths");
+        for _ in 0..240 {
+            scene.step(1.0 / 60.0);
+        }
+        let before = COUNT.with(Cell::get);
+        for _ in 0..120 {
+            scene.step(1.0 / 60.0);
+            assert_eq!(scene.crossings(), 0, "{name} is not clean");
+        }
+        let allocations = COUNT.with(Cell::get) - before;
+        assert_eq!(allocations, 0, "{name}: {allocations} allocations in 120 frames");
+    }
+}
+
+#[test]
 fn a_warm_step_allocates_nothing() {
     use bevy_drape::scenes;
     for (name, mut scene) in [("hang", scenes::hang(32)), ("ball", scenes::ball(32)), ("flags", scenes::flags(3, 24))] {

@@ -17,7 +17,7 @@ fn build(mesh: &SourceMesh) -> Arc<RestShape> {
 
 /// No air, no damping: nothing but gravity and the constraints.
 fn vacuum(cloth: SceneCloth) -> Scene {
-    Scene { cloths: vec![cloth], bodies: Vec::new(), wind: Wind::NONE, gravity: GRAVITY }
+    Scene { wind: Wind::NONE, ..Scene::new(vec![cloth]) }
 }
 
 fn undamped() -> Fabric {
@@ -151,7 +151,7 @@ fn curtain_sag(n: u32, frame: impl Fn(u32) -> f32) -> f32 {
     for target in &mut cloth.anchors.to {
         target.x *= 0.9;
     }
-    let mut scene = Scene { cloths: vec![cloth], bodies: Vec::new(), wind: Wind::STILL, gravity: GRAVITY };
+    let mut scene = Scene::new(vec![cloth]);
     run(&mut scene, 8.0, frame);
     // The mean height: the lowest point alone is a matter of one fold.
     let heights = &scene.cloths[0].state.positions;

@@ -29,6 +29,14 @@ impl Checked {
         if value.is_nan() { default } else { value.clamp(low, high) }
     }
 
+    /// `value` if it lies in `low..=high`, else the nearer end.
+    pub fn count(&mut self, name: &'static str, value: u32, low: u32, high: u32) -> u32 {
+        if !(low..=high).contains(&value) {
+            self.clamped.push(Cow::Borrowed(name));
+        }
+        value.clamp(low, high)
+    }
+
     /// As [`Self::within`], where infinity switches a limit off.
     pub fn within_or_off(&mut self, name: &'static str, value: f32, default: f32, low: f32, high: f32) -> f32 {
         if value == f32::INFINITY { value } else { self.within(name, value, default, low, high) }

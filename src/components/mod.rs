@@ -10,8 +10,10 @@ mod material;
 mod pins;
 mod report;
 mod shape;
+mod skip;
 mod solver;
 mod status;
+mod untangle;
 mod wind;
 
 pub use cloth::Cloth;
@@ -22,9 +24,11 @@ pub use material::ClothMaterial;
 pub use pins::{ClothPins, ColorChannel, OnTargetLost, PinSelect, PinSet, PositionPredicate};
 pub use report::{ClothBuildReport, ClothReport};
 pub use shape::{ColliderPart, ColliderShape, MeshFit};
+pub use skip::{SkipFrame, SkipPolicy};
 pub use solver::{ClothGravity, ClothSolver, TeleportMode};
 pub use status::{
-    ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, ClothTargetLost, ClothTeleported, RecoveryCause,
-    RecoveryLevel, WaitingFor,
+    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
+    ClothTeleported, ClothUntangled, RecoveryCause, RecoveryLevel, WaitingFor,
 };
+pub use untangle::{Untangle, UntangleMethod};
 pub use wind::{ClothWind, GlobalWind, WindZone, WindZoneShape};

@@ -31,6 +31,30 @@ pub struct ClothReport {
     pub restores: u32,
     /// Times the cloth was taken back to its pose at rest.
     pub resets: u32,
+    /// Edges that cross faces, of this cloth with itself and with others, in what is about to be shown.
+    pub crossings: u32,
+    /// Intersection curves.
+    pub contours: u32,
+    /// Length of all curves [m].
+    pub contour_length: f32,
+    /// Curves that cut a piece off a cloth.
+    pub regions: u32,
+    /// Iterations of untangling in the last frame.
+    pub iterations: u32,
+    /// Time since the cloth was last clean [s].
+    pub tangled_for: f32,
+    /// Whether the last clean shape is shown where the cloth is tangled.
+    pub held: bool,
+    /// Frames held in a row, this one included.
+    pub held_frames: u32,
+    /// Time spent on integrating this cloth in the last frame [ms].
+    pub integrate_ms: f32,
+    /// Its share, by particles, of the time spent on looking for crossings among the cloths it can meet [ms].
+    pub detect_ms: f32,
+    /// Its share of the time spent on untangling them [ms].
+    pub resolve_ms: f32,
+    /// Its share of the time spent on looking again, and the time spent on deciding what to show [ms].
+    pub evaluate_ms: f32,
     /// Settings that are out of range and used clamped.
     pub clamped: Vec<Cow<'static, str>>,
 }

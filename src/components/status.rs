@@ -140,6 +140,33 @@ pub enum RecoveryCause {
     Overstretched,
 }
 
+/// A cloth has begun to cross itself or another, and untangling did not end it within the frame.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothTangled {
+    /// The cloth.
+    pub entity: Entity,
+    /// Edges that cross faces.
+    pub crossings: u32,
+    /// Length of the intersection curves [m].
+    pub contour_length: f32,
+}
+
+/// A cloth that was tangled is clean again.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothUntangled {
+    /// The cloth.
+    pub entity: Entity,
+    /// How long it was tangled [s].
+    pub after: f32,
+}
+
+/// A tangled cloth is shown in its last clean shape from this frame on, for as long as [`SkipFrame`](crate::SkipFrame) allows.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothHeld {
+    /// The cloth.
+    pub entity: Entity,
+}
+
 /// The target of a pin set is gone; what happens is up to [`OnTargetLost`](crate::OnTargetLost).
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothTargetLost {

@@ -14,5 +14,6 @@ pub mod step;
 pub mod detect;
 pub mod resolve;
 pub mod evaluate;
+pub mod group;
 pub mod recover;
 pub mod surface;

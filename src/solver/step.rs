@@ -203,6 +203,13 @@ pub fn step(
     report
 }
 
+/// Sweeps the springs once, as a substep does, without letting time pass. Nothing happens before the first [`step`].
+pub fn relax(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions: &mut [Vec4]) {
+    if positions.len() == rest.positions.len() && scratch.factors_for > 0.0 {
+        spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, positions);
+    }
+}
+
 /// Substeps of equal length in a frame of `dt` [s] at `rate` [Hz]: at least one, and not one more for rounding.
 fn substeps(dt: f32, rate: f32) -> u32 {
     ((dt * rate - 1.0e-3).ceil() as u32).max(1)

@@ -22,6 +22,7 @@ use crate::components::{
 };
 use crate::notices::{Notices, label};
 use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::solver::group::Display;
 use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
@@ -323,7 +324,7 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
     let state = ClothState { previous: positions.clone(), positions, ..ClothState::default() };
     let mut recovery = Recovery::default();
     recovery.start(&state);
-    ClothParticles { state, origin, before: Vec::new(), recovery, carrier: Some(inputs.carrier()) }
+    ClothParticles { state, origin, before: Vec::new(), recovery, display: Display::default(), carrier: Some(inputs.carrier()) }
 }
 
 /// Scales state and anchors about the place of the cloth.
@@ -337,6 +338,7 @@ fn rescale_about(particles: &mut ClothParticles, inputs: &mut ClothInputs, resca
     let motion = |x: Vec3| matrix * (x - at) + at;
     particles.carry(motion);
     inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
+    particles.display.reset();
 }
 
 /// Where the joints of a bound cloth were last, as seen from `origin`.

@@ -1,13 +1,89 @@
-//! Evaluate: tells of cloths that had to be taken back.
+//! Evaluate: judges what is about to be shown, holds what pokes through within bounds, and tells of it.
 
+use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
 
-use crate::components::{Cloth, ClothError, ClothErrorKind, ClothFailed, ClothRecovered, ClothStatus, RecoveryLevel};
+use super::detect::each;
+use super::stopwatch;
+use crate::components::{
+    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
+    ClothUntangled, RecoveryLevel,
+};
+use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
-use crate::simulation::ClothScratch;
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::solver::evaluate::{Pose, Shown, Verdict};
+
+/// Looks again where something moved, in parallel over groups.
+pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
+    each(&mut groups.list, |group| {
+        let clock = stopwatch();
+        group.group.evaluate();
+        group.times[2] = clock();
+    });
+}
+
+/// Decides what every cloth shows, in parallel over cloths.
+pub(crate) fn judge(
+    time: Res<Time>,
+    groups: Res<ClothGroups>,
+    mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
+) {
+    let dt = time.delta_secs();
+    cloths.par_iter_mut().batching_strategy(BatchingStrategy::fixed(1)).for_each(
+        |(inputs, scratch, mut particles, mut report)| {
+            if !inputs.active {
+                return;
+            }
+            let clock = stopwatch();
+            let at = scratch.group.and_then(|(g, part)| groups.list.get(g as usize).map(|group| (group, part as usize)));
+            let (verdict, weights) = match at {
+                Some((group, part)) => (group.group.verdict(part), group.group.weights(part)),
+                None => (Verdict::default(), [].as_slice()),
+            };
+            let particles = &mut *particles;
+            if matches!(scratch.recovered, Some((RecoveryLevel::Rest | RecoveryLevel::Frozen, _))) {
+                particles.display.reset();
+            }
+            let carrier = inputs.carrier();
+            let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
+            let pose = Pose { translation, rotation: carrier.rotation };
+            let outcome = particles.display.settle(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
+
+            report.crossings = verdict.crossings;
+            report.contours = verdict.contours;
+            report.contour_length = verdict.contour_length;
+            report.regions = verdict.regions;
+            report.held = outcome.shown == Shown::Held;
+            report.held_frames = outcome.held_frames;
+            report.iterations = at.map_or(0, |(group, _)| group.group.iterations());
+            let of = |stage: usize| at.map_or(0.0, |(group, part)| group.share(part) * group.times[stage]);
+            (report.detect_ms, report.resolve_ms) = (of(0), of(1));
+            report.evaluate_ms = of(2) + clock();
+        },
+    );
+}
+
+/// Events for cloths that became tangled, held or clean.
+pub(crate) fn tell(mut commands: Commands, mut cloths: Query<(Entity, &ClothParticles, &mut ClothReport), With<Cloth>>) {
+    for (entity, particles, mut report) in &mut cloths {
+        let outcome = particles.display.outcome();
+        if outcome.became_tangled {
+            let ClothReport { crossings, contour_length, .. } = *report;
+            commands.trigger(ClothTangled { entity, crossings, contour_length });
+        }
+        if outcome.became_held {
+            commands.trigger(ClothHeld { entity });
+        }
+        if outcome.became_clean {
+            commands.trigger(ClothUntangled { entity, after: report.tangled_for });
+        }
+        report.tangled_for = outcome.tangled_for;
+    }
+}
 
 /// Events for recoveries, and an error for a cloth that was stopped.
-pub(crate) fn evaluate(
+pub(crate) fn recoveries(
     mut commands: Commands,
     mut notices: ResMut<Notices>,
     mut cloths: Query<(Entity, Option<&Name>, &mut ClothScratch, &mut ClothStatus), With<Cloth>>,

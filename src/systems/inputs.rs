@@ -8,7 +8,7 @@ use crate::bind::{AnchorSet, Placement, Transforms};
 use crate::components::checked::Checked;
 use crate::components::{
     Cloth, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleported,
-    ClothWind, GlobalWind, OnTargetLost, TeleportMode, WindZone, WindZoneShape,
+    ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone, WindZoneShape,
 };
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
@@ -66,6 +66,8 @@ pub(crate) fn settings(
             &ClothMaterial,
             &ClothSolver,
             &ClothPins,
+            &Untangle,
+            &SkipFrame,
             Option<&ClothWind>,
             &mut ClothInputs,
             &mut ClothReport,
@@ -74,7 +76,7 @@ pub(crate) fn settings(
     >,
     time: Res<Time>,
 ) {
-    for (entity, name, material, solver, pins, own_wind, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, pins, untangle, skip, own_wind, mut inputs, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -85,6 +87,8 @@ pub(crate) fn settings(
         }
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);
+        inputs.untangle = untangle.settings(checked);
+        inputs.evaluate = skip.settings(checked);
         inputs.time_scale = solver.time_scale(checked);
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);

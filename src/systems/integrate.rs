@@ -4,6 +4,7 @@
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
 
+use super::stopwatch;
 use crate::components::{Cloth, ClothReport, RecoveryCause, RecoveryLevel};
 use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
@@ -24,7 +25,9 @@ pub(crate) fn integrate(
             let dt = dt * inputs.time_scale;
             let fits = particles.state.positions.len() == rest.0.positions.len();
             if inputs.active && fits && dt > 0.0 && !particles.recovery.is_frozen() {
+                let clock = stopwatch();
                 advance(&rest.0, dt, interpolates, &mut inputs, &mut particles, &mut scratch, &mut report);
+                report.integrate_ms = clock();
             } else if !particles.before.is_empty() {
                 // Nothing moved: there is nothing to interpolate.
                 particles.before.clear();
@@ -44,7 +47,10 @@ fn advance(
 ) {
     if interpolates {
         particles.before.clear();
-        particles.before.extend(particles.state.positions.iter().map(|x| x.truncate()));
+        match particles.display.held() {
+            Some(held) => particles.before.extend_from_slice(held),
+            None => particles.before.extend(particles.state.positions.iter().map(|x| x.truncate())),
+        }
     }
     let state = &mut particles.state;
     if inputs.stale || scratch.fresh {

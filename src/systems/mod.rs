@@ -2,9 +2,19 @@
 
 pub(crate) mod bind;
 pub(crate) mod colliders;
+pub(crate) mod detect;
 pub(crate) mod evaluate;
 pub(crate) mod inputs;
 pub(crate) mod integrate;
 pub(crate) mod release;
+pub(crate) mod resolve;
 pub(crate) mod sources;
 pub(crate) mod sync;
+
+use bevy::platform::time::Instant;
+
+/// Starts to measure; the result tells how long ago that was [ms].
+fn stopwatch() -> impl Fn() -> f32 {
+    let start = Instant::now();
+    move || start.elapsed().as_secs_f32() * 1.0e3
+}

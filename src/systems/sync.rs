@@ -48,10 +48,12 @@ pub(crate) fn shape(
 fn show_particles(particles: &ClothParticles, overstep: f32, shown: &mut Vec<Vec3>) -> bool {
     let state = &particles.state.positions;
     let interpolates = particles.before.len() == state.len();
+    let held = particles.display.held().filter(|held| held.len() == state.len());
     let mut moved = shown.len() != state.len();
     shown.resize(state.len(), Vec3::ZERO);
     for (i, (shown, now)) in shown.iter_mut().zip(state).enumerate() {
-        let now = if interpolates { particles.before[i].lerp(now.truncate(), overstep) } else { now.truncate() };
+        let now = held.map_or(now.truncate(), |held| held[i]);
+        let now = if interpolates { particles.before[i].lerp(now, overstep) } else { now };
         // Whatever happens to a state, nothing that is not a number is drawn.
         if now.is_finite() && *shown != now {
             *shown = now;

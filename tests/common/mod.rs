@@ -47,6 +47,15 @@ pub fn sheet(n: u32) -> Mesh {
     Plane3d::default().mesh().size(1.0, 1.0).subdivisions(n - 2).build()
 }
 
+/// A mesh for Bevy from one for the solver.
+pub fn mesh_of(source: &bevy_drape::solver::rest::SourceMesh) -> Mesh {
+    let usage = bevy::asset::RenderAssetUsages::default();
+    let positions: Vec<[f32; 3]> = source.positions.iter().map(Vec3::to_array).collect();
+    Mesh::new(bevy::mesh::PrimitiveTopology::TriangleList, usage)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_indices(bevy::mesh::Indices::U32(source.triangles.concat()))
+}
+
 /// Adds a mesh.
 pub fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)

@@ -11,5 +11,6 @@ mod gltf;
 mod lifecycle;
 mod pins;
 mod sync;
+mod untangle;
 mod warnings;
 mod wiring;

@@ -1,0 +1,64 @@
+//! What is shown while a cloth is tangled.
+
+use bevy::prelude::*;
+
+use super::checked::Checked;
+use crate::solver::evaluate::{self, EvaluateSettings};
+
+/// What is shown while a cloth is tangled. Time is never skipped: only what is drawn is held, and only for so long.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct SkipFrame {
+    /// What to do about tangled frames. Default [`SkipPolicy::Ladder`].
+    pub policy: SkipPolicy,
+    /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but the cloth visibly
+    /// sticks.
+    pub max_held_frames: u32,
+    /// Most time held in any second under [`SkipPolicy::Ladder`] [s]. Default 0.1, range 0 to 1.
+    pub max_held_time: f32,
+    /// Time over which what was held fades into the live shape when the bound is reached [s]. Default 0.1, range 0 to 10.
+    pub fade: f32,
+}
+
+/// What to do about frames in which a cloth is still tangled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, Debug, PartialEq)]
+pub enum SkipPolicy {
+    /// Hold the tangled part in its last clean shape for a few frames at most, then show the best there is.
+    #[default]
+    Ladder,
+    /// The paper's own: keep the whole last clean shape until the cloth is clean again, but no longer than `max` frames.
+    UntilClean {
+        /// Most frames held in a row.
+        max: u32,
+    },
+    /// Always show the live shape.
+    Off,
+}
+
+impl Default for SkipFrame {
+    fn default() -> Self {
+        Self { policy: SkipPolicy::Ladder, max_held_frames: 2, max_held_time: 0.1, fade: 0.1 }
+    }
+}
+
+impl SkipFrame {
+    /// Never holds anything.
+    pub const OFF: Self = Self { policy: SkipPolicy::Off, max_held_frames: 0, max_held_time: 0.0, fade: 0.0 };
+
+    pub(crate) fn settings(&self, checked: &mut Checked) -> EvaluateSettings {
+        EvaluateSettings {
+            policy: match self.policy {
+                SkipPolicy::Ladder => evaluate::SkipPolicy::Ladder,
+                SkipPolicy::UntilClean { max } => evaluate::SkipPolicy::UntilClean { max },
+                SkipPolicy::Off => evaluate::SkipPolicy::Off,
+            },
+            max_held_frames: checked.count("max_held_frames", self.max_held_frames, 0, 30),
+            max_held_time: checked.within("max_held_time", self.max_held_time, 0.1, 0.0, 1.0),
+            fade: checked.within("fade", self.fade, 0.1, 0.0, 10.0),
+            ..EvaluateSettings::default()
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! How a cloth that crosses itself or another is taken apart.
+
+use bevy::prelude::*;
+
+use super::checked::Checked;
+use crate::solver::group::UntangleSettings;
+use crate::solver::resolve::{Method, ResolveSettings};
+
+/// How a cloth that crosses itself or another is taken apart.
+///
+/// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one that was spawned first.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct Untangle {
+    /// Whether it takes part. Default true. A cloth that does not is left as it is, and others get off it.
+    pub enabled: bool,
+    /// The method. Default [`UntangleMethod::ByEndType`].
+    pub method: UntangleMethod,
+    /// Most iterations per frame, taken only while something crosses. Default 4, range 0 to 64; 0 only measures. More gets done sooner and
+    /// costs in proportion.
+    pub iterations: u32,
+    /// Largest displacement of a particle per iteration, as a fraction of the mean edge (dimensionless). Default 0.1, range 0.001 to 1.
+    /// Smaller is slower; much larger overshoots and folds triangles over.
+    pub step: f32,
+    /// Largest growth of the step of a contour that keeps moving in one direction (dimensionless). Default 5, range 1 to 50. More is
+    /// faster on deep tangles and tears at the edges around them.
+    pub pace: f32,
+    /// How far the motion spreads into the cloth around a contour, as a fraction of the contour's length (dimensionless). Default 0.5,
+    /// range 0 to 10. 0 moves only the particles at the contour, which the rest of a fine cloth holds back.
+    pub spread: f32,
+    /// Iterations without progress after which something else is tried. Default 10, range 1 to 1000.
+    pub patience: u32,
+    /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
+    pub relaxations: u32,
+}
+
+/// Methods of taking crossing surfaces apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, Debug, PartialEq, Hash)]
+pub enum UntangleMethod {
+    /// The traditional method (1995): remember on which side of each other particles and faces were, and push them back there.
+    History,
+    /// Each crossing on its own follows the gradient of the contour's length (Volino and Magnenat-Thalmann 2006).
+    LocalGradient,
+    /// One summed gradient per contour (Wen et al. 2009).
+    GlobalGradient,
+    /// Per contour, by how it ends; another way when one makes no progress.
+    #[default]
+    ByEndType,
+}
+
+impl UntangleMethod {
+    /// All methods, oldest first.
+    pub const ALL: [Self; 4] = [Self::History, Self::LocalGradient, Self::GlobalGradient, Self::ByEndType];
+}
+
+impl From<UntangleMethod> for Method {
+    fn from(method: UntangleMethod) -> Self {
+        match method {
+            UntangleMethod::History => Self::History,
+            UntangleMethod::LocalGradient => Self::LocalGradient,
+            UntangleMethod::GlobalGradient => Self::GlobalGradient,
+            UntangleMethod::ByEndType => Self::ByEndType,
+        }
+    }
+}
+
+impl Default for Untangle {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            method: UntangleMethod::ByEndType,
+            iterations: 4,
+            step: 0.1,
+            pace: 5.0,
+            spread: 0.5,
+            patience: 10,
+            relaxations: 2,
+        }
+    }
+}
+
+impl Untangle {
+    /// With another method.
+    #[must_use]
+    pub fn with_method(mut self, method: UntangleMethod) -> Self {
+        self.method = method;
+        self
+    }
+
+    pub(crate) fn settings(&self, checked: &mut Checked) -> UntangleSettings {
+        UntangleSettings {
+            resolve: ResolveSettings {
+                method: self.method.into(),
+                step: checked.within("untangle.step", self.step, 0.1, 0.001, 1.0),
+                pace: checked.within("untangle.pace", self.pace, 5.0, 1.0, 50.0),
+                spread: checked.within("untangle.spread", self.spread, 0.5, 0.0, 10.0),
+                patience: checked.count("untangle.patience", self.patience, 1, 1000),
+            },
+            iterations: checked.count("untangle.iterations", self.iterations, 0, 64),
+            relaxations: checked.count("untangle.relaxations", self.relaxations, 0, 16),
+        }
+    }
+}

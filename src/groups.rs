@@ -1,0 +1,253 @@
+//! Which cloths can meet: they are looked at together, as one surface.
+//!
+//! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; a group is everything that is linked so. Cloths that
+//! are together part only when boxes twice as wide are apart. Groups and their members are in the order of entities, so that nothing depends on
+//! the order of archetypes or threads.
+
+use std::sync::Arc;
+
+use bevy::math::{DVec3, Vec4};
+use bevy::prelude::*;
+
+use crate::components::{ClothCollision, ClothLayers};
+use crate::simulation::{ClothInputs, ClothParticles};
+use crate::solver::detect::PartRef;
+use crate::solver::group::{Group, UntangleSettings};
+use crate::solver::rest::RestShape;
+use crate::solver::state::ClothState;
+
+/// Farthest coordinate from a cloth's origin at which it is looked at [m].
+const FARTHEST: f64 = 1.0e6;
+/// How much wider the boxes are of cloths that are together already.
+const STAY: f64 = 2.0;
+
+/// Cloths that can meet, and where they cross.
+#[derive(Resource, Default)]
+pub struct ClothGroups {
+    /// In the order of their first members.
+    pub(crate) list: Vec<ClothGroup>,
+    before: Vec<ClothGroup>,
+    candidates: Vec<Candidate>,
+    by_x: Vec<u32>,
+    root: Vec<u32>,
+    order: Vec<u32>,
+    members: Vec<Member>,
+}
+
+/// Cloths that can meet.
+#[derive(Default)]
+pub(crate) struct ClothGroup {
+    pub members: Vec<Member>,
+    pub group: Group,
+    pub settings: UntangleSettings,
+    /// Origin of the frame of the group in the world [m].
+    pub origin: DVec3,
+    /// Time spent on detecting, resolving and evaluating [ms].
+    pub times: [f32; 3],
+}
+
+impl ClothGroup {
+    /// From the frame of a cloth to that of the group [m].
+    pub fn offset(&self, origin: DVec3) -> Vec3 {
+        (origin - self.origin).as_vec3()
+    }
+
+    /// Share of cloth `part` in what the group costs.
+    pub fn share(&self, part: usize) -> f32 {
+        let surface = self.group.surface();
+        surface.parts.get(part).map_or(0.0, |p| p.particles.len() as f32 / surface.len().max(1) as f32)
+    }
+}
+
+/// A cloth as its group was built from it.
+#[derive(Clone)]
+pub(crate) struct Member {
+    pub entity: Entity,
+    pub rest: Arc<RestShape>,
+    pub collision: ClothCollision,
+    pub thickness: f32,
+    /// Whether it is not moved.
+    pub fixed: bool,
+}
+
+impl Member {
+    /// Whether a surface built from `other` will do.
+    fn fits(&self, other: &Self) -> bool {
+        self.entity == other.entity
+            && Arc::ptr_eq(&self.rest, &other.rest)
+            && self.collision == other.collision
+            && self.thickness == other.thickness
+    }
+}
+
+/// A cloth that may meet something.
+struct Candidate {
+    member: Member,
+    settings: UntangleSettings,
+    layers: ClothLayers,
+    origin: DVec3,
+    low: DVec3,
+    high: DVec3,
+    /// How much wider its box is [m].
+    margin: f64,
+    /// Group of the last frame.
+    last: Option<u32>,
+}
+
+impl Candidate {
+    fn meets(&self, other: &Self) -> bool {
+        let together = self.last.is_some() && self.last == other.last;
+        let margin = DVec3::splat((self.margin + other.margin) * if together { STAY } else { 1.0 });
+        self.layers.touches(other.layers)
+            && (self.low - margin).cmple(other.high).all()
+            && (other.low - margin).cmple(self.high).all()
+    }
+}
+
+impl ClothGroups {
+    /// Segments of all intersection curves in the world [m], each with a number for its curve; as of the last look.
+    pub fn contours(&self) -> impl Iterator<Item = (usize, [DVec3; 2])> + '_ {
+        self.list.iter().flat_map(|group| {
+            let place = |p: Vec3| group.origin + p.as_dvec3();
+            group.group.segments().map(move |(contour, ends)| (contour, ends.map(place)))
+        })
+    }
+
+    /// The members of each group, in the order of entities.
+    pub fn members(&self) -> impl Iterator<Item = impl Iterator<Item = Entity> + '_> + '_ {
+        self.list.iter().map(|group| group.members.iter().map(|m| m.entity))
+    }
+
+    /// Forgets who could meet whom.
+    pub(crate) fn begin(&mut self) {
+        self.candidates.clear();
+    }
+
+    /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world [m].
+    pub(crate) fn add(
+        &mut self,
+        member: Member,
+        inputs: &ClothInputs,
+        particles: &ClothParticles,
+        layers: ClothLayers,
+        last_box: Option<(DVec3, DVec3)>,
+        last: Option<u32>,
+    ) -> Option<(DVec3, DVec3)> {
+        let (low, high) = bounds(&particles.state)?;
+        let (low, high) = (low + particles.origin, high + particles.origin);
+        let motion = last_box.map_or(0.0, |(a, b)| (low - a).abs().max((high - b).abs()).max_element());
+        let margin = f64::from(member.thickness + member.rest.mean_edge) + motion;
+        let (settings, origin) = (inputs.untangle, particles.origin);
+        self.candidates.push(Candidate { member, settings, layers, origin, low, high, margin, last });
+        Some((low, high))
+    }
+
+    /// Links what can meet and builds the groups that are new or changed. `place` is told each member's group and its number there.
+    pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32)) {
+        self.candidates.sort_unstable_by_key(|c| c.member.entity);
+        self.link();
+        let Self { list, before, candidates, root, order, members, .. } = self;
+        order.clear();
+        order.extend(0..candidates.len() as u32);
+        order.sort_unstable_by_key(|&i| (root[i as usize], i));
+        core::mem::swap(list, before);
+        list.clear();
+        let mut old = 0;
+        for run in order.chunk_by(|&a, &b| root[a as usize] == root[b as usize]) {
+            let of = |i: &u32| &candidates[*i as usize];
+            let free = run.iter().map(of).any(|c| !c.member.fixed);
+            let Some(first) = run.first().map(of) else { continue };
+            if !free || (run.len() == 1 && !first.member.collision.self_collision) {
+                continue;
+            }
+            members.clear();
+            members.extend(run.iter().map(|i| of(i).member.clone()));
+            let best = run.iter().map(of).filter(|c| !c.member.fixed).fold(first, |best, c| {
+                if best.member.fixed || c.settings.iterations > best.settings.iterations { c } else { best }
+            });
+            while before.get(old).is_some_and(|g| g.members.first().is_some_and(|m| m.entity < first.member.entity)) {
+                old += 1;
+            }
+            let known = before.get(old).is_some_and(|g| {
+                g.members.len() == members.len() && g.members.iter().zip(members.iter()).all(|(a, b)| a.fits(b))
+            });
+            let mut group = if known { core::mem::take(&mut before[old]) } else { ClothGroup::default() };
+            if known {
+                group.members.clone_from(members);
+            } else {
+                let Some(built) = build(members) else { continue };
+                (group.group, group.members) = (built, members.clone());
+            }
+            (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 3]);
+            for (part, member) in group.members.iter().enumerate() {
+                place(member.entity, list.len() as u32, part as u32);
+            }
+            list.push(group);
+        }
+        before.clear();
+    }
+
+    /// Joins what overlaps: sweep along x, then union of sets with the smallest number as root.
+    fn link(&mut self) {
+        let Self { candidates, by_x, root, .. } = self;
+        root.clear();
+        root.extend(0..candidates.len() as u32);
+        let from = |i: u32| candidates[i as usize].low.x - STAY * candidates[i as usize].margin;
+        let to = |i: u32| candidates[i as usize].high.x + STAY * candidates[i as usize].margin;
+        by_x.clear();
+        by_x.extend(0..candidates.len() as u32);
+        by_x.sort_unstable_by(|&a, &b| from(a).total_cmp(&from(b)).then(a.cmp(&b)));
+        for (k, &a) in by_x.iter().enumerate() {
+            for &b in by_x[k + 1..].iter().take_while(|&&b| from(b) <= to(a)) {
+                if candidates[a as usize].meets(&candidates[b as usize]) {
+                    let (ra, rb) = (find(root, a), find(root, b));
+                    root[ra.max(rb) as usize] = ra.min(rb);
+                }
+            }
+        }
+        for i in 0..root.len() as u32 {
+            root[i as usize] = find(root, i);
+        }
+    }
+}
+
+fn find(root: &[u32], mut i: u32) -> u32 {
+    while root[i as usize] != i {
+        i = root[i as usize];
+    }
+    i
+}
+
+fn build(members: &[Member]) -> Option<Group> {
+    let parts: Vec<PartRef<'_>> = members
+        .iter()
+        .map(|m| PartRef {
+            topology: &m.rest.topology,
+            rest: &m.rest.positions,
+            layer: m.collision.layer,
+            self_collision: m.collision.self_collision,
+            thickness: m.thickness,
+        })
+        .collect();
+    match Group::new(&parts) {
+        Ok(group) => Some(group),
+        Err(error) => {
+            warn_once!("cloths that meet are not untangled: {error}");
+            None
+        }
+    }
+}
+
+/// Box of the particles around the cloth's origin [m]; none if one of them is nowhere.
+fn bounds(state: &ClothState) -> Option<(DVec3, DVec3)> {
+    let (mut low, mut high, mut sum) = (Vec4::INFINITY, Vec4::NEG_INFINITY, Vec4::ZERO);
+    for &x in &state.positions {
+        low = low.min(x);
+        high = high.max(x);
+        // Minimum and maximum may pass over what is not a number; a sum does not.
+        sum += x;
+    }
+    let (low, high) = (low.truncate().as_dvec3(), high.truncate().as_dvec3());
+    let near = sum.truncate().is_finite() && low.min_element() >= -FARTHEST && high.max_element() <= FARTHEST;
+    near.then_some((low, high))
+}

@@ -1,0 +1,301 @@
+//! Cloths that can meet, untangled together as one surface.
+//!
+//! ```text
+//! gather ─► detect ─► resolve: (advance ─► springs ─► look)* ─► scatter what moved ─► evaluate: look again, one verdict per cloth
+//! ```
+//!
+//! Each cloth lives in a frame of its own; `offset` brings it into that of the group, and 0 for the only cloth of a group changes no bit.
+//! While nothing crosses nothing is written back, so that a clean cloth has the same bits with and without a group.
+
+use core::ops::Range;
+
+use glam::{Vec3, Vec4};
+
+use super::detect::{Crossing, PartRef, Surface, SurfaceError};
+use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
+use super::resolve::{Method, ResolveSettings, Untangler};
+use super::state::ClothState;
+
+/// Rings of neighbours around a tangle over which a held shape passes into the live one.
+const RINGS: usize = 3;
+
+/// How a group is untangled in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UntangleSettings {
+    /// Method and steps.
+    pub resolve: ResolveSettings,
+    /// Most iterations per frame. Default 4; 0 only detects. Cost is proportional, while tangled only.
+    pub iterations: u32,
+    /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
+    pub relaxations: u32,
+}
+
+impl Default for UntangleSettings {
+    fn default() -> Self {
+        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2 }
+    }
+}
+
+/// Several cloths as one surface, with reused buffers; nothing is allocated once warm.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    surface: Surface,
+    untangler: Untangler,
+    positions: Vec<Vec4>,
+    previous: Vec<Vec4>,
+    before: Vec<Vec4>,
+    weights: Vec<f32>,
+    verdicts: Vec<Verdict>,
+    total: Verdict,
+    iterations: u32,
+    moved: bool,
+}
+
+impl Group {
+    /// Concatenates the cloths.
+    ///
+    /// # Errors
+    /// [`SurfaceError`] when rest positions do not match a topology, or when there are too many cloths or particles.
+    pub fn new(cloths: &[PartRef<'_>]) -> Result<Self, SurfaceError> {
+        let surface = Surface::new(cloths)?;
+        let n = surface.len();
+        Ok(Self {
+            untangler: Untangler::new(&surface),
+            positions: vec![Vec4::ZERO; n],
+            previous: vec![Vec4::ZERO; n],
+            verdicts: vec![Verdict::default(); surface.parts.len()],
+            surface,
+            ..Self::default()
+        })
+    }
+
+    /// Takes over the state of cloth `part`, moved by `offset` [m]. A `fixed` cloth is an obstacle for the others and never moved.
+    pub fn gather(&mut self, part: usize, state: &ClothState, offset: Vec3, fixed: bool) {
+        let range = self.range(part);
+        if state.positions.len() != range.len() || state.previous.len() != range.len() {
+            return;
+        }
+        let offset = offset.extend(0.0);
+        for (to, from) in self.positions[range.clone()].iter_mut().zip(&state.positions) {
+            *to = *from + offset;
+            if fixed {
+                to.w = 0.0;
+            }
+        }
+        for (to, from) in self.previous[range].iter_mut().zip(&state.previous) {
+            *to = *from + offset;
+        }
+    }
+
+    /// Looks for crossings in what was gathered.
+    pub fn detect(&mut self) -> Verdict {
+        self.moved = false;
+        self.iterations = 0;
+        self.look();
+        self.total
+    }
+
+    /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
+    pub fn resolve(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
+        let remembers = settings.resolve.method == Method::History;
+        for i in 0..settings.iterations {
+            if i > 0 {
+                self.look();
+            }
+            let clean = self.total.is_clean();
+            let Untangler { detector, resolver } = &mut self.untangler;
+            // Even when clean: memories of contours that are gone are dropped.
+            resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
+            self.moved |= !clean || remembers;
+            if clean {
+                break;
+            }
+            self.iterations += 1;
+            if settings.relaxations > 0 {
+                self.relax(settings.relaxations, &mut relax);
+            }
+        }
+    }
+
+    /// Sweeps the springs of every cloth; previous positions go along, so that no velocity comes of it.
+    fn relax(&mut self, sweeps: u32, relax: &mut impl FnMut(usize, &mut [Vec4])) {
+        self.before.clone_from(&self.positions);
+        for part in 0..self.surface.parts.len() {
+            let range = self.range(part);
+            for _ in 0..sweeps {
+                relax(part, &mut self.positions[range.clone()]);
+            }
+        }
+        for ((old, now), before) in self.previous.iter_mut().zip(&self.positions).zip(&self.before) {
+            if now != before {
+                *old += *now - *before;
+            }
+        }
+    }
+
+    /// Gives what was moved back to cloth `part`; the inverse of [`Self::gather`]. Particles that did not move keep every bit.
+    pub fn scatter(&self, part: usize, state: &mut ClothState, offset: Vec3) {
+        let range = self.range(part);
+        if !self.moved || state.positions.len() != range.len() || state.previous.len() != range.len() {
+            return;
+        }
+        let put = |states: &mut [Vec4], mine: &[Vec4]| {
+            for (to, from) in states.iter_mut().zip(mine) {
+                if to.truncate() + offset != from.truncate() && from.is_finite() {
+                    *to = (from.truncate() - offset).extend(to.w);
+                }
+            }
+        };
+        put(&mut state.positions, &self.positions[range.clone()]);
+        put(&mut state.previous, &self.previous[range]);
+    }
+
+    /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
+    pub fn evaluate(&mut self) -> Verdict {
+        if self.moved {
+            self.look();
+        }
+        if !self.total.is_clean() {
+            let Untangler { detector, resolver } = &mut self.untangler;
+            resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
+        }
+        self.total
+    }
+
+    fn look(&mut self) {
+        self.total = self.untangler.look(&self.surface, &self.positions);
+        self.verdicts.fill(Verdict::default());
+        let (graph, crossings) = (self.untangler.resolver.graph(), self.untangler.detector.crossings());
+        for (k, contour) in graph.contours.iter().enumerate() {
+            // A contour stays between the two cloths that its first crossing is between.
+            let Some(first) = graph.nodes_of(k).first().map(|&i| &crossings[i as usize]) else { continue };
+            let (a, b) = (self.surface.part_of_edge(first.edge), self.surface.part_of_face(first.face));
+            for part in [Some(a), (a != b).then_some(b)].into_iter().flatten() {
+                let verdict = &mut self.verdicts[usize::from(part)];
+                verdict.crossings += contour.count;
+                verdict.contours += 1;
+                verdict.contour_length += contour.length;
+                verdict.regions += u32::from(contour.kind.separates());
+            }
+        }
+    }
+
+    fn range(&self, part: usize) -> Range<usize> {
+        let range = &self.surface.parts[part].particles;
+        range.start as usize..range.end as usize
+    }
+
+    /// The verdict on all cloths together.
+    #[must_use]
+    pub fn total(&self) -> Verdict {
+        self.total
+    }
+
+    /// The verdict on cloth `part`: every contour it takes part in.
+    #[must_use]
+    pub fn verdict(&self, part: usize) -> Verdict {
+        self.verdicts.get(part).copied().unwrap_or_default()
+    }
+
+    /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Self::evaluate`]; empty before the first tangle.
+    #[must_use]
+    pub fn weights(&self, part: usize) -> &[f32] {
+        self.weights.get(self.range(part)).unwrap_or(&[])
+    }
+
+    /// Whether [`Self::resolve`] moved anything in this frame.
+    #[must_use]
+    pub fn has_moved(&self) -> bool {
+        self.moved
+    }
+
+    /// Iterations taken in this frame.
+    #[must_use]
+    pub fn iterations(&self) -> u32 {
+        self.iterations
+    }
+
+    /// The cloths as one surface.
+    #[must_use]
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// The crossings found last.
+    #[must_use]
+    pub fn crossings(&self) -> &[Crossing] {
+        self.untangler.detector.crossings()
+    }
+
+    /// Segments [m] of all contours found last, in the frame of the group, each with the number of its contour.
+    pub fn segments(&self) -> impl Iterator<Item = (usize, [Vec3; 2])> + '_ {
+        let resolver = &self.untangler.resolver;
+        let (graph, points) = (resolver.graph(), resolver.points());
+        points.iter().enumerate().flat_map(move |(i, &from)| {
+            let onward = graph.linked(i).filter(move |&j| j as usize > i);
+            onward.map(move |j| (graph.contour_of[i] as usize, [from, points[j as usize]]))
+        })
+    }
+}
+
+/// What one cloth shows, and what it showed before.
+#[derive(Clone, Debug, Default)]
+pub struct Display {
+    evaluator: Evaluator,
+    /// Positions to show [m]; empty while the live ones are shown.
+    shown: Vec<Vec3>,
+}
+
+impl Display {
+    /// Forgets clean shapes and history; for a cloth that starts anew.
+    pub fn reset(&mut self) {
+        self.evaluator.reset();
+        self.shown.clear();
+    }
+
+    /// Decides a frame of `dt` [s] from the verdict on one cloth. `weights` says how much each particle belongs to a tangle, `pose` where
+    /// what carries the cloth is.
+    pub fn settle(
+        &mut self,
+        verdict: &Verdict,
+        state: &ClothState,
+        weights: &[f32],
+        pose: Pose,
+        dt: f32,
+        settings: &EvaluateSettings,
+    ) -> Outcome {
+        let outcome = self.evaluator.judge(verdict, dt, settings);
+        self.shown.clear();
+        if outcome.shown == Shown::Clean {
+            self.evaluator.keep(&state.positions, pose);
+        } else if outcome.hold > 0.0 {
+            self.evaluator.present(&state.positions, weights, pose, settings, &mut self.shown);
+        }
+        outcome
+    }
+
+    /// The decision of the last frame.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        self.evaluator.outcome()
+    }
+
+    /// Positions to show [m] instead of the live ones, while the cloth is held or fades.
+    #[must_use]
+    pub fn held(&self) -> Option<&[Vec3]> {
+        (!self.shown.is_empty()).then_some(self.shown.as_slice())
+    }
+
+    /// The last clean shape [m], in the place where it was.
+    #[must_use]
+    pub fn clean_shape(&self) -> Option<&[Vec3]> {
+        self.evaluator.clean_shape().map(|(shape, _)| shape)
+    }
+
+    /// Moves what is shown.
+    pub fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
+        for x in &mut self.shown {
+            *x = motion(*x);
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Detect: which cloths can meet, and where they cross.
+
+use bevy::prelude::*;
+use bevy::tasks::ComputeTaskPool;
+
+use super::stopwatch;
+use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
+use crate::groups::{ClothGroup, ClothGroups, Member};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+
+/// Groups cloths that can meet.
+pub(crate) fn group(
+    mut groups: ResMut<ClothGroups>,
+    mut cloths: Query<
+        (
+            Entity,
+            &ClothRest,
+            &ClothInputs,
+            &ClothParticles,
+            &ClothCollision,
+            &Untangle,
+            Option<&ClothLayers>,
+            &mut ClothScratch,
+        ),
+        With<Cloth>,
+    >,
+) {
+    groups.begin();
+    for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch) in &mut cloths {
+        let last = scratch.group.take().map(|(group, _)| group);
+        let last_box = scratch.bounds.take();
+        if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
+            continue;
+        }
+        let fixed = !untangle.enabled || particles.recovery.is_frozen() || inputs.time_scale == 0.0;
+        let member = Member { entity, rest: rest.0.clone(), collision: *collision, thickness: inputs.fabric.thickness, fixed };
+        let layers = layers.copied().unwrap_or_default();
+        scratch.bounds = groups.add(member, inputs, particles, layers, last_box, last);
+    }
+    groups.form(|entity, group, part| {
+        if let Ok(mut cloth) = cloths.get_mut(entity) {
+            cloth.7.group = Some((group, part));
+        }
+    });
+}
+
+/// Looks for crossings, in parallel over groups. Each writes only its own data, so the result has the same bits for any number of threads.
+pub(crate) fn detect(mut groups: ResMut<ClothGroups>, cloths: Query<&ClothParticles, With<Cloth>>) {
+    each(&mut groups.list, |group| {
+        let clock = stopwatch();
+        for part in 0..group.members.len() {
+            let Member { entity, fixed, .. } = group.members[part];
+            if let Ok(particles) = cloths.get(entity) {
+                let offset = group.offset(particles.origin);
+                group.group.gather(part, &particles.state, offset, fixed);
+            }
+        }
+        group.group.detect();
+        group.times[0] = clock();
+    });
+}
+
+/// Works on every group, in parallel when there are several.
+pub(super) fn each(groups: &mut [ClothGroup], work: impl Fn(&mut ClothGroup) + Sync) {
+    if let [only] = groups {
+        work(only);
+        return;
+    }
+    let work = &work;
+    ComputeTaskPool::get().scope(|scope| {
+        for group in groups {
+            scope.spawn(async move { work(group) });
+        }
+    });
+}
