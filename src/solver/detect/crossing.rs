@@ -45,6 +45,8 @@ pub struct Detector {
     /// Cloths without a single free particle; two of them are not asked.
     kinematic: Vec<bool>,
     ties: Ties,
+    /// Pairs of faces that met a tie.
+    doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
 }
 
@@ -62,6 +64,7 @@ impl Detector {
             asks: asks.collect(),
             kinematic: vec![false; surface.parts.len()],
             ties: Ties::default(),
+            doubtful: Vec::new(),
             crossings: Vec::new(),
         }
     }
@@ -79,22 +82,19 @@ impl Detector {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = positions[range].iter().all(|p| p.w == 0.0);
         }
-        self.ties.met = false;
         self.ties.directions.clear();
         self.cross(surface, positions);
-        if self.ties.met {
-            // Rare: some points lie exactly in a plane. Ask again, with a direction for everyone.
-            let direction = |v: u32| Ties::direction(normal(surface, positions, v), surface.part(v), v);
-            self.ties.directions.extend((0..surface.len() as u32).map(direction));
-            self.cross(surface, positions);
+        if !self.doubtful.is_empty() {
+            self.cross_doubtful(surface, positions);
         }
         self.crossings.sort_unstable_by_key(|c| (u64::from(c.edge) << 32) | u64::from(c.face));
         &self.crossings
     }
 
     fn cross(&mut self, surface: &Surface, positions: &[Vec4]) {
-        let Self { tree, asks, kinematic, ties, crossings } = self;
+        let Self { tree, asks, kinematic, ties, doubtful, crossings } = self;
         crossings.clear();
+        doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
         tree.pairs(surface, 0.0, |f, g| {
             if fixed {
@@ -103,8 +103,33 @@ impl Detector {
                     return;
                 }
             }
+            let sure = crossings.len();
+            ties.met = false;
             cross_faces(surface, positions, asks, f, g, ties, crossings);
+            if ties.met {
+                crossings.truncate(sure);
+                doubtful.push((f, g));
+            }
         });
+    }
+
+    /// Some points lie exactly in a plane, as borders that are pinned along a line do. Asks the pairs that met such a tie again, with a direction
+    /// for each of their particles; every pair that asks about the same four points met the same tie.
+    #[cold]
+    fn cross_doubtful(&mut self, surface: &Surface, positions: &[Vec4]) {
+        let Self { asks, ties, doubtful, crossings, .. } = self;
+        ties.directions.resize(surface.len(), DVec3::ZERO);
+        for &(f, g) in doubtful.iter() {
+            for v in [f, g].into_iter().flat_map(|face| surface.topology.faces[face as usize]) {
+                let direction = &mut ties.directions[v as usize];
+                if *direction == DVec3::ZERO {
+                    *direction = Ties::direction(normal(surface, positions, v), surface.part(v), v);
+                }
+            }
+        }
+        for &(f, g) in doubtful.iter() {
+            cross_faces(surface, positions, asks, f, g, ties, crossings);
+        }
     }
 
     /// The crossings found last.
