@@ -37,7 +37,7 @@ struct Arguments {
     /// Frames per second of simulated time.
     #[arg(long, default_value_t = 60.0, value_parser = rate)]
     fps: f64,
-    /// Substeps per second [Hz] of cloths that do not say; more than in a game, since nobody waits.
+    /// Substeps per second [Hz] of cloths that have the default rate; more than in a game, since nobody waits.
     #[arg(long, default_value_t = 7200.0)]
     substep_rate: f32,
     /// How crossing cloths are taken apart; the default is what each cloth asks for.
@@ -91,7 +91,7 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
     start(&mut app);
     for frame in 1..=arguments.frames {
         let begin = Instant::now();
-        app.update();
+        (0..updates(arguments.fps)).for_each(|_| app.update());
         let elapsed = begin.elapsed().as_secs_f64() * 1.0e3;
         report.push(describe(&mut app, &names, frame, elapsed));
         write_frame(&mut app, &names, frame, &arguments.out)?;
@@ -99,6 +99,11 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
     let path = arguments.out.join("report.json");
     let report = json!({ "fps": arguments.fps, "frames": report });
     std::fs::write(&path, format!("{report:#}\n")).map_err(|error| unwritable(&path, &error))
+}
+
+/// Updates in a written frame: none is longer than 0.05 s, so that no time is lost.
+fn updates(fps: f64) -> u32 {
+    (1.0 / (fps * 0.05)).ceil().max(1.0) as u32
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> String {
@@ -135,7 +140,9 @@ fn app(arguments: &Arguments) -> Result<App, String> {
     .register_type::<MeshMaterial3d<StandardMaterial>>()
     .register_type::<Visibility>()
     .init_asset::<StandardMaterial>()
-    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / arguments.fps)));
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
+        1.0 / arguments.fps / f64::from(updates(arguments.fps)),
+    )));
     app.finish();
     app.cleanup();
     app.world_mut().resource_mut::<Time<Virtual>>().pause();

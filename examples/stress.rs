@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release --example stress -- --scene hang --size 64 --json
 //! ```
-#![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program speaks on its terminal")]
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::colliders::WorldBodies;
+use super::colliders::{WorldBodies, WorldBody};
 use crate::bind::{AnchorSet, Placement, Transforms};
 use crate::components::checked::Checked;
 use crate::components::{
@@ -267,9 +267,9 @@ fn scaled(zone: WindZone, scale: Vec3) -> WindZone {
 pub(crate) fn surroundings(
     world: Res<WorldBodies>,
     air: Res<WorldAir>,
-    mut cloths: Query<(&ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
 ) {
-    for (particles, layers, mut inputs, mut report) in &mut cloths {
+    for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
         let layers = layers.copied().unwrap_or_default();
         let origin = particles.origin;
         let pose = |at: &Isometry3d| {
@@ -277,7 +277,9 @@ pub(crate) fn surroundings(
             Pose::from_parts(translation, at.rotation)
         };
         inputs.bodies.clear();
-        inputs.bodies.extend(world.bodies.iter().filter(|body| layers.touches(body.layers)).map(|body| Body {
+        // A cloth does not meet the collider on its own entity.
+        let meets = |body: &&WorldBody| body.entity != entity && layers.touches(body.layers);
+        inputs.bodies.extend(world.bodies.iter().filter(meets).map(|body| Body {
             shape: body.shape.clone(),
             from: pose(&body.from),
             to: pose(&body.to),
