@@ -193,7 +193,8 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     };
     let start = Instant::now();
     let input = FrameInput { dt, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind };
-    let share = scene.cloths.len().div_ceil(4 * (pool.thread_num() + 1));
+    // Equal shares, five for each thread: larger ones leave a thread idle at the end.
+    let share = scene.cloths.len().div_ceil(5 * (pool.thread_num() + 1));
     pool.scope(|scope| {
         for cloths in scene.cloths.chunks_mut(share) {
             let input = &input;
