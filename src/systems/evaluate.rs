@@ -30,7 +30,7 @@ pub(crate) fn judge(
     mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
 ) {
     let dt = time.delta_secs();
-    cloths.par_iter_mut().batching_strategy(BatchingStrategy::fixed(1)).for_each(
+    cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
         |(inputs, scratch, mut particles, mut report)| {
             if !inputs.active {
                 return;

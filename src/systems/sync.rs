@@ -24,7 +24,7 @@ pub(crate) fn shape(
         Some(fixed) if clock.interpolates => fixed.overstep_fraction(),
         _ => 1.0,
     };
-    cloths.par_iter_mut().batching_strategy(BatchingStrategy::fixed(1)).for_each(
+    cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
         |(rest, particles, inputs, global, mut shown)| {
             let affine = global.affine();
             let lies = affine.is_finite() && affine.matrix3.determinant() != 0.0;
