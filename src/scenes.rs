@@ -152,6 +152,9 @@ pub struct Untangling {
     pub settings: UntangleSettings,
     /// What is shown meanwhile.
     pub skip: EvaluateSettings,
+    pub contact: bool,
+    pub contact_ms: f64,
+    pub respond_ms: f64,
 }
 
 /// Time that each stage took in a frame [ms].
@@ -196,17 +199,29 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip });
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: false, contact_ms: 0.0, respond_ms: 0.0 });
         Ok(self)
     }
 
     /// Advances every cloth by `dt` [s], one after the other, and untangles.
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
+        let n = ((dt * 360.0 - 1.0e-3).ceil() as u32).max(1);
+        if let Some(u) = &mut self.untangle && u.contact {
+            let h = dt / n as f32;
+            let input = FrameInput { dt: h, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
+            for _ in 0..n {
+                for cloth in &mut self.cloths { cloth.step(&input); }
+                let mut states: Vec<_> = self.cloths.iter_mut().map(|c| (&mut c.state, Vec3::ZERO)).collect();
+                let t = Instant::now();
+                u.group.keep_apart(h, &mut states);
+                u.contact_ms += since(t);
+            }
+        } else {
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
         for cloth in &mut self.cloths {
             cloth.step(&input);
-        }
+        }}
         self.wind.advance(dt);
         self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
         self.settle(dt);
@@ -214,7 +229,7 @@ impl Scene {
 
     /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
     pub fn settle(&mut self, dt: f32) {
-        let Some(Untangling { group, settings, skip }) = &mut self.untangle else { return };
+        let Some(Untangling { group, settings, skip, .. }) = &mut self.untangle else { return };
         let start = Instant::now();
         for (part, cloth) in self.cloths.iter().enumerate() {
             group.gather(part, &cloth.state, Vec3::ZERO, false);
@@ -241,6 +256,14 @@ impl Scene {
             display.settle(&group.verdict(part), state, group.weights(part), pose, dt, skip);
         }
         self.times.evaluate = since(start);
+        let Some(Untangling { group, contact, respond_ms, .. }) = &mut self.untangle else { return };
+        let t = Instant::now();
+        if *contact {
+        if group.has_moved() { for (part, cloth) in self.cloths.iter().enumerate() { group.gather(part, &cloth.state, Vec3::ZERO, false); } }
+        let touch: Vec<_> = self.cloths.iter().map(|c| crate::solver::body::Touch { thickness: c.fabric.thickness, static_friction: c.fabric.static_friction, dynamic_friction: c.fabric.dynamic_friction }).collect();
+        group.respond(dt, &touch);
+        }
+        *respond_ms = since(t);
     }
 
     /// Edges that cross faces; 0 without untangling.

@@ -13,6 +13,8 @@ use glam::{Vec3, Vec4};
 
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
+use super::body::Touch;
+use super::respond::{Contacts, Finder};
 use super::resolve::{Method, ResolveSettings, Untangler};
 use super::state::ClothState;
 
@@ -49,6 +51,9 @@ pub struct Group {
     total: Verdict,
     iterations: u32,
     moved: bool,
+    finder: Finder,
+    contacts: Contacts,
+    substep: Vec<f32>,
 }
 
 impl Group {
@@ -61,6 +66,8 @@ impl Group {
         let n = surface.len();
         Ok(Self {
             untangler: Untangler::new(&surface),
+            finder: Finder::new(&surface),
+            substep: vec![0.0; surface.parts.len()],
             positions: vec![Vec4::ZERO; n],
             previous: vec![Vec4::ZERO; n],
             verdicts: vec![Verdict::default(); surface.parts.len()],
@@ -75,6 +82,7 @@ impl Group {
         if state.positions.len() != range.len() || state.previous.len() != range.len() {
             return;
         }
+        self.substep[part] = state.substep;
         let offset = offset.extend(0.0);
         for (to, from) in self.positions[range.clone()].iter_mut().zip(&state.positions) {
             *to = *from + offset;
@@ -85,6 +93,51 @@ impl Group {
         for (to, from) in self.previous[range].iter_mut().zip(&state.previous) {
             *to = *from + offset;
         }
+    }
+
+    /// Finds the pairs that may touch within the next `dt` [s]; `touch` says of each cloth how it does. Pairs of a tangle are left out.
+    pub fn respond(&mut self, dt: f32, touch: &[Touch]) {
+        if touch.len() != self.surface.parts.len() {
+            self.contacts.clear();
+            return;
+        }
+        let (weights, clean) = (&self.weights, self.total.is_clean());
+        let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.0);
+        let (positions, previous) = (&self.positions, &self.previous);
+        let tree = self.untangler.detector.tree();
+        self.finder.find(&self.surface, tree, positions, previous, &self.substep, touch, dt, tangled, &mut self.contacts);
+    }
+
+    /// Keeps what touches apart at the end of a substep of `h` [s]. `cloths` are the states of all cloths with their offsets, as gathered.
+    pub fn keep_apart(&mut self, h: f32, cloths: &mut [(&mut ClothState, Vec3)]) {
+        let Self { surface, contacts, .. } = self;
+        let cloths = core::cell::RefCell::new(cloths);
+        let place = |v: u32| {
+            let part = usize::from(surface.part(v));
+            (part, (v - surface.parts[part].particles.start) as usize)
+        };
+        contacts.solve(
+            h,
+            |v| {
+                let (part, i) = place(v);
+                let (state, offset) = &cloths.borrow()[part];
+                let offset = offset.extend(0.0);
+                (state.positions[i] + offset, state.previous[i] + offset)
+            },
+            |v, now, old| {
+                let (part, i) = place(v);
+                let (state, offset) = &mut cloths.borrow_mut()[part];
+                let offset = offset.extend(0.0);
+                state.positions[i] = now - offset;
+                state.previous[i] = old - offset;
+            },
+        );
+    }
+
+    /// The pairs that may touch.
+    #[must_use]
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
     }
 
     /// Looks for crossings in what was gathered.

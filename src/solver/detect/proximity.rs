@@ -109,20 +109,48 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 fn is_excluded(surface: &Surface, pair: &Proximity, settings: &ProximitySettings) -> bool {
+    surface.part(pair.particles[0]) == surface.part(pair.particles[3])
+        && is_near_at_rest(surface, pair, settings.distance, settings.exclude_rings, f32::INFINITY)
+}
+
+/// Whether a pair of one cloth is closer at rest than `distance` [m] or within `rings` edges, none of which is longer than `longest` [m].
+pub(crate) fn is_near_at_rest(surface: &Surface, pair: &Proximity, distance: f32, rings: u32, longest: f32) -> bool {
     let [a, b, c, d] = pair.particles;
-    if surface.part(a) != surface.part(d) {
-        return false;
-    }
+    let at = |v: u32| surface.rest[v as usize];
     let (first, second): (&[u32], &[u32]) = match pair.kind {
         ProximityKind::VertexFace => (&[a], &[b, c, d]),
         ProximityKind::EdgeEdge => (&[a, b], &[c, d]),
     };
-    let at = |v: u32| surface.rest[v as usize];
+    // Ends of edges farther apart than the rings reach settle almost all pairs.
+    let reach = distance + (rings + 2) as f32 * longest;
+    if at(a).distance_squared(at(d)) > reach * reach {
+        return false;
+    }
     let rest = match pair.kind {
         ProximityKind::VertexFace => vertex_face(pair.particles, at),
         ProximityKind::EdgeEdge => edge_edge(pair.particles, at),
     };
-    rest.distance < settings.distance || first.iter().any(|&v| within(surface, v, second, settings.exclude_rings))
+    rest.distance < distance || first.iter().any(|&v| within(surface, v, second, rings))
+}
+
+/// Distance of a pair at rest [m].
+pub(crate) fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
+    let at = |v: u32| surface.rest[v as usize];
+    match pair.kind {
+        ProximityKind::VertexFace => vertex_face(pair.particles, at).distance,
+        ProximityKind::EdgeEdge => {
+            let [a, b, c, d] = pair.particles;
+            let inside = edge_edge(pair.particles, at).distance;
+            let ends = [[a, c, d], [b, c, d], [c, a, b], [d, a, b]].map(|ids| vertex_edge(ids, at));
+            ends.into_iter().fold(inside, f32::min)
+        }
+    }
+}
+
+fn vertex_edge([p, a, b]: [u32; 3], at: impl Fn(u32) -> Vec3) -> f32 {
+    let (p, a, b) = (at(p), at(a), at(b));
+    let t = (p - a).dot(b - a) / (b - a).length_squared().max(f32::MIN_POSITIVE);
+    p.distance(a.lerp(b, t.clamp(0.0, 1.0)))
 }
 
 /// Whether a particle is at most `rings` edges from one of the targets.

@@ -320,6 +320,20 @@ impl Tree {
             *bounds = Bounds { min: a.min(b).min(c), max: a.max(b).max(c) };
             *normal = (b - a).cross(c - a).normalize_or_zero();
         }
+        self.refit_nodes();
+    }
+
+    /// Widens the boxes of the last [`Self::refit`] to where `motion` [m] takes the particles; their normals stay.
+    pub fn sweep(&mut self, surface: &Surface, positions: &[Vec4], motion: &[Vec3A]) {
+        for (bounds, &f) in self.boxes.iter_mut().zip(&self.faces) {
+            let [a, b, c] =
+                surface.topology.faces[f as usize].map(|v| Vec3A::from_vec4(positions[v as usize]) + motion[v as usize]);
+            *bounds = bounds.union(Bounds { min: a.min(b).min(c), max: a.max(b).max(c) });
+        }
+        self.refit_nodes();
+    }
+
+    fn refit_nodes(&mut self) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             let (bounds, normals) = if node.right & IS_LEAF == 0 {
