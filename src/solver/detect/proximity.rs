@@ -133,24 +133,27 @@ pub(crate) fn is_near_at_rest(surface: &Surface, pair: &Proximity, distance: f32
     rest.distance < distance || first.iter().any(|&v| within(surface, v, second, rings))
 }
 
+/// Closest points of two edges, ends included (Ericson 2005, section 5.1.9).
+pub(crate) fn closest_edges(particles: [u32; 4], at: impl Fn(u32) -> Vec3) -> Proximity {
+    let [p, q, r, s] = particles.map(&at);
+    let (u, v, w) = (q - p, s - r, p - r);
+    let (a, b, c, d, e) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
+    let det = a * c - b * b;
+    // Parallel: any point of the first.
+    let x = if det > 1.0e-6 * a * c { ((b * e - c * d) / det).clamp(0.0, 1.0) } else { 0.5 };
+    let y = ((b * x + e) / c.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    let x = ((b * y - d) / a.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    let distance = (p + u * x).distance(r + v * y);
+    Proximity { kind: ProximityKind::EdgeEdge, particles, weights: [1.0 - x, x, y - 1.0, -y], distance }
+}
+
 /// Distance of a pair at rest [m].
 pub(crate) fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
     let at = |v: u32| surface.rest[v as usize];
     match pair.kind {
         ProximityKind::VertexFace => vertex_face(pair.particles, at).distance,
-        ProximityKind::EdgeEdge => {
-            let [a, b, c, d] = pair.particles;
-            let inside = edge_edge(pair.particles, at).distance;
-            let ends = [[a, c, d], [b, c, d], [c, a, b], [d, a, b]].map(|ids| vertex_edge(ids, at));
-            ends.into_iter().fold(inside, f32::min)
-        }
+        ProximityKind::EdgeEdge => closest_edges(pair.particles, at).distance,
     }
-}
-
-fn vertex_edge([p, a, b]: [u32; 3], at: impl Fn(u32) -> Vec3) -> f32 {
-    let (p, a, b) = (at(p), at(a), at(b));
-    let t = (p - a).dot(b - a) / (b - a).length_squared().max(f32::MIN_POSITIVE);
-    p.distance(a.lerp(b, t.clamp(0.0, 1.0)))
 }
 
 /// Whether a particle is at most `rings` edges from one of the targets.

@@ -48,8 +48,10 @@ impl Bounds {
     /// The box that meets nothing, not even itself.
     pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
+    /// The smallest box around both.
     #[inline]
-    fn union(self, other: Self) -> Self {
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
@@ -323,11 +325,10 @@ impl Tree {
         self.refit_nodes();
     }
 
-    /// Widens the boxes of the last [`Self::refit`] to where `motion` [m] takes the particles; their normals stay.
-    pub fn sweep(&mut self, surface: &Surface, positions: &[Vec4], motion: &[Vec3A]) {
+    /// Widens the boxes of the last [`Self::refit`] to where the particles are `ahead` [m]; normals stay.
+    pub fn sweep(&mut self, surface: &Surface, ahead: &[Vec3A]) {
         for (bounds, &f) in self.boxes.iter_mut().zip(&self.faces) {
-            let [a, b, c] =
-                surface.topology.faces[f as usize].map(|v| Vec3A::from_vec4(positions[v as usize]) + motion[v as usize]);
+            let [a, b, c] = surface.topology.faces[f as usize].map(|v| ahead[v as usize]);
             *bounds = bounds.union(Bounds { min: a.min(b).min(c), max: a.max(b).max(c) });
         }
         self.refit_nodes();

@@ -21,7 +21,7 @@ const RECOVERY_SPEED: f32 = 0.5;
 /// Share of the newest push in the running mean of the load (dimensionless).
 const LOAD_SHARE: f32 = 0.25;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
-const FAR: f32 = 2.0;
+const FAR: f32 = 1.2;
 
 /// A pair. See the module.
 #[derive(Clone, Copy, Debug)]

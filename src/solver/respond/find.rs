@@ -8,9 +8,9 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::contact::Contact;
 use super::{Contacts, Touch};
 use crate::solver::body::Friction;
-use crate::solver::detect::proximity::{edge_edge, distance_at_rest, vertex_face};
+use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
 use crate::solver::detect::{Proximity, Surface};
-use crate::solver::detect::tree::Tree;
+use crate::solver::detect::tree::{Bounds, Tree};
 use crate::solver::rest::NONE;
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
@@ -19,13 +19,16 @@ const MARGIN: f32 = 0.5;
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
 const REST_SHARE: f32 = 0.7;
 
+/// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
+const SLACK: f32 = 0.1;
+
 /// Which face asks for which particle and edge, and how far each particle goes.
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
     /// Bits 0 to 2: corners the face owns; bits 3 to 5: its edges.
     owns: Vec<u8>,
-    /// Way [m] of each particle until the next frame, beyond what all cloths share.
-    motion: Vec<Vec3A>,
+    /// Where each particle is foreseen to be in the next frame [m], less the motion that all cloths share.
+    ahead: Vec<Vec3A>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
 }
@@ -52,7 +55,7 @@ impl Finder {
             a.distance(b)
         };
         let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
-        Self { owns, motion: vec![Vec3A::ZERO; surface.len()], longest }
+        Self { owns, ahead: vec![Vec3A::ZERO; surface.len()], longest }
     }
 
     /// Finds the pairs that may touch within `dt` [s]. `positions` and `previous` [m] of the last substep, its length [s] for each cloth in `substep`; `left_out`
@@ -73,82 +76,137 @@ impl Finder {
         contacts.slots.resize(surface.len(), NONE);
         self.foresee(surface, positions, previous, substep, dt);
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
+        let reach = (1.0 + MARGIN) * thickest;
         tree.refit(surface, positions);
-        tree.sweep(surface, positions, &self.motion);
+        tree.sweep(surface, &self.ahead);
         let topology = &surface.topology;
-        let Self { owns, motion, longest } = self;
+        let Self { owns, ahead, longest } = self;
         let at = |v: u32| positions[v as usize].truncate();
-        let mut ask = |pair: Proximity| {
-            let [a, .., d] = pair.particles;
-            let (p, q) = (surface.part(a), surface.part(d));
-            let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
-            let thickness = 0.5 * (mine.thickness + other.thickness);
+        let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
+        let mut ask = |pair: Proximity, first: usize| {
             let ids = pair.particles;
-            let foreseen: Vec3A = (0..4).map(|i| motion[ids[i] as usize] * pair.weights[i]).sum();
-            let reach = (1.0 + MARGIN) * thickness + foreseen.length();
-            if !(pair.distance < reach) || ids.iter().all(|&v| positions[v as usize].w == 0.0) || ids.iter().any(|&v| left_out(v)) {
+            let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
+            let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
+            let mut thickness = 0.5 * (mine.thickness + other.thickness);
+            let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
+            let normal = delta / pair.distance;
+            // Exactly in touch, there is no side to be on.
+            if !normal.is_finite() || ids.iter().all(|&v| positions[v as usize].w == 0.0) || ids.iter().any(|&v| left_out(v)) {
                 return;
             }
-            let mut thickness = thickness;
+            let far = |thickness: f32| {
+                let reach = (1.0 + MARGIN) * thickness;
+                let axis = Vec3A::from(normal);
+                let along = |v: u32| axis.dot(ahead[v as usize]);
+                let low = ids[..first].iter().map(|&v| along(v)).fold(f32::INFINITY, f32::min);
+                let high = ids[first..].iter().map(|&v| along(v)).fold(f32::NEG_INFINITY, f32::max);
+                pair.distance >= reach && low - high >= reach
+            };
+            if far(thickness) {
+                return;
+            }
             if p == q {
                 let near = thickness / REST_SHARE + 2.0 * longest[usize::from(p)];
-                if surface.rest[a as usize].distance_squared(surface.rest[d as usize]) < near * near {
+                if surface.rest[ids[0] as usize].distance_squared(surface.rest[ids[3] as usize]) < near * near {
                     thickness = thickness.min(REST_SHARE * distance_at_rest(surface, &pair));
-                    if thickness <= 0.0 || pair.distance >= (1.0 + MARGIN) * thickness + foreseen.length() {
+                    if thickness <= 0.0 || far(thickness) {
                         return;
                     }
                 }
             }
-            let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
-            contacts_push(contacts, &pair, delta, thickness, mine, other);
+            let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
+            let friction = Friction::between(rub(mine), rub(other));
+            let slots = ids.map(|v| contacts.slot(v));
+            contacts.pairs.push(Contact { kind: pair.kind, slots, weights: pair.weights, normal, thickness, friction, load: 0.0 });
         };
-        tree.pairs(surface, (1.0 + MARGIN) * thickest, |f, g| {
+        let wide = Vec3A::splat(reach);
+        tree.pairs(surface, reach, |f, g| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
-            for (own, t, u) in [(owns[f as usize], tf, tg), (owns[g as usize], tg, tf)] {
+            let (pf, pg) = (tf.map(path), tg.map(path));
+            if are_apart(&pf, &pg, reach) {
+                return;
+            }
+            let (bf, bg) = (pf.map(Path::bounds), pg.map(Path::bounds));
+            for (own, t, u, bt, bu) in [(owns[f as usize], tf, tg, &bf, &bg), (owns[g as usize], tg, tf, &bg, &bf)] {
+                if own & 7 == 0 {
+                    continue;
+                }
+                let face = bu[0].union(bu[1]).union(bu[2]);
                 for k in 0..3 {
-                    if own & (1 << k) != 0 && !u.contains(&t[k]) {
-                        ask(vertex_face([t[k], u[0], u[1], u[2]], at));
+                    if own & (1 << k) != 0 && !u.contains(&t[k]) && bt[k].meets(&face, wide) {
+                        ask(vertex_face([t[k], u[0], u[1], u[2]], at), 1);
                     }
                 }
             }
             for i in (0..3).filter(|i| owns[f as usize] & (8 << i) != 0) {
+                let e = [tf[i], tf[(i + 1) % 3]];
+                let edge = bf[i].union(bf[(i + 1) % 3]);
                 for j in (0..3).filter(|j| owns[g as usize] & (8 << j) != 0) {
-                    let (e, h) = ([tf[i], tf[(i + 1) % 3]], [tg[j], tg[(j + 1) % 3]]);
-                    if !h.contains(&e[0]) && !h.contains(&e[1]) {
-                        ask(edge_edge([e[0], e[1], h[0], h[1]], at));
+                    let h = [tg[j], tg[(j + 1) % 3]];
+                    let (pe, ph) = ([pf[i], pf[(i + 1) % 3]], [pg[j], pg[(j + 1) % 3]]);
+                    let meet = || bg[j].union(bg[(j + 1) % 3]).meets(&edge, wide) && may_pass(pe, ph);
+                    if !h.contains(&e[0]) && !h.contains(&e[1]) && meet() {
+                        ask(closest_edges([e[0], e[1], h[0], h[1]], at), 2);
                     }
                 }
             }
         });
     }
 
-    /// Takes the motion of the last substep for that of the next frame, and what all cloths share away from it.
+    /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     fn foresee(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], substep: &[f32], dt: f32) {
         let mut mean = Vec3A::ZERO;
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
-                self.motion[v] = Vec3A::from_vec4(positions[v] - previous[v]) * scale;
-                mean += self.motion[v];
+                let motion = Vec3A::from_vec4(positions[v] - previous[v]) * scale;
+                self.ahead[v] = Vec3A::from_vec4(positions[v]) + motion;
+                mean += motion;
             }
         }
         mean /= surface.len().max(1) as f32;
-        for motion in &mut self.motion {
-            *motion -= mean;
+        for ahead in &mut self.ahead {
+            *ahead -= mean;
         }
     }
 }
 
-fn contacts_push(contacts: &mut Contacts, pair: &Proximity, delta: Vec3, thickness: f32, mine: &Touch, other: &Touch) {
-    let normal = delta.normalize_or_zero();
-    // Exactly in touch there is no side to be on.
-    if normal == Vec3::ZERO {
-        return;
+/// Where a particle is, and where it is foreseen to be [m].
+#[derive(Clone, Copy)]
+struct Path {
+    now: Vec3A,
+    ahead: Vec3A,
+}
+
+impl Path {
+    #[inline]
+    fn bounds(self) -> Bounds {
+        Bounds { min: self.now.min(self.ahead), max: self.now.max(self.ahead) }
     }
-    let friction = Friction::between(
-        (mine.static_friction, mine.dynamic_friction),
-        (other.static_friction, other.dynamic_friction),
-    );
-    let slots = pair.particles.map(|v| contacts.slot(v));
-    contacts.pairs.push(Contact { kind: pair.kind, slots, weights: pair.weights, normal, thickness, friction, load: 0.0 });
+}
+
+/// Whether two faces are more than `reach` [m] apart along the line between their centres, now and ahead.
+#[inline]
+fn are_apart(f: &[Path; 3], g: &[Path; 3], reach: f32) -> bool {
+    let axis = (f[0].now + f[1].now + f[2].now) - (g[0].now + g[1].now + g[2].now);
+    let apart = |of: fn(&Path) -> Vec3A| {
+        let origin = of(&g[0]);
+        let along = |p: &Path| (of(p) - origin).dot(axis);
+        along(&f[0]).min(along(&f[1])).min(along(&f[2])) - along(&g[1]).max(along(&g[2])).max(0.0)
+    };
+    let (now, ahead) = (apart(|p| p.now), apart(|p| p.ahead));
+    let least = now.min(ahead);
+    least > 0.0 && least * least > reach * reach * axis.length_squared()
+}
+
+/// Whether the lines of two edges come closest inside both, or may do so soon. Where they never do, a particle is closer.
+fn may_pass([p, q]: [Path; 2], [r, s]: [Path; 2]) -> bool {
+    let (u, v, w) = (q.now - p.now, s.now - r.now, p.now - r.now);
+    let (a, b, c, d, e) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
+    let det = a * c - b * b;
+    let motion = 0.5 * ((p.ahead - p.now) + (q.ahead - q.now) - (r.ahead - r.now) - (s.ahead - s.now));
+    let slack = SLACK + (motion.length_squared() / a.min(c)).sqrt();
+    let inside = |x: f32| (x - 0.5 * det).abs() <= (0.5 + slack) * det;
+    // Edges that are almost parallel may pass anywhere.
+    !(det > 1.0e-3 * a * c) || (inside(b * e - c * d) && inside(a * e - b * d))
 }
