@@ -11,7 +11,7 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::detect::{Crossing, PartRef, Surface, SurfaceError};
+use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
 use super::body::Touch;
 use super::respond::{Contacts, Finder};
@@ -54,6 +54,11 @@ pub struct Group {
     finder: Finder,
     contacts: Contacts,
     substep: Vec<f32>,
+    touch: Vec<Touch>,
+    /// Time for which pairs were looked for, and how much of it has passed [s].
+    horizon: f32,
+    elapsed: f32,
+    looks: u32,
 }
 
 impl Group {
@@ -97,7 +102,17 @@ impl Group {
 
     /// Finds the pairs that may touch within the next `dt` [s]; `touch` says of each cloth how it does. Pairs of a tangle are left out.
     pub fn respond(&mut self, dt: f32, touch: &[Touch]) {
-        if touch.len() != self.surface.parts.len() {
+        self.touch.clear();
+        self.touch.extend_from_slice(touch);
+        self.looks = 0;
+        self.find(dt);
+    }
+
+    fn find(&mut self, dt: f32) {
+        self.horizon = dt;
+        self.elapsed = 0.0;
+        self.looks += 1;
+        if self.touch.len() != self.surface.parts.len() {
             self.contacts.clear();
             return;
         }
@@ -105,13 +120,20 @@ impl Group {
         let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.0);
         let (positions, previous) = (&self.positions, &self.previous);
         let tree = self.untangler.detector.tree();
-        self.finder.find(&self.surface, tree, positions, previous, &self.substep, touch, dt, tangled, &mut self.contacts);
+        self.finder.find(&self.surface, tree, positions, previous, &self.substep, &self.touch, dt, tangled, &mut self.contacts);
     }
 
-    /// Keeps what touches apart at the end of a substep of `h` [s]. `cloths` are the states of all cloths with their offsets, as gathered.
+    /// Keeps what touches apart at the end of a substep of `h` [s], and looks for pairs again when cloth went where it was not foreseen to be.
+    /// `cloths` are the states of all cloths with their offsets [m], as gathered.
     pub fn keep_apart(&mut self, h: f32, cloths: &mut [(&mut ClothState, Vec3)]) {
         let Self { surface, contacts, .. } = self;
-        let cloths = core::cell::RefCell::new(cloths);
+        let fits = |(part, (state, _)): (&Part, &(&mut ClothState, Vec3))| {
+            state.positions.len() == part.particles.len() && state.previous.len() == part.particles.len()
+        };
+        if cloths.len() != surface.parts.len() || !surface.parts.iter().zip(cloths.iter()).all(fits) {
+            return;
+        }
+        let cell = core::cell::RefCell::new(&mut *cloths);
         let place = |v: u32| {
             let part = usize::from(surface.part(v));
             (part, (v - surface.parts[part].particles.start) as usize)
@@ -120,18 +142,35 @@ impl Group {
             h,
             |v| {
                 let (part, i) = place(v);
-                let (state, offset) = &cloths.borrow()[part];
+                let (state, offset) = &cell.borrow()[part];
                 let offset = offset.extend(0.0);
                 (state.positions[i] + offset, state.previous[i] + offset)
             },
             |v, now, old| {
                 let (part, i) = place(v);
-                let (state, offset) = &mut cloths.borrow_mut()[part];
+                let (state, offset) = &mut cell.borrow_mut()[part];
                 let offset = offset.extend(0.0);
                 state.positions[i] = now - offset;
                 state.previous[i] = old - offset;
             },
         );
+        self.elapsed += h;
+        let strayed = self.surface.parts.iter().zip(cloths.iter()).zip(&self.touch).any(|((part, (state, offset)), touch)| {
+            let first = part.particles.start as usize;
+            self.finder.strayed(first, &state.positions, *offset, self.elapsed / self.horizon, touch.thickness)
+        });
+        if strayed && self.elapsed < self.horizon - 0.5 * h {
+            for (part, (state, offset)) in cloths.iter().enumerate() {
+                self.gather(part, state, *offset, false);
+            }
+            self.find(self.horizon - self.elapsed);
+        }
+    }
+
+    /// How often pairs were looked for since [`Self::respond`], that look included.
+    #[must_use]
+    pub fn looks(&self) -> u32 {
+        self.looks
     }
 
     /// The pairs that may touch.

@@ -16,6 +16,10 @@ use crate::solver::rest::NONE;
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
 const MARGIN: f32 = 0.5;
 
+/// How far particles may stray from where they were foreseen, as a share of the distance within which pairs were found: two that both stray by less
+/// than half of it cannot meet.
+const STRAY: f32 = 0.45;
+
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
 const REST_SHARE: f32 = 0.7;
 
@@ -29,6 +33,10 @@ pub struct Finder {
     owns: Vec<u8>,
     /// Where each particle is foreseen to be in the next frame [m], less the motion that all cloths share.
     ahead: Vec<Vec3A>,
+    /// Where each particle was at the last look [m].
+    start: Vec<Vec3A>,
+    /// The motion that all share until the next frame [m].
+    shared: Vec3A,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
 }
@@ -55,7 +63,8 @@ impl Finder {
             a.distance(b)
         };
         let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
-        Self { owns, ahead: vec![Vec3A::ZERO; surface.len()], longest }
+        let start = vec![Vec3A::ZERO; surface.len()];
+        Self { owns, ahead: start.clone(), start, shared: Vec3A::ZERO, longest }
     }
 
     /// Finds the pairs that may touch within `dt` [s]. `positions` and `previous` [m] of the last substep, its length [s] for each cloth in `substep`; `left_out`
@@ -80,7 +89,7 @@ impl Finder {
         tree.refit(surface, positions);
         tree.sweep(surface, &self.ahead);
         let topology = &surface.topology;
-        let Self { owns, ahead, longest } = self;
+        let Self { owns, ahead, longest, .. } = self;
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
         let mut ask = |pair: Proximity, first: usize| {
@@ -153,6 +162,22 @@ impl Finder {
         });
     }
 
+    /// Whether a particle of the cloth that begins at particle `first` may touch something that was not found, when `share` (0 to 1) of the time looked ahead has
+    /// passed. `positions` and `offset` [m] as gathered, `thickness` [m] of the cloth.
+    #[must_use]
+    pub fn strayed(&self, first: usize, positions: &[Vec4], offset: Vec3, share: f32, thickness: f32) -> bool {
+        let (shared, offset) = (self.shared * share, Vec3A::from(offset));
+        let limit = STRAY * (1.0 + MARGIN) * thickness;
+        let mut far = Vec4::ZERO;
+        let range = first..first + positions.len();
+        for (x, (&start, &ahead)) in positions.iter().zip(self.start[range.clone()].iter().zip(&self.ahead[range])) {
+            let stray = Vec3A::from_vec4(*x) + offset - start - (ahead - start) * share - shared;
+            far = far.max(Vec4::from((stray * stray, 0.0)));
+        }
+        // The largest of each axis: no less than the farthest particle's.
+        !(far.element_sum() <= limit * limit)
+    }
+
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     fn foresee(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], substep: &[f32], dt: f32) {
         let mut mean = Vec3A::ZERO;
@@ -160,7 +185,8 @@ impl Finder {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
                 let motion = Vec3A::from_vec4(positions[v] - previous[v]) * scale;
-                self.ahead[v] = Vec3A::from_vec4(positions[v]) + motion;
+                self.start[v] = Vec3A::from_vec4(positions[v]);
+                self.ahead[v] = self.start[v] + motion;
                 mean += motion;
             }
         }
@@ -168,6 +194,7 @@ impl Finder {
         for ahead in &mut self.ahead {
             *ahead -= mean;
         }
+        self.shared = mean;
     }
 }
 

@@ -93,3 +93,4 @@ impl Contacts {
         }
     }
 }
+impl Contacts { #[allow(missing_docs)] pub fn debug(&self)->Vec<(bool,[u32;4],f32,f32,Vec3)>{ self.pairs.iter().map(|p|(p.kind==crate::solver::detect::ProximityKind::VertexFace,p.slots.map(|s|self.particles[s as usize]),p.thickness,p.load,p.normal)).collect() } }
