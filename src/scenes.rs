@@ -155,6 +155,7 @@ pub struct Untangling {
     pub contact: bool,
     pub contact_ms: f64,
     pub respond_ms: f64,
+    pub looks: u32,
 }
 
 /// Time that each stage took in a frame [ms].
@@ -199,7 +200,7 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: false, contact_ms: 0.0, respond_ms: 0.0 });
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: false, contact_ms: 0.0, respond_ms: 0.0, looks: 0 });
         Ok(self)
     }
 
@@ -216,6 +217,7 @@ impl Scene {
                 let t = Instant::now();
                 u.group.keep_apart(h, &mut states);
                 u.contact_ms += since(t);
+                u.looks = u.group.looks();
             }
         } else {
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };

@@ -14,7 +14,7 @@ use glam::{Vec3, Vec4};
 use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
 use super::body::Touch;
-use super::respond::{Contacts, Finder};
+use super::respond::{Contacts, Finder, Moment};
 use super::resolve::{Method, ResolveSettings, Untangler};
 use super::state::ClothState;
 
@@ -104,24 +104,31 @@ impl Group {
     pub fn respond(&mut self, dt: f32, touch: &[Touch]) {
         self.touch.clear();
         self.touch.extend_from_slice(touch);
-        self.looks = 0;
-        self.find(dt);
+        (self.horizon, self.elapsed, self.looks) = (dt, 0.0, 0);
+        self.find(false);
     }
 
-    fn find(&mut self, dt: f32) {
-        self.horizon = dt;
-        self.elapsed = 0.0;
+    /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
+    fn find(&mut self, strayed: bool) {
         self.looks += 1;
         if self.touch.len() != self.surface.parts.len() {
             self.contacts.clear();
             return;
         }
-        let (weights, clean) = (&self.weights, self.total.is_clean());
+        let Self { surface, untangler, finder, contacts, weights, .. } = self;
+        let clean = self.total.is_clean();
         let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.0);
-        let (positions, previous) = (&self.positions, &self.previous);
-        let tree = self.untangler.detector.tree();
-        self.finder.find(&self.surface, tree, positions, previous, &self.substep, &self.touch, dt, tangled, &mut self.contacts);
+        let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
+        let moment = Moment { positions, previous, substep, touch };
+        let tree = untangler.detector.tree();
+        if strayed {
+            let (share, rest) = (self.elapsed / self.horizon, self.horizon - self.elapsed);
+            finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
+        } else {
+            finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
+        }
     }
+
 
     /// Keeps what touches apart at the end of a substep of `h` [s], and looks for pairs again when cloth went where it was not foreseen to be.
     /// `cloths` are the states of all cloths with their offsets [m], as gathered.
@@ -155,15 +162,20 @@ impl Group {
             },
         );
         self.elapsed += h;
-        let strayed = self.surface.parts.iter().zip(cloths.iter()).zip(&self.touch).any(|((part, (state, offset)), touch)| {
+        if !(self.elapsed < self.horizon - 0.5 * h) {
+            return;
+        }
+        let share = self.elapsed / self.horizon;
+        let mut strayed = false;
+        for ((part, (state, offset)), touch) in self.surface.parts.iter().zip(cloths.iter()).zip(&self.touch) {
             let first = part.particles.start as usize;
-            self.finder.strayed(first, &state.positions, *offset, self.elapsed / self.horizon, touch.thickness)
-        });
-        if strayed && self.elapsed < self.horizon - 0.5 * h {
+            strayed |= self.finder.strayed(first, &state.positions, *offset, share, touch.thickness);
+        }
+        if strayed {
             for (part, (state, offset)) in cloths.iter().enumerate() {
                 self.gather(part, state, *offset, false);
             }
-            self.find(self.horizon - self.elapsed);
+            self.find(true);
         }
     }
 

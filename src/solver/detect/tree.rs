@@ -83,6 +83,8 @@ struct Node {
     disc: bool,
     /// Whether that holds and borders, if any, run along the sides of the whole cloth.
     smooth: bool,
+    /// Whether a face below is marked.
+    marked: bool,
     /// [`Joint`] of the two children; `NONE` of a leaf and of two that share nothing.
     joint: u32,
     /// Box of the unit normals below.
@@ -305,6 +307,7 @@ impl Tree {
             part,
             disc: false,
             smooth: false,
+            marked: false,
             joint: NONE,
             normals: Bounds::EMPTY,
         });
@@ -361,7 +364,28 @@ impl Tree {
 
     /// Calls `found` once with every pair of different faces whose boxes come within `margin` [m]; in a cloth that does not
     /// collide with itself, only with faces of other cloths.
-    pub fn pairs(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+    pub fn pairs(&mut self, surface: &Surface, margin: f32, found: impl FnMut(u32, u32)) {
+        self.traverse::<false>(surface, margin, found);
+    }
+
+    /// As [`Self::pairs`], only for pairs with a face that is `marked` (by face).
+    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], mut found: impl FnMut(u32, u32)) {
+        for i in (0..self.nodes.len()).rev() {
+            let node = self.nodes[i];
+            self.nodes[i].marked = if node.right & IS_LEAF == 0 {
+                self.nodes[i + 1].marked || self.nodes[node.right as usize].marked
+            } else {
+                self.faces[node.run()].iter().any(|&f| marked[f as usize])
+            };
+        }
+        self.traverse::<true>(surface, margin, |f, g| {
+            if marked[f as usize] || marked[g as usize] {
+                found(f, g);
+            }
+        });
+    }
+
+    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
         if self.nodes.is_empty() {
             return;
         }
@@ -371,10 +395,15 @@ impl Tree {
         stack.push((0, 0));
         while let Some((a, b)) = stack.pop() {
             if a == JOINT {
-                self.descend(b, margin, &mut stack, &mut found);
+                if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked) {
+                    self.descend(b, margin, &mut stack, &mut found);
+                }
                 continue;
             }
             let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+            if MARKED && !left.marked && !right.marked {
+                continue;
+            }
             let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
             if a == b {
                 if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {

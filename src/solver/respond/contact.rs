@@ -27,6 +27,8 @@ const FAR: f32 = 1.2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Contact {
     pub kind: ProximityKind,
+    /// The faces whose boxes met.
+    pub faces: [u32; 2],
     /// Slots of its particles, as [`Proximity::particles`](crate::solver::detect::Proximity::particles).
     pub slots: [u32; 4],
     /// Weights of the closest points when last asked.

@@ -26,6 +26,19 @@ const REST_SHARE: f32 = 0.7;
 /// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
 const SLACK: f32 = 0.1;
 
+/// What pairs are looked for in: the state of all cloths after a substep.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Position [m] and, in `w`, inverse mass [1/kg] of every particle.
+    pub positions: &'a [Vec4],
+    /// Positions [m] at the start of the substep.
+    pub previous: &'a [Vec4],
+    /// Length [s] of the substep, for each cloth.
+    pub substep: &'a [f32],
+    /// Thickness and friction of each cloth.
+    pub touch: &'a [Touch],
+}
+
 /// Which face asks for which particle and edge, and how far each particle goes.
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
@@ -35,6 +48,9 @@ pub struct Finder {
     ahead: Vec<Vec3A>,
     /// Where each particle was at the last look [m].
     start: Vec<Vec3A>,
+    /// Particles that are elsewhere than foreseen, and faces with one.
+    astray: Vec<bool>,
+    marked: Vec<bool>,
     /// The motion that all share until the next frame [m].
     shared: Vec3A,
     /// Longest edge of each cloth at rest [m].
@@ -64,35 +80,74 @@ impl Finder {
         };
         let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
         let start = vec![Vec3A::ZERO; surface.len()];
-        Self { owns, ahead: start.clone(), start, shared: Vec3A::ZERO, longest }
+        let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
+        Self { owns, ahead: start.clone(), start, astray, marked, shared: Vec3A::ZERO, longest }
     }
 
-    /// Finds the pairs that may touch within `dt` [s]. `positions` and `previous` [m] of the last substep, its length [s] for each cloth in `substep`; `left_out`
-    /// says of a particle that it takes no part.
+    /// Finds the pairs that may touch within `dt` [s]. `left_out` says of a particle that it takes no part.
     pub fn find(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,
-        positions: &[Vec4],
-        previous: &[Vec4],
-        substep: &[f32],
-        touch: &[Touch],
+        moment: &Moment<'_>,
         dt: f32,
         left_out: impl Fn(u32) -> bool,
         contacts: &mut Contacts,
     ) {
         contacts.clear();
         contacts.slots.resize(surface.len(), NONE);
-        self.foresee(surface, positions, previous, substep, dt);
+        self.foresee(surface, moment, dt);
+        self.look::<false>(surface, tree, moment, left_out, contacts);
+    }
+
+    /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share` has passed.
+    pub fn find_strayed(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        share: f32,
+        dt: f32,
+        left_out: impl Fn(u32) -> bool,
+        contacts: &mut Contacts,
+    ) {
+        for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
+            *marked = t.iter().any(|&v| self.astray[v as usize]);
+        }
+        contacts.pairs.retain(|pair| pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        for (part, &h) in surface.parts.iter().zip(moment.substep) {
+            let scale = if h > 0.0 { dt / h } else { 0.0 };
+            for v in part.particles.start as usize..part.particles.end as usize {
+                if core::mem::take(&mut self.astray[v]) {
+                    let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
+                    let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
+                    self.ahead[v] = now + motion - self.shared * (1.0 - share);
+                    // So that it is here now.
+                    self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
+                }
+            }
+        }
+        self.look::<true>(surface, tree, moment, left_out, contacts);
+    }
+
+    fn look<const STRAYED: bool>(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        left_out: impl Fn(u32) -> bool,
+        contacts: &mut Contacts,
+    ) {
+        let &Moment { positions, touch, .. } = moment;
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
         let reach = (1.0 + MARGIN) * thickest;
         tree.refit(surface, positions);
         tree.sweep(surface, &self.ahead);
         let topology = &surface.topology;
-        let Self { owns, ahead, longest, .. } = self;
+        let Self { owns, ahead, longest, marked, .. } = self;
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
-        let mut ask = |pair: Proximity, first: usize| {
+        let mut ask = |pair: Proximity, first: usize, faces: [u32; 2]| {
             let ids = pair.particles;
             let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
@@ -126,10 +181,10 @@ impl Finder {
             let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
             let friction = Friction::between(rub(mine), rub(other));
             let slots = ids.map(|v| contacts.slot(v));
-            contacts.pairs.push(Contact { kind: pair.kind, slots, weights: pair.weights, normal, thickness, friction, load: 0.0 });
+            contacts.pairs.push(Contact { kind: pair.kind, faces, slots, weights: pair.weights, normal, thickness, friction, load: 0.0 });
         };
         let wide = Vec3A::splat(reach);
-        tree.pairs(surface, reach, |f, g| {
+        let found = |f: u32, g: u32| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             let (pf, pg) = (tf.map(path), tg.map(path));
             if are_apart(&pf, &pg, reach) {
@@ -143,7 +198,7 @@ impl Finder {
                 let face = bu[0].union(bu[1]).union(bu[2]);
                 for k in 0..3 {
                     if own & (1 << k) != 0 && !u.contains(&t[k]) && bt[k].meets(&face, wide) {
-                        ask(vertex_face([t[k], u[0], u[1], u[2]], at), 1);
+                        ask(vertex_face([t[k], u[0], u[1], u[2]], at), 1, [f, g]);
                     }
                 }
             }
@@ -155,31 +210,47 @@ impl Finder {
                     let (pe, ph) = ([pf[i], pf[(i + 1) % 3]], [pg[j], pg[(j + 1) % 3]]);
                     let meet = || bg[j].union(bg[(j + 1) % 3]).meets(&edge, wide) && may_pass(pe, ph);
                     if !h.contains(&e[0]) && !h.contains(&e[1]) && meet() {
-                        ask(closest_edges([e[0], e[1], h[0], h[1]], at), 2);
+                        ask(closest_edges([e[0], e[1], h[0], h[1]], at), 2, [f, g]);
                     }
                 }
             }
-        });
+        };
+        if STRAYED {
+            tree.pairs_with(surface, reach, marked, found);
+        } else {
+            tree.pairs(surface, reach, found);
+        }
     }
 
-    /// Whether a particle of the cloth that begins at particle `first` may touch something that was not found, when `share` (0 to 1) of the time looked ahead has
-    /// passed. `positions` and `offset` [m] as gathered, `thickness` [m] of the cloth.
-    #[must_use]
-    pub fn strayed(&self, first: usize, positions: &[Vec4], offset: Vec3, share: f32, thickness: f32) -> bool {
-        let (shared, offset) = (self.shared * share, Vec3A::from(offset));
+    /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found, when `share` (0 to 1) of the time looked ahead
+    /// has passed. `positions` and `offset` [m] as gathered, `thickness` [m] of the cloth. Whether there are any.
+    pub fn strayed(&mut self, first: usize, positions: &[Vec4], offset: Vec3, share: f32, thickness: f32) -> bool {
+        let common = Vec3A::from(offset) - self.shared * share;
         let limit = STRAY * (1.0 + MARGIN) * thickness;
-        let mut far = Vec4::ZERO;
         let range = first..first + positions.len();
-        for (x, (&start, &ahead)) in positions.iter().zip(self.start[range.clone()].iter().zip(&self.ahead[range])) {
-            let stray = Vec3A::from_vec4(*x) + offset - start - (ahead - start) * share - shared;
-            far = far.max(Vec4::from((stray * stray, 0.0)));
+        let stray = |x: Vec4, start: Vec3A, ahead: Vec3A| Vec3A::from_vec4(x) + common - start - (ahead - start) * share;
+        let foreseen = || self.start[range.clone()].iter().zip(&self.ahead[range.clone()]);
+        let mut far = Vec3A::ZERO;
+        for (&x, (&start, &ahead)) in positions.iter().zip(foreseen()) {
+            let stray = stray(x, start, ahead);
+            far = far.max(stray * stray);
         }
         // The largest of each axis: no less than the farthest particle's.
-        !(far.element_sum() <= limit * limit)
+        if far.element_sum() <= limit * limit {
+            return false;
+        }
+        let mut any = false;
+        for ((&x, (&start, &ahead)), astray) in positions.iter().zip(foreseen()).zip(&mut self.astray[range.clone()]) {
+            *astray = !(stray(x, start, ahead).length_squared() <= limit * limit);
+            any |= *astray;
+        }
+        any
     }
 
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
-    fn foresee(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], substep: &[f32], dt: f32) {
+    fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
+        let &Moment { positions, previous, substep, .. } = moment;
+        self.astray.fill(false);
         let mut mean = Vec3A::ZERO;
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };

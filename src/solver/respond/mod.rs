@@ -19,7 +19,7 @@ use glam::{Vec3, Vec4};
 use crate::solver::body::Touch;
 use crate::solver::rest::NONE;
 use contact::Contact;
-pub use find::Finder;
+pub use find::{Finder, Moment};
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
 #[derive(Clone, Debug, Default)]
