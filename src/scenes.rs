@@ -212,7 +212,7 @@ impl Scene {
             let h = dt / n as f32;
             let input = FrameInput { dt: h, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
             for _ in 0..n {
-                for cloth in &mut self.cloths { cloth.step(&input); }
+                for (i, cloth) in self.cloths.iter_mut().enumerate() { cloth.step(&input); for p in cloth.scratch.grounded() { u.group.ground(i, p); } }
                 let mut states: Vec<_> = self.cloths.iter_mut().map(|c| (&mut c.state, Vec3::ZERO)).collect();
                 let t = Instant::now();
                 u.group.keep_apart(h, &mut states);

@@ -130,6 +130,11 @@ impl Group {
     }
 
 
+    /// Says that a particle of cloth `part` lies on a body, see [`Contacts::ground`].
+    pub fn ground(&mut self, part: usize, particle: u32) {
+        self.contacts.ground(self.surface.parts[part].particles.start + particle);
+    }
+
     /// Keeps what touches apart at the end of a substep of `h` [s], and looks for pairs again when cloth went where it was not foreseen to be.
     /// `cloths` are the states of all cloths with their offsets [m], as gathered.
     pub fn keep_apart(&mut self, h: f32, cloths: &mut [(&mut ClothState, Vec3)]) {

@@ -77,6 +77,11 @@ pub struct Scratch {
 }
 
 impl Scratch {
+    /// Particles that touched a body in the last substep.
+    pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
+        self.contacts.touching()
+    }
+
     /// Memory held by factors, tethers and forces [B]; contacts and gusts come on top where there are any.
     #[must_use]
     pub fn bytes(&self) -> usize {

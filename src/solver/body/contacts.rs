@@ -77,6 +77,11 @@ impl BodyContacts {
         self.candidates.len()
     }
 
+    /// Particles that touched a body when last projected, by part of a body.
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+        self.candidates.iter().filter(|c| c.load > 0.0).map(|c| c.particle)
+    }
+
     #[cfg(test)]
     pub(super) fn capacities(&self) -> [usize; 3] {
         [self.parts.capacity(), self.planes.capacity(), self.candidates.capacity()]

@@ -10,7 +10,11 @@
 //! `Σ wᵢ = 0`, hence no momentum is made. Friction as for bodies (Macklin et al. 2014, eq. 24): the tangential part of `Σ wᵢ (xᵢ - oldᵢ)` is taken away while it is
 //! below `μs` times the mean push, and shortened by `μd` times that beyond.
 
+use core::cmp::Ordering;
+
 use glam::{Vec3, Vec4};
+
+use super::FREE;
 
 use crate::solver::body::Friction;
 use crate::solver::detect::ProximityKind;
@@ -20,6 +24,8 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 const RECOVERY_SPEED: f32 = 0.5;
 /// Share of the newest push in the running mean of the load (dimensionless).
 const LOAD_SHARE: f32 = 0.25;
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
+const SUPPORT: f32 = 0.1;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
 
@@ -40,18 +46,28 @@ pub(super) struct Contact {
     pub friction: Friction,
     /// Mean push [m].
     pub load: f32,
+    /// Whether it is on the other side than it belongs.
+    pub behind: bool,
+}
+
+/// The particles that pairs are made of, by slot; levels by particle.
+pub(super) struct Particles<'a> {
+    pub ids: &'a [u32],
+    pub now: &'a mut [Vec4],
+    pub old: &'a mut [Vec4],
+    pub levels: &'a mut [u8],
 }
 
 impl Contact {
     /// Keeps the pair apart; whether it touched.
     #[inline]
-    pub fn solve(&mut self, h: f32, now: &mut [Vec4], old: &mut [Vec4]) -> bool {
-        let x = self.slots.map(|s| now[s as usize]);
+    pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
+        let mut x = self.slots.map(|s| particles.now[s as usize]);
         let along = self.normal.dot(sum(&self.weights, &x));
         if along > FAR * self.thickness {
             return false;
         }
-        let was = self.slots.map(|s| old[s as usize]);
+        let was = self.slots.map(|s| particles.old[s as usize]);
         let at = |points: &[Vec4; 4]| match self.kind {
             ProximityKind::VertexFace => vertex_face([0, 1, 2, 3], |i| points[i as usize].truncate()),
             ProximityKind::EdgeEdge => edge_edge([0, 1, 2, 3], |i| points[i as usize].truncate()),
@@ -76,7 +92,11 @@ impl Contact {
             self.normal = delta / distance;
         }
         self.weights = near.weights;
+        self.behind = distance < 0.0;
         let gap = distance - self.thickness;
+        if gap < 0.0 {
+            self.support(particles, &mut x);
+        }
         let mobility: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
         if gap >= 0.0 || mobility <= 0.0 {
             self.load = 0.0;
@@ -101,10 +121,27 @@ impl Contact {
         let lift = (self.normal * lift).extend(0.0) / mobility;
         for i in 0..4 {
             let share = self.weights[i] * x[i].w;
-            now[self.slots[i] as usize] = x[i] + step * share;
-            old[self.slots[i] as usize] = was[i] + lift * share;
+            let (now, old) = (&mut particles.now[self.slots[i] as usize], &mut particles.old[self.slots[i] as usize]);
+            *now += step * share;
+            *old += lift * share;
         }
         true
+    }
+
+    /// Makes the side heavier that is closer to a body, which would only push it back, and passes on how close that is (mass scaling as in Macklin et al. 2014, section 5.2).
+    #[inline]
+    fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
+        let ids = self.slots.map(|s| particles.ids[s as usize] as usize);
+        let split = if self.kind == ProximityKind::VertexFace { 1 } else { 2 };
+        let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
+        let (first, second) = (lowest(&ids[..split]), lowest(&ids[split..]));
+        let (heavy, above, level) = match first.cmp(&second) {
+            Ordering::Less => (0..split, split..4, first),
+            Ordering::Equal => return,
+            Ordering::Greater => (split..4, 0..split, second),
+        };
+        heavy.for_each(|i| x[i].w *= SUPPORT);
+        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + 1));
     }
 }
 

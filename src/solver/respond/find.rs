@@ -11,10 +11,9 @@ use crate::solver::body::Friction;
 use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
 use crate::solver::detect::{Proximity, Surface};
 use crate::solver::detect::tree::{Bounds, Tree};
-use crate::solver::rest::NONE;
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
-const MARGIN: f32 = 0.5;
+const MARGIN: f32 = 0.25;
 
 /// How far particles may stray from where they were foreseen, as a share of the distance within which pairs were found: two that both stray by less
 /// than half of it cannot meet.
@@ -38,6 +37,9 @@ pub struct Moment<'a> {
     /// Thickness and friction of each cloth.
     pub touch: &'a [Touch],
 }
+
+/// Edges are kept this share of the thickness apart: particles carry the cloth, edges only keep it from slipping through between them.
+const EDGE_SHARE: f32 = 1.0;
 
 /// Which face asks for which particle and edge, and how far each particle goes.
 #[derive(Clone, Debug, Default)]
@@ -95,7 +97,8 @@ impl Finder {
         contacts: &mut Contacts,
     ) {
         contacts.clear();
-        contacts.slots.resize(surface.len(), NONE);
+        contacts.fit(surface.len());
+        contacts.lift();
         self.foresee(surface, moment, dt);
         self.look::<false>(surface, tree, moment, left_out, contacts);
     }
@@ -114,7 +117,8 @@ impl Finder {
         for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
         }
-        contacts.pairs.retain(|pair| pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.note_behind();
         for (part, &h) in surface.parts.iter().zip(moment.substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
@@ -152,6 +156,10 @@ impl Finder {
             let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
             let mut thickness = 0.5 * (mine.thickness + other.thickness);
+            let margin = MARGIN * thickness;
+            if first == 2 {
+                thickness *= EDGE_SHARE;
+            }
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
             let normal = delta / pair.distance;
             // Exactly in touch, there is no side to be on.
@@ -159,7 +167,7 @@ impl Finder {
                 return;
             }
             let far = |thickness: f32| {
-                let reach = (1.0 + MARGIN) * thickness;
+                let reach = thickness + margin;
                 let axis = Vec3A::from(normal);
                 let along = |v: u32| axis.dot(ahead[v as usize]);
                 let low = ids[..first].iter().map(|&v| along(v)).fold(f32::INFINITY, f32::min);
@@ -178,10 +186,13 @@ impl Finder {
                     }
                 }
             }
+            if contacts.is_behind(pair.kind, ids) {
+                return;
+            }
             let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
             let friction = Friction::between(rub(mine), rub(other));
             let slots = ids.map(|v| contacts.slot(v));
-            contacts.pairs.push(Contact { kind: pair.kind, faces, slots, weights: pair.weights, normal, thickness, friction, load: 0.0 });
+            contacts.pairs.push(Contact { kind: pair.kind, faces, slots, weights: pair.weights, normal, thickness, friction, load: 0.0, behind: false });
         };
         let wide = Vec3A::splat(reach);
         let found = |f: u32, g: u32| {

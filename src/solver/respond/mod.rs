@@ -17,8 +17,9 @@ mod find;
 use glam::{Vec3, Vec4};
 
 use crate::solver::body::Touch;
+use crate::solver::detect::ProximityKind;
 use crate::solver::rest::NONE;
-use contact::Contact;
+use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
@@ -32,9 +33,16 @@ pub struct Contacts {
     /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
     now: Vec<Vec4>,
     old: Vec<Vec4>,
+    /// By particle: 0 where it lies on a body, 1 where on cloth that does, and so on.
+    levels: Vec<u8>,
+    /// Pairs that were kept at the last look since they are on the wrong side.
+    behind: Vec<(u8, [u32; 4])>,
     /// Pairs that touched in the last [`Self::solve`].
     touching: u32,
 }
+
+/// Level of a particle that lies on nothing.
+const FREE: u8 = u8::MAX;
 
 impl Contacts {
     /// Forgets all pairs.
@@ -44,6 +52,7 @@ impl Contacts {
         }
         self.particles.clear();
         self.pairs.clear();
+        self.behind.clear();
         self.touching = 0;
     }
 
@@ -63,6 +72,38 @@ impl Contacts {
     #[must_use]
     pub fn touching(&self) -> u32 {
         self.touching
+    }
+
+    /// Makes room for the particles of a surface.
+    fn fit(&mut self, particles: usize) {
+        self.slots.resize(particles, NONE);
+        self.levels.resize(particles, FREE);
+    }
+
+    /// Lists the pairs that are on the other side than they belong: a new look would take the wrong side for theirs.
+    fn note_behind(&mut self) {
+        self.behind.clear();
+        let Self { pairs, particles, behind, .. } = self;
+        behind.extend(pairs.iter().filter(|p| p.behind).map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]))));
+        behind.sort_unstable();
+    }
+
+    fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
+        !self.behind.is_empty() && self.behind.binary_search(&(kind as u8, particles)).is_ok()
+    }
+
+    /// Lets particles that lie on nothing any more rise.
+    fn lift(&mut self) {
+        for level in &mut self.levels {
+            *level = level.saturating_add(1);
+        }
+    }
+
+    /// Says that a particle lies on a body: cloth on top of it gives way.
+    pub fn ground(&mut self, particle: u32) {
+        if let Some(level) = self.levels.get_mut(particle as usize) {
+            *level = 0;
+        }
     }
 
     fn slot(&mut self, particle: u32) -> u32 {
@@ -85,8 +126,9 @@ impl Contacts {
             self.old.push(old);
         }
         self.touching = 0;
+        let mut particles = Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
         for pair in &mut self.pairs {
-            self.touching += u32::from(pair.solve(h, &mut self.now, &mut self.old));
+            self.touching += u32::from(pair.solve(h, &mut particles));
         }
         for (i, &p) in self.particles.iter().enumerate() {
             write(p, self.now[i], self.old[i]);
