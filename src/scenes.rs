@@ -207,7 +207,7 @@ impl Scene {
     /// Advances every cloth by `dt` [s], one after the other, and untangles.
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
-        let n = ((dt * 360.0 - 1.0e-3).ceil() as u32).max(1);
+        let rate: f32 = std::env::var("RATE").map_or(360.0, |s| s.parse().unwrap()); let n = ((dt * rate - 1.0e-3).ceil() as u32).max(1);
         if let Some(u) = &mut self.untangle && u.contact {
             let h = dt / n as f32;
             let input = FrameInput { dt: h, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };

@@ -117,7 +117,7 @@ impl Group {
         }
         let Self { surface, untangler, finder, contacts, weights, .. } = self;
         let clean = self.total.is_clean();
-        let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.0);
+        let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
         let moment = Moment { positions, previous, substep, touch };
         let tree = untangler.detector.tree();

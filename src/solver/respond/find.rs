@@ -96,7 +96,7 @@ impl Finder {
         left_out: impl Fn(u32) -> bool,
         contacts: &mut Contacts,
     ) {
-        contacts.clear();
+        contacts.begin();
         contacts.fit(surface.len());
         contacts.lift();
         self.foresee(surface, moment, dt);

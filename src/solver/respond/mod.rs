@@ -56,6 +56,22 @@ impl Contacts {
         self.touching = 0;
     }
 
+    /// Forgets all pairs but those on the wrong side, which would take it for the right one.
+    fn begin(&mut self) {
+        let Self { pairs, particles, .. } = self;
+        pairs.retain(|pair| pair.behind);
+        for pair in pairs.iter_mut() {
+            pair.slots = pair.slots.map(|s| particles[s as usize]);
+        }
+        let mut kept = core::mem::take(&mut self.pairs);
+        self.clear();
+        for pair in &mut kept {
+            pair.slots = pair.slots.map(|v| self.slot(v));
+        }
+        self.pairs = kept;
+        self.note_behind();
+    }
+
     /// Number of pairs that may touch.
     #[must_use]
     pub fn len(&self) -> usize {
