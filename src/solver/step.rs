@@ -187,10 +187,12 @@ pub fn step(
         }
         state.substep = h;
         anchor::solve(anchors, s1, h, x);
+        // Turn about: tethers are at a bound, which holds for more than one substep.
         if state.substeps.is_multiple_of(BEND_EVERY) {
             bend::solve(&rest.bends, &scratch.bends, x);
+        } else {
+            scratch.tethers.solve(fabric.tether_scale, x);
         }
-        scratch.tethers.solve(fabric.tether_scale, x);
         for _ in 0..sweeps {
             spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         }
