@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::body::{Approach, Body, BodyContacts, Touch};
-use super::integrate::{anchor, bend, damp, predict, spring, tether};
+use super::integrate::{anchor, bend, damp, leash, net, predict, spring, tether};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
 use super::state::ClothState;
@@ -66,21 +66,36 @@ pub struct Scratch {
     springs: spring::SpringFactors,
     bends: bend::BendFactors,
     tethers: tether::Tethers,
+    hubs: net::Hubs,
+    leash: leash::Leash,
+    overlong: spring::Overlong,
     contacts: BodyContacts,
     wind: WindForces,
     rigid: Vec<u32>,
     acceleration: Vec<Vec4>,
-    /// Worst edge of the last frame (dimensionless).
+    before: Vec<Vec4>,
+    /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
     /// Substep the factors were computed for [s]; 0: none yet.
     factors_for: f32,
 }
 
 impl Scratch {
+    /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
+    fn strain(&self) -> f32 {
+        self.worst_edge - 1.0
+    }
+
     /// Memory held by factors, tethers and forces [B]; contacts and gusts come on top where there are any.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.springs.bytes() + self.bends.bytes() + self.tethers.bytes() + size_of_val(&self.acceleration[..])
+        self.springs.bytes()
+            + self.bends.bytes()
+            + self.tethers.bytes()
+            + self.hubs.bytes()
+            + self.leash.bytes()
+            + size_of_val(&self.acceleration[..])
+            + size_of_val(&self.before[..])
     }
 }
 
@@ -90,15 +105,17 @@ const WIND_RATE: f32 = 60.0;
 /// Bending elements are solved once in this many substeps, with the impulse of as many.
 const BEND_EVERY: u64 = 2;
 
-/// Beyond this many strain limits a cloth is taut, and its springs are swept several times in each substep of the next frame.
-///
-/// Tried for a skirt of uneven triangles, whose worst edge is 1.35 with three sweeps: smoothing the masses (no change), pulling each particle to its neighbour
-/// nearer to a pin (1.18, but gains energy elsewhere), repeating only the edges beyond the limit (1.38) or those near pins (1.6), tethers along the edges of pins (no
-/// change). Shorter substeps help.
+/// Beyond this many strain limits a cloth is taut: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
 
-/// How often the springs of a taut cloth are swept in each substep.
-const TAUT_SWEEPS: u32 = 3;
+/// Sweeps for the strain limit in each substep of a taut cloth.
+const TAUT_SWEEPS: u32 = 2;
+
+/// Passes over edges that are beyond the strain limit at the end of a frame.
+const FINISH_PASSES: u32 = 8;
+
+/// Up to this share of the strain limit in its mean edge a cloth is strained in places, not as a whole (dimensionless).
+const EVEN: f32 = 0.2;
 
 /// Sets inverse masses from density and anchors, constraint factors and tethers.
 ///
@@ -117,6 +134,8 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     }
     if scratch.rigid != rigid || scratch.factors_for == 0.0 {
         scratch.tethers = tether::Tethers::new(rest, &rigid);
+        scratch.hubs.hold(rest, &rigid);
+        scratch.leash = leash::Leash::new(rest, &rigid);
         scratch.rigid = rigid;
     }
     scratch.factors_for = 0.0;
@@ -144,6 +163,7 @@ pub fn step(
     if scratch.factors_for != h {
         scratch.springs.update(&rest.springs, fabric, &state.positions, h);
         scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * BEND_EVERY as f32);
+        scratch.hubs.update(&rest.net, &state.positions);
         scratch.factors_for = h;
     }
     if fabric.damping > 0.0 {
@@ -164,8 +184,7 @@ pub fn step(
     };
     let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
     let windy = input.wind.density > 0.0;
-    let taut = scratch.worst_edge > 1.0 + TAUT * fabric.strain_limit;
-    let sweeps = if taut { TAUT_SWEEPS } else { 1 };
+    let (strained, taut) = (scratch.strain() > fabric.strain_limit, scratch.strain() > TAUT * fabric.strain_limit);
     let gusts = substeps(dt, WIND_RATE).min(report.substeps);
 
     for n in 0..report.substeps {
@@ -193,8 +212,12 @@ pub fn step(
         } else {
             scratch.tethers.solve(fabric.tether_scale, x);
         }
-        for _ in 0..sweeps {
-            spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        if strained {
+            scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
+        }
+        spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        for _ in 0..if taut { TAUT_SWEEPS } else { 0 } {
+            spring::limit(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         }
         report.body_contacts = scratch.contacts.project(input.bodies, s0, s1, x, old, &touch);
         state.substeps += 1;
@@ -202,7 +225,40 @@ pub fn step(
     state.time += f64::from(dt);
     (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
     scratch.worst_edge = report.worst_edge;
+    if scratch.strain() > fabric.strain_limit {
+        finish(rest, fabric, input.bodies, state, scratch, report.mean_edge);
+        (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+    }
     report
+}
+
+/// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.
+fn finish(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut ClothState, scratch: &mut Scratch, mean_edge: f32) {
+    let bound = 1.0 + fabric.strain_limit;
+    let x = &mut state.positions;
+    let before = &mut scratch.before;
+    before.clone_from(x);
+    scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
+    // A cloth that is stretched as a whole would be crumpled.
+    if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.leash.is_empty() {
+        scratch.leash.solve(rest, bound, x);
+        // Each particle was drawn to the last of its neighbours: even that out.
+        scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
+    }
+    // No farther than the distance kept to bodies: nothing can be behind one then.
+    let farthest = fabric.thickness;
+    for (x, before) in x.iter_mut().zip(&*before) {
+        let way = *x - *before;
+        let square = way.length_squared();
+        if square > farthest * farthest {
+            *x = *before + way * (farthest / square.sqrt());
+        }
+    }
+    let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
+    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip);
+    for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
+        *old += *x - *before;
+    }
 }
 
 /// Sweeps the springs once, as a substep does, without letting time pass. Nothing happens before the first [`step`].

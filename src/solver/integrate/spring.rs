@@ -76,7 +76,16 @@ const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// Solves every spring once.
 pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
-    // `L/|d|` is 1/3 + u; without a limit the second term is far below zero.
+    sweep::<true>(springs, factors, strain_limit, positions);
+}
+
+/// Shortens every spring beyond the strain limit once. Springs that are too short do not push back, so nothing keeps others from giving way.
+pub fn limit(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
+    sweep::<false>(springs, factors, strain_limit, positions);
+}
+
+fn sweep<const ELASTIC: bool>(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
+    // Without a limit the second term is far below zero.
     let slack = 1.0 + strain_limit.min(1.0e9);
     let (hard, slack) = (Vec4::splat(1.0 - slack / 3.0), Vec4::splat(slack));
     let ends = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square);
@@ -85,7 +94,8 @@ pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, posi
         let (pa, pb, d) = gather(a, b, positions);
         let q = lengths_squared(d) * inverse_square;
         let u = Vec4::splat(8.0 / 9.0) / (q + Vec4::splat(1.0 / 3.0));
-        let s = ((Vec4::splat(2.0 / 3.0) - u) * give).max(hard - slack * u);
+        let soft = if ELASTIC { (Vec4::splat(2.0 / 3.0) - u) * give } else { Vec4::ZERO };
+        let s = soft.max(hard - slack * u);
         let (by_a, by_b) = ((s * share_a).to_array(), (s * share_b).to_array());
         for lane in 0..LANES {
             let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
@@ -108,4 +118,35 @@ pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
     }
     let mean = (sum.x + sum.y + sum.z + sum.w) / (LANES * springs.a.len().max(1)) as f32;
     if mean.is_finite() { (worst.max_element(), mean) } else { (f32::INFINITY, f32::INFINITY) }
+}
+
+/// Springs that are still too long at the end of a frame, and are shortened without letting time pass.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlong {
+    batches: Vec<u32>,
+}
+
+impl Overlong {
+    /// Shortens what is longer than `bound` times its length at rest (dimensionless), `passes` times over.
+    pub fn shorten(&mut self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
+        self.batches.clear();
+        for (batch, ((a, b), &inverse_square)) in (0_u32..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
+            let (_, _, d) = gather(a, b, positions);
+            if (lengths_squared(d) * inverse_square).cmpgt(Vec4::splat(bound * bound)).any() {
+                self.batches.push(batch);
+            }
+        }
+        for k in (0..passes).flat_map(|_| &self.batches).map(|&batch| batch as usize) {
+            let (a, b) = (&springs.a[k], &springs.b[k]);
+            let (pa, pb, d) = gather(a, b, positions);
+            let ratio = (lengths_squared(d) * springs.inverse_square[k]).sqrt().max(Vec4::splat(bound));
+            let s = Vec4::ONE - Vec4::splat(bound) / ratio;
+            let (by_a, by_b) = ((s * factors.share_a[k]).to_array(), (s * factors.share_b[k]).to_array());
+            for lane in 0..LANES {
+                let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
+                positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
+                positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
+            }
+        }
+    }
 }
