@@ -9,14 +9,14 @@ use glam::{Quat, Vec3, vec3};
 
 pub use tangles::Tangle;
 
-use crate::solver::body::{Body, Pose, shape};
+use crate::solver::body::{Body, Pose, Touch, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
 use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Shown};
-use crate::solver::group::{Display, Group, UntangleSettings};
+use crate::solver::group::{Display, Group, Member, Members, UntangleSettings};
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
-use crate::solver::step::{self, Anchors, FrameInput, Scratch, StepReport};
+use crate::solver::step::{self, Anchors, FrameInput, Scratch, StepReport, Stepped};
 use crate::solver::wind::{Turbulence, Wind};
 
 /// Standard gravity [m/s²].
@@ -107,6 +107,11 @@ impl SceneCloth {
         self.anchors.from.clone_from(&self.anchors.to);
     }
 
+    fn member<'a>(&'a mut self, input: &'a FrameInput<'_>) -> Member<'a> {
+        let Self { rest, fabric, stepping, anchors, state, scratch, .. } = self;
+        Member { cloth: Stepped { rest, fabric, anchors, input }, stepping, state, scratch, offset: Vec3::ZERO, moves: true }
+    }
+
     /// Kinetic energy plus potential energy against the origin [J]; what the springs store is not counted.
     #[must_use]
     pub fn energy(&self, gravity: Vec3) -> f64 {
@@ -123,6 +128,25 @@ impl SceneCloth {
     #[must_use]
     pub fn lowest(&self) -> f32 {
         self.state.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// The cloths of a scene, stepped side by side.
+struct Together<'a> {
+    cloths: &'a mut [SceneCloth],
+    input: &'a FrameInput<'a>,
+}
+
+impl Members for Together<'_> {
+    fn member(&mut self, part: usize) -> Option<Member<'_>> {
+        self.cloths.get_mut(part).map(|cloth| cloth.member(self.input))
+    }
+
+    fn done(&mut self, part: usize, report: StepReport) {
+        if let Some(cloth) = self.cloths.get_mut(part) {
+            cloth.report = report;
+            cloth.anchors.from.clone_from(&cloth.anchors.to);
+        }
     }
 }
 
@@ -152,10 +176,8 @@ pub struct Untangling {
     pub settings: UntangleSettings,
     /// What is shown meanwhile.
     pub skip: EvaluateSettings,
+    /// Whether cloths rest on each other, and on themselves.
     pub contact: bool,
-    pub contact_ms: f64,
-    pub respond_ms: f64,
-    pub looks: u32,
 }
 
 /// Time that each stage took in a frame [ms].
@@ -169,6 +191,8 @@ pub struct StageTimes {
     pub resolve: f64,
     /// Looking again, and deciding what to show [ms].
     pub evaluate: f64,
+    /// Looking for what may touch in the next frame [ms].
+    pub respond: f64,
 }
 
 impl Scene {
@@ -200,30 +224,20 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: false, contact_ms: 0.0, respond_ms: 0.0, looks: 0 });
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: true });
         Ok(self)
     }
 
     /// Advances every cloth by `dt` [s], one after the other, and untangles.
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
-        let rate: f32 = std::env::var("RATE").map_or(360.0, |s| s.parse().unwrap()); let n = ((dt * rate - 1.0e-3).ceil() as u32).max(1);
-        if let Some(u) = &mut self.untangle && u.contact {
-            let h = dt / n as f32;
-            let input = FrameInput { dt: h, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
-            for _ in 0..n {
-                for (i, cloth) in self.cloths.iter_mut().enumerate() { cloth.step(&input); for p in cloth.scratch.grounded() { u.group.ground(i, p); } }
-                let mut states: Vec<_> = self.cloths.iter_mut().map(|c| (&mut c.state, Vec3::ZERO)).collect();
-                let t = Instant::now();
-                u.group.keep_apart(h, &mut states);
-                u.contact_ms += since(t);
-                u.looks = u.group.looks();
-            }
-        } else {
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
-        for cloth in &mut self.cloths {
-            cloth.step(&input);
-        }}
+        match &mut self.untangle {
+            Some(Untangling { group, contact: true, .. }) => {
+                group.step(&mut Together { cloths: &mut self.cloths, input: &input });
+            }
+            _ => self.cloths.iter_mut().for_each(|cloth| cloth.step(&input)),
+        }
         self.wind.advance(dt);
         self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
         self.settle(dt);
@@ -258,14 +272,16 @@ impl Scene {
             display.settle(&group.verdict(part), state, group.weights(part), pose, dt, skip);
         }
         self.times.evaluate = since(start);
-        let Some(Untangling { group, contact, respond_ms, .. }) = &mut self.untangle else { return };
-        let t = Instant::now();
-        if *contact {
-        if group.has_moved() { for (part, cloth) in self.cloths.iter().enumerate() { group.gather(part, &cloth.state, Vec3::ZERO, false); } }
-        let touch: Vec<_> = self.cloths.iter().map(|c| crate::solver::body::Touch { thickness: c.fabric.thickness, static_friction: c.fabric.static_friction, dynamic_friction: c.fabric.dynamic_friction }).collect();
-        group.respond(dt, &touch);
+        let start = Instant::now();
+        let Some(Untangling { group, contact: true, .. }) = &mut self.untangle else { return };
+        if group.has_moved() {
+            for (part, cloth) in self.cloths.iter().enumerate() {
+                group.gather(part, &cloth.state, Vec3::ZERO, false);
+            }
         }
-        *respond_ms = since(t);
+        let touch: Vec<Touch> = self.cloths.iter().map(|c| Touch::of(&c.fabric)).collect();
+        group.respond(dt, &touch);
+        self.times.respond = since(start);
     }
 
     /// Edges that cross faces; 0 without untangling.

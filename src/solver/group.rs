@@ -16,7 +16,9 @@ use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict
 use super::body::Touch;
 use super::respond::{Contacts, Finder, Moment};
 use super::resolve::{Method, ResolveSettings, Untangler};
+use super::settings::Stepping;
 use super::state::ClothState;
+use super::step::{self, Scratch, StepReport, Stepped};
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
@@ -38,6 +40,31 @@ impl Default for UntangleSettings {
     }
 }
 
+/// A cloth of a group that is stepped.
+#[derive(Debug)]
+pub struct Member<'a> {
+    /// What it is stepped with.
+    pub cloth: Stepped<'a>,
+    /// Its substeps; all take as many as the one that needs most.
+    pub stepping: &'a Stepping,
+    /// Its particles.
+    pub state: &'a mut ClothState,
+    /// Its buffers.
+    pub scratch: &'a mut Scratch,
+    /// From its frame of simulation to that of the group [m].
+    pub offset: Vec3,
+    /// Whether other cloths can push it.
+    pub moves: bool,
+}
+
+/// The cloths of a group, as [`Group::step`] asks for them.
+pub trait Members {
+    /// Cloth `part`, in the order in which the group was made.
+    fn member(&mut self, part: usize) -> Option<Member<'_>>;
+    /// Is told what the frame of cloth `part` did.
+    fn done(&mut self, part: usize, report: StepReport);
+}
+
 /// Several cloths as one surface, with reused buffers; nothing is allocated once warm.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
@@ -55,9 +82,9 @@ pub struct Group {
     contacts: Contacts,
     substep: Vec<f32>,
     touch: Vec<Touch>,
-    /// Time for which pairs were looked for, and how much of it has passed [s].
+    /// Time for which pairs were looked for, and the share of it that has passed.
     horizon: f32,
-    elapsed: f32,
+    share: f32,
     looks: u32,
 }
 
@@ -104,7 +131,7 @@ impl Group {
     pub fn respond(&mut self, dt: f32, touch: &[Touch]) {
         self.touch.clear();
         self.touch.extend_from_slice(touch);
-        (self.horizon, self.elapsed, self.looks) = (dt, 0.0, 0);
+        (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
         self.find(false);
     }
 
@@ -122,7 +149,7 @@ impl Group {
         let moment = Moment { positions, previous, substep, touch };
         let tree = untangler.detector.tree();
         if strayed {
-            let (share, rest) = (self.elapsed / self.horizon, self.horizon - self.elapsed);
+            let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
             finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
         } else {
             finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
@@ -130,55 +157,90 @@ impl Group {
     }
 
 
-    /// Says that a particle of cloth `part` lies on a body, see [`Contacts::ground`].
-    pub fn ground(&mut self, part: usize, particle: u32) {
-        self.contacts.ground(self.surface.parts[part].particles.start + particle);
+    /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it where it is.
+    pub fn step(&mut self, cloths: &mut impl Members) {
+        let parts = self.surface.parts.len();
+        let mut count = 0;
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part) {
+                count = count.max(step::substeps_of(m.stepping, m.cloth.input.dt));
+            }
+        }
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part) {
+                m.cloth.begin(m.stepping, Some(count), m.state, m.scratch);
+            }
+        }
+        for n in 1..=count {
+            for part in 0..parts {
+                let Some(m) = cloths.member(part) else { continue };
+                if m.cloth.constrain(m.state, m.scratch) {
+                    m.cloth.project(m.state, m.scratch);
+                    let first = self.surface.parts[part].particles.start;
+                    m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
+                }
+            }
+            self.keep_apart(cloths);
+            self.share = n as f32 / count as f32;
+            if n < count {
+                self.look_where_strayed(cloths);
+            }
+        }
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part)
+                && let Some(report) = m.cloth.finish(m.state, m.scratch)
+            {
+                cloths.done(part, report);
+            }
+        }
+        // Edges were shortened, which pays no heed to what is between them.
+        self.keep_apart(cloths);
     }
 
-    /// Keeps what touches apart at the end of a substep of `h` [s], and looks for pairs again when cloth went where it was not foreseen to be.
-    /// `cloths` are the states of all cloths with their offsets [m], as gathered.
-    pub fn keep_apart(&mut self, h: f32, cloths: &mut [(&mut ClothState, Vec3)]) {
-        let Self { surface, contacts, .. } = self;
-        let fits = |(part, (state, _)): (&Part, &(&mut ClothState, Vec3))| {
-            state.positions.len() == part.particles.len() && state.previous.len() == part.particles.len()
-        };
-        if cloths.len() != surface.parts.len() || !surface.parts.iter().zip(cloths.iter()).all(fits) {
+    /// Keeps apart what touches at the end of a substep.
+    fn keep_apart(&mut self, cloths: &mut impl Members) {
+        if self.contacts.is_empty() {
             return;
         }
-        let cell = core::cell::RefCell::new(&mut *cloths);
-        let place = |v: u32| {
-            let part = usize::from(surface.part(v));
-            (part, (v - surface.parts[part].particles.start) as usize)
-        };
-        contacts.solve(
-            h,
-            |v| {
-                let (part, i) = place(v);
-                let (state, offset) = &cell.borrow()[part];
-                let offset = offset.extend(0.0);
-                (state.positions[i] + offset, state.previous[i] + offset)
-            },
-            |v, now, old| {
-                let (part, i) = place(v);
-                let (state, offset) = &mut cell.borrow_mut()[part];
-                let offset = offset.extend(0.0);
-                state.positions[i] = now - offset;
-                state.previous[i] = old - offset;
-            },
-        );
-        self.elapsed += h;
-        if !(self.elapsed < self.horizon - 0.5 * h) {
-            return;
+        let mut h = 0.0f32;
+        self.contacts.begin_gather();
+        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+            h = h.max(state.substep);
+            let (offset, mobility) = (offset.extend(0.0), Vec4::new(1.0, 1.0, 1.0, if moves { 1.0 } else { 0.0 }));
+            self.contacts.gather(particles.clone(), |i| match (state.positions.get(i), state.previous.get(i)) {
+                (Some(&now), Some(&old)) => (now * mobility + offset, old + offset),
+                _ => Default::default(),
+            });
         }
-        let share = self.elapsed / self.horizon;
+        self.contacts.solve(h);
+        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+            let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
+            let offset = offset.extend(0.0);
+            self.contacts.scatter(particles.clone(), |i, now, old| {
+                if let (Some(x), Some(was)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
+                    *x = now - offset;
+                    *was = old - offset;
+                }
+            });
+        }
+    }
+
+    /// Looks for pairs again where cloth went where it was not foreseen to be.
+    fn look_where_strayed(&mut self, cloths: &mut impl Members) {
         let mut strayed = false;
-        for ((part, (state, offset)), touch) in self.surface.parts.iter().zip(cloths.iter()).zip(&self.touch) {
-            let first = part.particles.start as usize;
-            strayed |= self.finder.strayed(first, &state.positions, *offset, share, touch.thickness);
+        for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch) {
+            let Some(m) = cloths.member(i) else { continue };
+            if m.state.positions.len() == part.particles.len() {
+                let first = part.particles.start as usize;
+                strayed |= self.finder.strayed(first, &m.state.positions, m.offset, self.share, touch.thickness);
+            }
         }
         if strayed {
-            for (part, (state, offset)) in cloths.iter().enumerate() {
-                self.gather(part, state, *offset, false);
+            for part in 0..self.surface.parts.len() {
+                if let Some(m) = cloths.member(part) {
+                    self.gather(part, m.state, m.offset, !m.moves);
+                }
             }
             self.find(true);
         }

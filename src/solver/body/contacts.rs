@@ -5,6 +5,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
 use parry3d::shape::TypedShape;
 
+use crate::solver::settings::Fabric;
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
@@ -36,6 +37,15 @@ pub struct Touch {
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless).
     pub dynamic_friction: f32,
+}
+
+impl Touch {
+    /// As a fabric says.
+    #[must_use]
+    pub fn of(fabric: &Fabric) -> Self {
+        let Fabric { thickness, static_friction, dynamic_friction, .. } = *fabric;
+        Self { thickness, static_friction, dynamic_friction }
+    }
 }
 
 /// One particle that may meet one part of a body in this frame.

@@ -14,7 +14,9 @@
 mod contact;
 mod find;
 
-use glam::{Vec3, Vec4};
+use core::ops::Range;
+
+use glam::Vec4;
 
 use crate::solver::body::Touch;
 use crate::solver::detect::ProximityKind;
@@ -131,24 +133,37 @@ impl Contacts {
         *slot
     }
 
-    /// Keeps all pairs apart at the end of a substep of `h` [s]. `read` gives the position ([m], `w` inverse mass) and the position at the start of
-    /// the substep of a particle of the surface; `write` takes back both.
-    pub fn solve(&mut self, h: f32, read: impl Fn(u32) -> (Vec4, Vec4), mut write: impl FnMut(u32, Vec4, Vec4)) {
-        self.now.clear();
-        self.old.clear();
-        for &p in &self.particles {
-            let (now, old) = read(p);
-            self.now.push(now);
-            self.old.push(old);
+    /// Makes room for what [`Self::gather`] takes in.
+    pub fn begin_gather(&mut self) {
+        self.now.resize(self.particles.len(), Vec4::ZERO);
+        self.old.resize(self.particles.len(), Vec4::ZERO);
+    }
+
+    /// Takes in those particles of pairs that are in `range`, one cloth: `read` gives the position ([m], `w` inverse mass) and the position at the start of the
+    /// substep [m] of the `i`-th of the range.
+    pub fn gather(&mut self, range: Range<u32>, read: impl Fn(usize) -> (Vec4, Vec4)) {
+        for (&p, (now, old)) in self.particles.iter().zip(self.now.iter_mut().zip(&mut self.old)) {
+            if range.contains(&p) {
+                (*now, *old) = read((p - range.start) as usize);
+            }
         }
+    }
+
+    /// Keeps all pairs apart at the end of a substep of `h` [s].
+    pub fn solve(&mut self, h: f32) {
         self.touching = 0;
         let mut particles = Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
         for pair in &mut self.pairs {
             self.touching += u32::from(pair.solve(h, &mut particles));
         }
-        for (i, &p) in self.particles.iter().enumerate() {
-            write(p, self.now[i], self.old[i]);
+    }
+
+    /// Gives back what [`Self::gather`] took.
+    pub fn scatter(&self, range: Range<u32>, mut write: impl FnMut(usize, Vec4, Vec4)) {
+        for (&p, (&now, &old)) in self.particles.iter().zip(self.now.iter().zip(&self.old)) {
+            if range.contains(&p) {
+                write((p - range.start) as usize, now, old);
+            }
         }
     }
 }
-impl Contacts { #[allow(missing_docs)] pub fn debug(&self)->Vec<(bool,[u32;4],f32,f32,Vec3)>{ self.pairs.iter().map(|p|(p.kind==crate::solver::detect::ProximityKind::VertexFace,p.slots.map(|s|self.particles[s as usize]),p.thickness,p.load,p.normal)).collect() } }
