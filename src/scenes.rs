@@ -107,7 +107,7 @@ impl SceneCloth {
         self.anchors.from.clone_from(&self.anchors.to);
     }
 
-    fn member<'a>(&'a mut self, input: &'a FrameInput<'_>) -> Member<'a> {
+    fn member<'a>(&'a mut self, input: FrameInput<'a>) -> Member<'a> {
         let Self { rest, fabric, stepping, anchors, state, scratch, .. } = self;
         Member { cloth: Stepped { rest, fabric, anchors, input }, stepping, state, scratch, offset: Vec3::ZERO, moves: true }
     }
@@ -134,7 +134,7 @@ impl SceneCloth {
 /// The cloths of a scene, stepped side by side.
 struct Together<'a> {
     cloths: &'a mut [SceneCloth],
-    input: &'a FrameInput<'a>,
+    input: FrameInput<'a>,
 }
 
 impl Members for Together<'_> {
@@ -234,7 +234,7 @@ impl Scene {
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
         match &mut self.untangle {
             Some(Untangling { group, contact: true, .. }) => {
-                group.step(&mut Together { cloths: &mut self.cloths, input: &input });
+                group.step(&mut Together { cloths: &mut self.cloths, input });
             }
             _ => self.cloths.iter_mut().for_each(|cloth| cloth.step(&input)),
         }
@@ -274,13 +274,8 @@ impl Scene {
         self.times.evaluate = since(start);
         let start = Instant::now();
         let Some(Untangling { group, contact: true, .. }) = &mut self.untangle else { return };
-        if group.has_moved() {
-            for (part, cloth) in self.cloths.iter().enumerate() {
-                group.gather(part, &cloth.state, Vec3::ZERO, false);
-            }
-        }
         let touch: Vec<Touch> = self.cloths.iter().map(|c| Touch::of(&c.fabric)).collect();
-        group.respond(dt, &touch);
+        group.respond(dt, &touch, |_| true);
         self.times.respond = since(start);
     }
 

@@ -82,6 +82,7 @@ pub struct Group {
     contacts: Contacts,
     substep: Vec<f32>,
     touch: Vec<Touch>,
+    takes_part: Vec<bool>,
     /// Time for which pairs were looked for, and the share of it that has passed.
     horizon: f32,
     share: f32,
@@ -127,8 +128,11 @@ impl Group {
         }
     }
 
-    /// Finds the pairs that may touch within the next `dt` [s]; `touch` says of each cloth how it does. Pairs of a tangle are left out.
-    pub fn respond(&mut self, dt: f32, touch: &[Touch]) {
+    /// Finds the pairs that may touch within the next `dt` [s]; `touch` says of each cloth how it does, `takes_part` whether it does.
+    /// Pairs of a tangle are left out.
+    pub fn respond(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
+        self.takes_part.clear();
+        self.takes_part.extend((0..self.surface.parts.len()).map(takes_part));
         self.touch.clear();
         self.touch.extend_from_slice(touch);
         (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
@@ -144,15 +148,19 @@ impl Group {
         }
         let Self { surface, untangler, finder, contacts, weights, .. } = self;
         let clean = self.total.is_clean();
-        let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
+        let takes_part = &self.takes_part;
+        let left_out = |v: u32| {
+            let tangled = !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
+            tangled || !takes_part[usize::from(surface.part(v))]
+        };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
         let moment = Moment { positions, previous, substep, touch };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
-            finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
+            finder.find_strayed(surface, tree, &moment, share, rest, left_out, contacts);
         } else {
-            finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
+            finder.find(surface, tree, &moment, self.horizon, left_out, contacts);
         }
     }
 

@@ -33,7 +33,7 @@ impl Anchors {
 }
 
 /// Inputs of one frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct FrameInput<'a> {
     /// Length of the frame [s]; 0, less or not finite: nothing moves.
     pub dt: f32,
@@ -157,7 +157,7 @@ pub fn step(
     state: &mut ClothState,
     scratch: &mut Scratch,
 ) -> StepReport {
-    let cloth = Stepped { rest, fabric, anchors, input };
+    let cloth = Stepped { rest, fabric, anchors, input: *input };
     cloth.begin(stepping, None, state, scratch);
     while cloth.constrain(state, scratch) {
         cloth.project(state, scratch);
@@ -176,7 +176,7 @@ pub struct Stepped<'a> {
     /// Pins.
     pub anchors: &'a Anchors,
     /// Inputs of the frame.
-    pub input: &'a FrameInput<'a>,
+    pub input: FrameInput<'a>,
 }
 
 /// A frame under way.

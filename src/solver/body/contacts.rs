@@ -29,7 +29,7 @@ pub struct Approach {
 }
 
 /// The fabric's side of a contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
     /// Distance kept to every body [m].
     pub thickness: f32,
