@@ -184,7 +184,9 @@ pub fn step(
     };
     let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
     let windy = input.wind.density > 0.0;
-    let (strained, taut) = (scratch.strain() > fabric.strain_limit, scratch.strain() > TAUT * fabric.strain_limit);
+    // Of its first frame nothing is known: a cloth may start in a storm.
+    let strained = scratch.strain() > fabric.strain_limit || scratch.worst_edge == 0.0;
+    let taut = scratch.strain() > TAUT * fabric.strain_limit;
     let gusts = substeps(dt, WIND_RATE).min(report.substeps);
 
     for n in 0..report.substeps {
