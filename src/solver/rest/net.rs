@@ -107,7 +107,7 @@ mod tests {
                 }
             }
         }
-        let (rest, _) = RestShape::build(&mesh).unwrap();
+        let Ok((rest, _)) = RestShape::build(&mesh) else { panic!("a valid mesh") };
         let net = &rest.net;
         for (p, weights) in net.weights.iter().enumerate() {
             let sum: f32 = weights.iter().sum();
