@@ -105,6 +105,9 @@ const WIND_RATE: f32 = 60.0;
 /// Bending elements are solved once in this many substeps, with the impulse of as many.
 const BEND_EVERY: u64 = 2;
 
+/// Beyond this many strain limits a cloth is strained: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
+const STRAINED: f32 = 1.5;
+
 /// Beyond this many strain limits a cloth is taut: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
 
@@ -185,7 +188,7 @@ pub fn step(
     let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
     let windy = input.wind.density > 0.0;
     // Of its first frame nothing is known: a cloth may start in a storm.
-    let strained = scratch.strain() > fabric.strain_limit || scratch.worst_edge == 0.0;
+    let strained = scratch.strain() > STRAINED * fabric.strain_limit || scratch.worst_edge == 0.0;
     let taut = scratch.strain() > TAUT * fabric.strain_limit;
     let gusts = substeps(dt, WIND_RATE).min(report.substeps);
 
@@ -227,7 +230,7 @@ pub fn step(
     state.time += f64::from(dt);
     (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
     scratch.worst_edge = report.worst_edge;
-    if scratch.strain() > fabric.strain_limit {
+    if scratch.strain() > STRAINED * fabric.strain_limit {
         finish(rest, fabric, input.bodies, state, scratch, report.mean_edge);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
     }
