@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::tasks::TaskPoolBuilder;
 use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, ball, fabric, flags, grid, hang};
 use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::recover::{Limits, Recovery};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::step::FrameInput;
@@ -233,6 +234,27 @@ fn slivers_at_the_waist_of_a_skirt_hold_its_weight() {
         worst = worst.max(scene.cloths[0].report.worst_edge);
     }
     assert!(worst <= 1.12, "worst edge {worst}");
+}
+
+#[test]
+fn a_storm_of_200_metres_per_second_does_not_end_as_a_blow_up() {
+    for (name, mut scene) in [("flag", flags(1, 40)), ("flag", flags(1, 64)), ("sheet", hang(40)), ("sheet", hang(64))] {
+        scene.wind.velocity = scene.wind.velocity.normalize_or(Vec3::X) * 200.0;
+        let cloth = &mut scene.cloths[0];
+        cloth.fabric.density = 0.1;
+        cloth.prepare();
+        let pose: Vec<Vec3> = cloth.state.positions.iter().map(|x| x.truncate()).collect();
+        let mut recovery = Recovery::default();
+        recovery.start(&cloth.state);
+        let mut restored = 0;
+        for _ in 0..600 {
+            scene.step(1.0 / 60.0);
+            let SceneCloth { state, report, .. } = &mut scene.cloths[0];
+            let taken_back = recovery.judge(state, report.worst_edge, &Limits::default(), |out| out.clone_from(&pose));
+            restored += usize::from(taken_back.is_some());
+        }
+        assert!(!recovery.is_frozen() && restored <= 3, "{name} of {} particles: restored {restored} times", pose.len());
+    }
 }
 
 #[test]

@@ -111,6 +111,9 @@ const WIND_RATE: f32 = 60.0;
 /// Bending elements are solved once in this many substeps, with the impulse of as many.
 const BEND_EVERY: u64 = 2;
 
+/// Beyond this many strain limits a cloth is strained: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
+const STRAINED: f32 = 1.5;
+
 /// Beyond this many strain limits a cloth is taut: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
 
@@ -243,7 +246,7 @@ impl Stepped<'_> {
             begun: 0,
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
             // Of its first frame nothing is known: a cloth may start in a storm.
-            strained: scratch.strain() > fabric.strain_limit || scratch.worst_edge == 0.0,
+            strained: scratch.strain() > STRAINED * fabric.strain_limit || scratch.worst_edge == 0.0,
             taut: scratch.strain() > TAUT * fabric.strain_limit,
             report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
         });
@@ -312,7 +315,7 @@ impl Stepped<'_> {
         state.time += f64::from(frame.dt);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
-        if scratch.strain() > fabric.strain_limit {
+        if scratch.strain() > STRAINED * fabric.strain_limit {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }

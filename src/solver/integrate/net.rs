@@ -3,7 +3,7 @@
 //! A link is an upper bound, `|d| <= (1 + limit / 2) L`, solved as a rigid constraint between hubs of the mass `M_i = Σ_p w_pi m_p`, so that
 //! `Δx_p = Σ_i w_pi Δ_i` keeps the momentum of the cloth. Slack links do nothing: folds and wrinkles are the cloth's own.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 use crate::solver::rest::{Net, RestShape, geodesic};
 
@@ -18,14 +18,14 @@ pub struct Hubs {
     /// How much of its hubs' moves each particle takes: 0 at a pin, 1 from one distance between hubs on (dimensionless).
     freedom: Vec<f32>,
     /// Where each hub goes in this substep [m].
-    moves: Vec<Vec3>,
+    moves: Vec<Vec4>,
 }
 
 impl Hubs {
     /// Memory held [B].
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.inverse_mass.len() * (size_of::<f32>() + size_of::<Vec3>())
+        self.inverse_mass.len() * (size_of::<f32>() + size_of::<Vec4>()) + size_of_val(&self.freedom[..])
     }
 
     /// Must follow a change of the rigid pins.
@@ -43,7 +43,7 @@ impl Hubs {
         self.inverse_mass.clear();
         self.inverse_mass.resize(net.hubs.len(), 0.0);
         self.moves.clear();
-        self.moves.resize(net.hubs.len(), Vec3::ZERO);
+        self.moves.resize(net.hubs.len(), Vec4::ZERO);
         for ((x, hubs), weights) in positions.iter().zip(&net.around).zip(&net.weights) {
             let mass = if x.w > 0.0 { x.w.recip() } else { 0.0 };
             for (&hub, weight) in hubs.iter().zip(weights) {
@@ -62,8 +62,8 @@ impl Hubs {
         for _ in 0..PASSES {
             for (&[a, b], &length) in net.links.iter().zip(&net.lengths) {
                 let (a, b) = (a as usize, b as usize);
-                let hub = |i: usize| positions[net.hubs[i] as usize].truncate() + self.moves[i];
-                let d = hub(b) - hub(a);
+                let hub = |i: usize| positions[net.hubs[i] as usize] + self.moves[i];
+                let d = (hub(b) - hub(a)).with_w(0.0);
                 let q = d.length_squared() / (length * length * slack);
                 let w = self.inverse_mass[a] + self.inverse_mass[b];
                 if q > 1.0 && w > 0.0 {
@@ -79,10 +79,10 @@ impl Hubs {
         }
         for (((x, hubs), weights), &freedom) in positions.iter_mut().zip(&net.around).zip(&net.weights).zip(&self.freedom) {
             if x.w > 0.0 {
-                let by: Vec3 = hubs.iter().zip(weights).map(|(&hub, &weight)| self.moves[hub as usize] * weight).sum();
-                *x += (by * freedom).extend(0.0);
+                let [a, b, c, d] = hubs.map(|hub| self.moves[hub as usize]);
+                *x += (a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]) * freedom;
             }
         }
-        self.moves.fill(Vec3::ZERO);
+        self.moves.fill(Vec4::ZERO);
     }
 }

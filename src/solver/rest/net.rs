@@ -89,3 +89,36 @@ impl Net {
         net
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{RestShape, SourceMesh};
+
+    #[test]
+    fn every_particle_moves_with_hubs_and_no_link_is_shorter_than_the_straight_way() {
+        // Two strips that do not touch.
+        let mut mesh = SourceMesh::default();
+        for strip in 0..2u32 {
+            for i in 0..60u32 {
+                let first = mesh.positions.len() as u32;
+                mesh.positions.extend([0.0, 1.0].map(|z| glam::Vec3::new(i as f32, 3.0 * strip as f32, z)));
+                if i > 0 {
+                    mesh.triangles.extend([[first - 2, first - 1, first], [first - 1, first + 1, first]]);
+                }
+            }
+        }
+        let Ok((rest, _)) = RestShape::build(&mesh) else { panic!("a valid mesh") };
+        let net = &rest.net;
+        for (p, weights) in net.weights.iter().enumerate() {
+            let sum: f32 = weights.iter().sum();
+            assert!((sum - 1.0).abs() < 1.0e-5, "particle {p}: weights sum to {sum}");
+            let away = rest.positions[net.hubs[net.around[p][0] as usize] as usize].distance(rest.positions[p]);
+            assert!(away <= net.spacing, "particle {p}: its nearest hub is {away} m away");
+        }
+        for (link, length) in net.links.iter().zip(&net.lengths) {
+            let [a, b] = link.map(|hub| rest.positions[net.hubs[hub as usize] as usize]);
+            assert!(*length >= 0.999 * a.distance(b) && a.y == b.y, "{length} m from {a} to {b}");
+        }
+        assert!(net.links.len() + 2 >= net.hubs.len(), "{} links for {} hubs", net.links.len(), net.hubs.len());
+    }
+}
