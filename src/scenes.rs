@@ -1,13 +1,17 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
+mod driven;
 mod tangles;
+mod units;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
+pub use driven::driven;
 pub use tangles::Tangle;
+pub use units::Unit;
 
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
