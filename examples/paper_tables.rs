@@ -7,9 +7,10 @@
 //!
 //! The paper does not say how its sheets move. Here each figure is the mean over the eight named tangles, half a second of each from its tangled
 //! start; a second row of ours counts only frames in which something crossed.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
+#![expect(clippy::print_stdout, reason = "a program for the terminal")]
 
 mod chart;
+mod cli;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -49,10 +50,10 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    match tables(&Arguments::parse()) {
+    match tables(&cli::parse("paper_tables")) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("paper_tables: {error}");
+            cli::complain("paper_tables", &error.to_string());
             ExitCode::from(2)
         }
     }

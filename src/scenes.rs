@@ -279,7 +279,15 @@ fn sheet(n: u32) -> Arc<RestShape> {
 /// A 1 m sheet of `n` x `n` vertices pinned at two corners, starting flat.
 #[must_use]
 pub fn hang(n: u32) -> Scene {
-    Scene::new(vec![SceneCloth::new(sheet(n), fabric(), Vec3::ZERO, &[0, n.max(2) - 1])])
+    curtains(1, n)
+}
+
+/// `k` sheets of [`hang`], 1.5 m apart.
+#[must_use]
+pub fn curtains(k: u32, n: u32) -> Scene {
+    let rest = sheet(n);
+    let cloth = |i: u32| SceneCloth::new(rest.clone(), fabric(), vec3(1.5 * i as f32, 0.0, 0.0), &[0, n.max(2) - 1]);
+    Scene::new((0..k).map(cloth).collect())
 }
 
 /// A 1 m sheet dropped from 0.5 m above the centre of a ball of radius 0.3 m.

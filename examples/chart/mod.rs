@@ -57,6 +57,8 @@ fn one(chart: &Chart<'_>, area: &DrawingArea<BitMapBackend<'_>, plotters::coord:
     axes.configure_mesh()
         .x_desc(chart.axes[0])
         .y_desc(chart.axes[1])
+        .x_label_formatter(&|x| format!("{x:.0}"))
+        .y_label_formatter(&|y| format!("{y}"))
         .label_style(("sans-serif", 12))
         .axis_desc_style(("sans-serif", 13))
         .light_line_style(TRANSPARENT)
