@@ -28,8 +28,8 @@ use tangles::{ghost, grid_mesh, upright};
 
 /// Vertices along each side of a sheet.
 const SIZE: u32 = 30;
-/// Frames for each that is simulated, in slow motion.
-const SLOW: u32 = 12;
+/// Time between two frames that are simulated, in slow motion [s].
+const SLOW: f32 = 0.2;
 /// How long two sheets are apart before they are put into each other, or one is left in itself [s], and how far apart they are [m].
 const APART: (f32, f32) = (0.07, 0.03);
 /// Distance between columns and between rows when all are shown [m].
@@ -193,9 +193,14 @@ fn bottom(mesh: &SourceMesh) -> f32 {
 }
 
 /// Puts sheets into each other, and lets go of those that are in themselves.
-fn begin(mut commands: Commands, cloths: Query<(Entity, &Next, &ClothReport, &mut ClothParticles, &mut Untangle)>) {
+fn begin(
+    mut commands: Commands,
+    time: Res<Time>,
+    cloths: Query<(Entity, &Next, &ClothReport, &mut ClothParticles, &mut Untangle)>,
+) {
     for (cloth, next, report, mut particles, mut untangle) in cloths {
-        if report.time < APART.0 {
+        // What is shown between two simulated frames is not looked at.
+        if report.time < APART.0 || time.delta_secs() == 0.0 {
             continue;
         }
         match next {
@@ -250,9 +255,13 @@ fn keys(
 }
 
 /// Untangling goes by frames: slow motion lets time stand still between them.
-fn pace(choice: Res<Choice>, real: Res<Time<Real>>, mut time: ResMut<Time<Virtual>>, mut frames: Local<u32>) {
-    *frames += u32::from(!real.delta().is_zero());
-    time.set_relative_speed(if choice.slow && !frames.is_multiple_of(SLOW) { 0.0 } else { 1.0 });
+fn pace(choice: Res<Choice>, real: Res<Time<Real>>, mut time: ResMut<Time<Virtual>>, mut waited: Local<f32>) {
+    *waited += real.delta_secs();
+    let due = *waited > SLOW - 0.001;
+    if due {
+        *waited = 0.0;
+    }
+    time.set_relative_speed(if due || !choice.slow { 1.0 } else { 0.0 });
 }
 
 fn describe(
@@ -269,8 +278,8 @@ fn describe(
     }
     for mut text in &mut panel {
         let hold = if choice.policy == SkipPolicy::Ladder { "held for 2 frames" } else { "held until clean" };
-        let pace = if choice.slow { format!(", slowed down {SLOW} times") } else { String::new() };
-        text.set_if_neq(Text(format!("{:?}, {hold}{pace}", choice.method)));
+        let pace = if choice.slow { format!("{:.0} frames a second", 1.0 / SLOW) } else { "real time".into() };
+        text.set_if_neq(Text(format!("{:?}, {hold}, {pace}", choice.method)));
     }
 }
 
