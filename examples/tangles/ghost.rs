@@ -1,6 +1,7 @@
 //! Shows what is held as a ghost: while the last clean shape is shown in place of a tangled one, that shape becomes translucent and the live one is drawn
 //! as well.
 
+use bevy::math::DVec3;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_drape::ClothRest;
@@ -56,7 +57,7 @@ pub fn appear(
         }
         visibility.set_if_neq(if held { Visibility::Visible } else { Visibility::Hidden });
         if held && let Some(mut mesh) = meshes.get_mut(&mesh.0) {
-            let live: Vec<Vec3> = particles.world_positions().map(|p| p.as_vec3()).collect();
+            let live: Vec<Vec3> = particles.world_positions().map(DVec3::as_vec3).collect();
             follow(&mut mesh, &live, &rest.shape().particle_of_vertex);
         }
     }

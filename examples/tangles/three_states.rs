@@ -3,6 +3,7 @@
 //! Every cell is a pair of sheets of its own from the same start. What reaches the state of its column is kept as a picture: left as it is, taken apart
 //! until most of it is done, taken apart for good.
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::{ClothGroups, scenes};
@@ -93,7 +94,7 @@ pub fn watch(
         // Those that shall come apart for good go on: they must stay so.
         if state >= cell.until && cell.until != State::Separated {
             let here = |[end, _]: &[Vec3; 2]| ((end - cell.at).abs().xy() * 2.0).cmplt(Vec2::new(APART.0, APART.1)).all();
-            let curves = groups.contours().map(|(curve, ends)| (curve, ends.map(|end| end.as_vec3())));
+            let curves = groups.contours().map(|(curve, ends)| (curve, ends.map(DVec3::as_vec3)));
             let curves = curves.filter(|(_, ends)| here(ends)).collect();
             cell.curves = curves;
             for sheet in pair {
