@@ -13,6 +13,7 @@ pictures=(
     "gltf gltf --frames 84 --out"
     "two_sheets two_sheets --side-by-side --frames 150 --out"
     "tangled tangled --frames 76 --out"
+    "units tangled --unit 0 --frames 55 --out"
     "figure_6 paper_tables --largest 30 --runs 5 --figure"
 )
 for picture in "${pictures[@]}"; do
