@@ -41,3 +41,46 @@ fn fold(s: f32, y: f32) -> Vec3 {
     let x = s.min(bend) + radius * angle.sin() - 0.49;
     vec3(x, y + 0.013, height + wave - radius * (1.0 - angle.cos()) - straight)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scenes::{Scene, SceneCloth, fabric};
+    use crate::solver::evaluate::EvaluateSettings;
+    use crate::solver::group::UntangleSettings;
+    use crate::solver::resolve::{Method, ResolveSettings};
+    use crate::solver::rest::RestShape;
+
+    /// Crossings at the start and after two seconds.
+    fn untangled(method: Method, n: u32) -> (u32, u32) {
+        let cloth = |mesh| {
+            let (rest, _) = RestShape::build(&mesh).unwrap_or_default();
+            SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &[])
+        };
+        let settings = UntangleSettings { resolve: ResolveSettings { method, ..Default::default() }, ..Default::default() };
+        let scene = Scene { gravity: Vec3::ZERO, ..Scene::new(driven(n).map(cloth).into()) };
+        let Ok(mut scene) = scene.untangled(UntangleSettings { iterations: 0, ..settings }, EvaluateSettings::default(), false)
+        else {
+            panic!("no surface");
+        };
+        scene.step(1.0 / 60.0);
+        let start = scene.crossings();
+        if let Some(untangle) = &mut scene.untangle {
+            untangle.settings = settings;
+        }
+        (0..120).for_each(|_| scene.step(1.0 / 60.0));
+        (start, scene.crossings())
+    }
+
+    #[test]
+    fn the_method_of_2006_stops_mostly_separated_and_by_end_type_goes_on_to_the_end() {
+        for n in [15, 20, 30] {
+            let (start, left) = untangled(Method::LocalGradient, n);
+            assert!(left > 0 && 3 * left <= start, "2006 at {n}: {start} crossings, {left} left");
+            let (start, left) = untangled(Method::ByEndType, n);
+            assert!(left == 0, "by end type at {n}: {start} crossings, {left} left");
+        }
+    }
+}
