@@ -1,13 +1,17 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
+mod driven;
 mod tangles;
+mod units;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
+pub use driven::driven;
 pub use tangles::Tangle;
+pub use units::Unit;
 
 use crate::solver::body::{Body, Pose, Touch, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
@@ -311,7 +315,15 @@ fn sheet(n: u32) -> Arc<RestShape> {
 /// A 1 m sheet of `n` x `n` vertices pinned at two corners, starting flat.
 #[must_use]
 pub fn hang(n: u32) -> Scene {
-    Scene::new(vec![SceneCloth::new(sheet(n), fabric(), Vec3::ZERO, &[0, n.max(2) - 1])])
+    curtains(1, n)
+}
+
+/// `k` sheets of [`hang`], 1.5 m apart.
+#[must_use]
+pub fn curtains(k: u32, n: u32) -> Scene {
+    let rest = sheet(n);
+    let cloth = |i: u32| SceneCloth::new(rest.clone(), fabric(), vec3(1.5 * i as f32, 0.0, 0.0), &[0, n.max(2) - 1]);
+    Scene::new((0..k).map(cloth).collect())
 }
 
 /// A 1 m sheet dropped from 0.5 m above the centre of a ball of radius 0.3 m.
