@@ -170,7 +170,7 @@ struct Run {
     /// Time of every frame [ms].
     frames: Vec<f64>,
     /// Time of every stage and frame [ms].
-    stages: [Vec<f64>; 4],
+    stages: [Vec<f64>; 5],
     held_frames: u32,
     tangled_frames: u32,
     /// First frame after which nothing crossed any more.
@@ -180,8 +180,8 @@ struct Run {
 
 impl Run {
     fn note(&mut self, frame: u32, scene: &Scene) {
-        let StageTimes { integrate, detect, resolve, evaluate } = scene.times;
-        for (times, time) in self.stages.iter_mut().zip([integrate, detect, resolve, evaluate]) {
+        let StageTimes { integrate, detect, resolve, evaluate, respond } = scene.times;
+        for (times, time) in self.stages.iter_mut().zip([integrate, detect, resolve, evaluate, respond]) {
             times.push(time);
         }
         self.held_frames += u32::from(scene.is_held());
@@ -202,7 +202,9 @@ fn percentile(times: &mut [f64], p: usize) -> f64 {
 /// One frame of 1/60 s; cloths are dealt to the threads.
 fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     let dt = 1.0 / 60.0;
-    let Some(pool) = pool else {
+    // Cloths that touch each other are stepped side by side.
+    let touch = scene.untangle.as_ref().is_some_and(|u| u.contact);
+    let Some(pool) = pool.filter(|_| !touch) else {
         scene.step(dt);
         return;
     };
@@ -222,7 +224,7 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
 }
 
 fn print(arguments: &Arguments, scene: &Scene, run: &mut Run, crossings: Option<u32>) {
-    let [integrate, detect, resolve, evaluate] = &mut run.stages;
+    let [integrate, detect, resolve, evaluate, respond] = &mut run.stages;
     let particles: usize = scene.cloths.iter().map(|c| c.state.positions.len()).sum();
     let springs: usize = scene.cloths.iter().map(|c| c.rest.constraints()).sum();
     let substeps = scene.cloths.first().map_or(0, |c| c.report.substeps);
@@ -249,6 +251,7 @@ fn print(arguments: &Arguments, scene: &Scene, run: &mut Run, crossings: Option<
             "detect": percentile(detect, 50),
             "resolve": percentile(resolve, 50),
             "evaluate": percentile(evaluate, 50),
+            "respond": percentile(respond, 50),
         },
         "crossings": crossings,
         "most_crossings": seen(run.most_crossings),

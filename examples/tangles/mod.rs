@@ -68,7 +68,7 @@ pub fn color(curve: usize) -> Color {
 /// What a cloth has to say about itself.
 pub fn line(report: &ClothReport, most: &Most) -> String {
     let state = State::of(report.crossings, most.0);
-    let ms = report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms;
+    let ms = report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms;
     let since = if report.crossings > 0 { format!(" for {:.2} s", report.tangled_for) } else { String::new() };
     let held = if report.held { format!(", {} held frames", report.held_frames) } else { String::new() };
     format!("{state}{since}, {}{held} ({ms:.2} ms)", counts(report))

@@ -55,6 +55,10 @@ pub struct ClothReport {
     pub resolve_ms: f32,
     /// Its share of the time spent on looking again, and the time spent on deciding what to show [ms].
     pub evaluate_ms: f32,
+    /// Its share of the time spent on looking for what may touch in the next frame [ms].
+    pub respond_ms: f32,
+    /// Pairs of particles and faces, or of edges, of the cloths it can meet that touched in the last substep.
+    pub contacts: u32,
     /// Settings that are out of range and used clamped.
     pub clamped: Vec<Cow<'static, str>>,
 }

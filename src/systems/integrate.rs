@@ -105,20 +105,20 @@ fn together(groups: &mut ClothGroups, dt: f32, cloths: &mut Stepping) {
 }
 
 /// The members of a group, as the solver asks for them.
-struct Together<'a, 'w, 's> {
+struct Together<'a, 'w, 's, 'q> {
     members: &'a [Member],
     work: &'a mut [Work],
     inputs: &'a Query<
         'w,
         's,
-        (&'static ClothRest, &'static ClothInputs, &'static ClothParticles, &'static ClothScratch, &'static ClothReport),
+        (&'q ClothRest, &'q ClothInputs, &'q ClothParticles, &'q ClothScratch, &'q ClothReport),
         With<Cloth>,
     >,
     origin: DVec3,
     dt: f32,
 }
 
-impl Members for Together<'_, '_, '_> {
+impl Members for Together<'_, '_, '_, '_> {
     fn member(&mut self, part: usize) -> Option<group::Member<'_>> {
         let (member, work) = (self.members.get(part)?, self.work.get_mut(part)?);
         let (rest, inputs, particles, ..) = self.inputs.get(member.entity).ok()?;

@@ -53,6 +53,10 @@ pub struct Finder {
     /// Particles that are elsewhere than foreseen, and faces with one.
     astray: Vec<bool>,
     marked: Vec<bool>,
+    /// Unit normals of faces, their sums around particles, and particles around which the cloth hardly bends.
+    normals: Vec<Vec3A>,
+    sums: Vec<Vec3A>,
+    flat: Vec<bool>,
     /// The motion that all share until the next frame [m].
     shared: Vec3A,
     /// Longest edge of each cloth at rest [m].
@@ -83,7 +87,9 @@ impl Finder {
         let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
         let start = vec![Vec3A::ZERO; surface.len()];
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
-        Self { owns, ahead: start.clone(), start, astray, marked, shared: Vec3A::ZERO, longest }
+        let (normals, sums) = (vec![Vec3A::ZERO; topology.faces.len()], start.clone());
+        let flat = astray.clone();
+        Self { owns, ahead: start.clone(), start, astray, marked, normals, sums, flat, shared: Vec3A::ZERO, longest }
     }
 
     /// Finds the pairs that may touch within `dt` [s]. `left_out` says of a particle that it takes no part.
@@ -148,7 +154,8 @@ impl Finder {
         tree.refit(surface, positions);
         tree.sweep(surface, &self.ahead);
         let topology = &surface.topology;
-        let Self { owns, ahead, longest, marked, .. } = self;
+        self.find_flat(surface, positions);
+        let Self { owns, ahead, longest, marked, flat, .. } = self;
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
         let mut ask = |pair: Proximity, first: usize, faces: [u32; 2]| {
@@ -197,6 +204,10 @@ impl Finder {
         let wide = Vec3A::splat(reach);
         let found = |f: u32, g: u32| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
+            // Faces of a fan that hardly bends are hardly closer than at rest.
+            if tf.iter().any(|v| flat[*v as usize] && tg.contains(v)) {
+                return;
+            }
             let (pf, pg) = (tf.map(path), tg.map(path));
             if are_apart(&pf, &pg, reach) {
                 return;
@@ -256,6 +267,24 @@ impl Finder {
             any |= *astray;
         }
         any
+    }
+
+    /// Finds the particles around which all normals lie within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
+    fn find_flat(&mut self, surface: &Surface, positions: &[Vec4]) {
+        let Self { normals, sums, flat, .. } = self;
+        sums.fill(Vec3A::ZERO);
+        flat.fill(true);
+        for (t, normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
+            let [a, b, c] = t.map(|v| Vec3A::from_vec4(positions[v as usize]));
+            *normal = (b - a).cross(c - a).normalize_or_zero();
+            t.iter().for_each(|&v| sums[v as usize] += *normal);
+        }
+        for (t, normal) in surface.topology.faces.iter().zip(normals.iter()) {
+            for &v in t {
+                let (sum, along) = (sums[v as usize], normal.dot(sums[v as usize]));
+                flat[v as usize] &= along > 0.0 && along * along > 0.5 * sum.length_squared();
+            }
+        }
     }
 
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.

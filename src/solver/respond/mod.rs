@@ -55,7 +55,6 @@ impl Contacts {
         self.particles.clear();
         self.pairs.clear();
         self.behind.clear();
-        self.touching = 0;
     }
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
