@@ -182,6 +182,8 @@ pub struct Untangling {
     pub skip: EvaluateSettings,
     /// Whether cloths rest on each other, and on themselves.
     pub contact: bool,
+    /// Thickness and friction of each cloth in the last frame.
+    pub touch: Vec<Touch>,
 }
 
 /// Time that each stage took in a frame [ms].
@@ -189,13 +191,13 @@ pub struct Untangling {
 pub struct StageTimes {
     /// Stepping all cloths [ms].
     pub integrate: f64,
-    /// Looking for crossings [ms].
+    /// Looking for crossings, and for what may touch in the next frame [ms].
     pub detect: f64,
     /// Taking them apart [ms].
     pub resolve: f64,
     /// Looking again, and deciding what to show [ms].
     pub evaluate: f64,
-    /// Looking for what may touch in the next frame [ms].
+    /// Looking for what may touch again, where something moved since [ms].
     pub respond: f64,
 }
 
@@ -228,7 +230,7 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: true });
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: true, touch: Vec::new() });
         Ok(self)
     }
 
@@ -249,8 +251,11 @@ impl Scene {
 
     /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
     pub fn settle(&mut self, dt: f32) {
-        let Some(Untangling { group, settings, skip, .. }) = &mut self.untangle else { return };
+        let Some(Untangling { group, settings, skip, contact, touch }) = &mut self.untangle else { return };
         let start = Instant::now();
+        touch.clear();
+        touch.extend(self.cloths.iter().map(|c| Touch::of(&c.fabric)));
+        group.expect(dt, touch, |_| *contact);
         for (part, cloth) in self.cloths.iter().enumerate() {
             group.gather(part, &cloth.state, Vec3::ZERO, false);
         }
@@ -277,9 +282,7 @@ impl Scene {
         }
         self.times.evaluate = since(start);
         let start = Instant::now();
-        let Some(Untangling { group, contact: true, .. }) = &mut self.untangle else { return };
-        let touch: Vec<Touch> = self.cloths.iter().map(|c| Touch::of(&c.fabric)).collect();
-        group.respond(dt, &touch, |_| true);
+        group.respond();
         self.times.respond = since(start);
     }
 

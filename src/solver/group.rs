@@ -11,6 +11,7 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
+use super::detect::tree::Tree;
 use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
 use super::body::Touch;
@@ -128,21 +129,27 @@ impl Group {
         }
     }
 
-    /// Finds the pairs that may touch within the next `dt` [s]; `touch` says of each cloth how it does, `takes_part` whether it does.
-    /// Pairs of a tangle are left out.
-    pub fn respond(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
+    /// Says that the pairs will be wanted that may touch within the next `dt` [s]: `touch` says of each cloth how it does, `takes_part` whether it does.
+    pub fn expect(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
         self.takes_part.clear();
         self.takes_part.extend((0..self.surface.parts.len()).map(takes_part));
         self.touch.clear();
         self.touch.extend_from_slice(touch);
         (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
-        self.find(false);
+    }
+
+    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle are left out.
+    pub fn respond(&mut self) {
+        if self.looks == 0 || self.moved || !self.total.is_clean() {
+            self.share = 0.0;
+            self.find(false);
+        }
     }
 
     /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
     fn find(&mut self, strayed: bool) {
         self.looks += 1;
-        if self.touch.len() != self.surface.parts.len() {
+        if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
             self.contacts.clear();
             return;
         }
@@ -270,8 +277,27 @@ impl Group {
     pub fn detect(&mut self) -> Verdict {
         self.moved = false;
         self.iterations = 0;
-        self.look();
+        if self.touch.len() == self.surface.parts.len() && self.takes_part.contains(&true) {
+            self.look_and_find();
+        } else {
+            self.contacts.clear();
+            self.look();
+        }
         self.total
+    }
+
+    /// Looks for crossings and, at the same pairs of faces, for what may touch.
+    fn look_and_find(&mut self) {
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
+        let moment = Moment { positions, previous, substep, touch };
+        finder.begin(surface, &moment, self.horizon, contacts);
+        let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
+        let ask = finder.ask(surface, &moment, left_out, contacts);
+        let sweep = |tree: &mut Tree| finder.sweep(surface, tree);
+        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), sweep, ask);
+        self.total = untangler.resolver.analyse(surface, crossings, positions);
+        self.looks = 1;
+        self.sum_up();
     }
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
@@ -343,6 +369,11 @@ impl Group {
 
     fn look(&mut self) {
         self.total = self.untangler.look(&self.surface, &self.positions);
+        self.sum_up();
+    }
+
+    /// Gives each cloth its share of the verdict.
+    fn sum_up(&mut self) {
         self.verdicts.fill(Verdict::default());
         let (graph, crossings) = (self.untangler.resolver.graph(), self.untangler.detector.crossings());
         for (k, contour) in graph.contours.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Respond: looks for what may touch in the next frame.
+//! Respond: what may touch in the next frame. Detect looked for it along with crossings; where something was untangled since, it is looked for again.
 
 use bevy::prelude::*;
 
@@ -6,20 +6,12 @@ use super::detect::each;
 use super::stopwatch;
 use crate::components::{Cloth, ClothReport};
 use crate::groups::ClothGroups;
-use crate::simulation::ClothInputs;
-use crate::solver::body::Touch;
 
-/// Finds the contacts of every group, in parallel over groups.
-pub(crate) fn respond(time: Res<Time>, mut groups: ResMut<ClothGroups>, inputs: Query<&ClothInputs, With<Cloth>>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
-    let dt = time.delta_secs();
+/// Makes up the contacts of every group, in parallel over groups.
+pub(crate) fn respond(mut groups: ResMut<ClothGroups>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
     each(&mut groups.list, |group| {
         let clock = stopwatch();
-        group.touch.clear();
-        for member in &group.members {
-            let touch = inputs.get(member.entity).map(|inputs| Touch::of(&inputs.fabric)).unwrap_or_default();
-            group.touch.push(touch);
-        }
-        group.group.respond(dt, &group.touch, |part| group.members[part].collision.contact);
+        group.group.respond();
         group.times[3] = clock();
     });
     for group in &groups.list {

@@ -73,17 +73,30 @@ impl Detector {
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
+        self.detect_and(surface, positions, 0.0, |_| {}, |_, _| {})
+    }
+
+    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes come within `margin` [m] after `widen`.
+    pub fn detect_and(
+        &mut self,
+        surface: &Surface,
+        positions: &[Vec4],
+        margin: f32,
+        widen: impl FnOnce(&mut Tree),
+        also: impl FnMut(u32, u32),
+    ) -> &[Crossing] {
         if positions.len() != surface.len() {
             self.crossings.clear();
             return &self.crossings;
         }
         self.tree.refit(surface, positions);
+        widen(&mut self.tree);
         for (part, out) in surface.parts.iter().zip(&mut self.kinematic) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = positions[range].iter().all(|p| p.w == 0.0);
         }
         self.ties.directions.clear();
-        self.cross(surface, positions);
+        self.cross(surface, positions, margin, also);
         if !self.doubtful.is_empty() {
             self.cross_doubtful(surface, positions);
         }
@@ -91,12 +104,13 @@ impl Detector {
         &self.crossings
     }
 
-    fn cross(&mut self, surface: &Surface, positions: &[Vec4]) {
+    fn cross(&mut self, surface: &Surface, positions: &[Vec4], margin: f32, mut also: impl FnMut(u32, u32)) {
         let Self { tree, asks, kinematic, ties, doubtful, crossings } = self;
         crossings.clear();
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
-        tree.pairs(surface, 0.0, |f, g| {
+        tree.pairs(surface, margin, |f, g| {
+            also(f, g);
             if fixed {
                 let still = |face: u32| kinematic[usize::from(surface.part_of_face(face))];
                 if still(f) && still(g) {

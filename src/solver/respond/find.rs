@@ -92,6 +92,16 @@ impl Finder {
         Self { owns, ahead: start.clone(), start, astray, marked, normals, sums, flat, shared: Vec3A::ZERO, longest }
     }
 
+    /// Prepares for looking at all pairs that may touch within `dt` [s]: with [`Self::ask`], in whatever order [`Tree::pairs`] finds faces within
+    /// [`Self::reach`] once the tree was [swept](Self::sweep).
+    pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
+        contacts.begin();
+        contacts.fit(surface.len());
+        contacts.lift();
+        self.foresee(surface, moment, dt);
+        self.find_flat(surface, moment.positions);
+    }
+
     /// Finds the pairs that may touch within `dt` [s]. `left_out` says of a particle that it takes no part.
     pub fn find(
         &mut self,
@@ -102,11 +112,21 @@ impl Finder {
         left_out: impl Fn(u32) -> bool,
         contacts: &mut Contacts,
     ) {
-        contacts.begin();
-        contacts.fit(surface.len());
-        contacts.lift();
-        self.foresee(surface, moment, dt);
-        self.look::<false>(surface, tree, moment, left_out, contacts);
+        self.begin(surface, moment, dt, contacts);
+        tree.refit(surface, moment.positions);
+        self.sweep(surface, tree);
+        tree.pairs(surface, Self::reach(moment), self.ask(surface, moment, left_out, contacts));
+    }
+
+    /// Widens the boxes of a tree to where particles are foreseen to be.
+    pub fn sweep(&self, surface: &Surface, tree: &mut Tree) {
+        tree.sweep(surface, &self.ahead);
+    }
+
+    /// How close boxes must come for their faces to be asked [m].
+    #[must_use]
+    pub fn reach(moment: &Moment<'_>) -> f32 {
+        (1.0 + MARGIN) * moment.touch.iter().map(|t| t.thickness).fold(0.0, f32::max)
     }
 
     /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share` has passed.
@@ -137,28 +157,29 @@ impl Finder {
                 }
             }
         }
-        self.look::<true>(surface, tree, moment, left_out, contacts);
+        self.find_flat(surface, moment.positions);
+        tree.refit(surface, moment.positions);
+        self.sweep(surface, tree);
+        let marked = core::mem::take(&mut self.marked);
+        tree.pairs_with(surface, Self::reach(moment), &marked, self.ask(surface, moment, left_out, contacts));
+        self.marked = marked;
     }
 
-    fn look<const STRAYED: bool>(
-        &mut self,
-        surface: &Surface,
-        tree: &mut Tree,
-        moment: &Moment<'_>,
-        left_out: impl Fn(u32) -> bool,
-        contacts: &mut Contacts,
-    ) {
+    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be.
+    pub fn ask<'a>(
+        &'a self,
+        surface: &'a Surface,
+        moment: &Moment<'a>,
+        left_out: impl Fn(u32) -> bool + 'a,
+        contacts: &'a mut Contacts,
+    ) -> impl FnMut(u32, u32) + 'a {
         let &Moment { positions, touch, .. } = moment;
-        let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
-        let reach = (1.0 + MARGIN) * thickest;
-        tree.refit(surface, positions);
-        tree.sweep(surface, &self.ahead);
+        let reach = Self::reach(moment);
         let topology = &surface.topology;
-        self.find_flat(surface, positions);
-        let Self { owns, ahead, longest, marked, flat, .. } = self;
+        let Self { owns, ahead, longest, flat, .. } = self;
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
-        let mut ask = |pair: Proximity, first: usize, faces: [u32; 2]| {
+        let mut ask = move |pair: Proximity, first: usize, faces: [u32; 2]| {
             let ids = pair.particles;
             let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
@@ -202,7 +223,7 @@ impl Finder {
             contacts.pairs.push(Contact { kind: pair.kind, faces, slots, weights: pair.weights, normal, thickness, friction, load: 0.0, behind: false });
         };
         let wide = Vec3A::splat(reach);
-        let found = |f: u32, g: u32| {
+        move |f: u32, g: u32| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             // Faces of a fan that hardly bends are hardly closer than at rest.
             if tf.iter().any(|v| flat[*v as usize] && tg.contains(v)) {
@@ -236,11 +257,6 @@ impl Finder {
                     }
                 }
             }
-        };
-        if STRAYED {
-            tree.pairs_with(surface, reach, marked, found);
-        } else {
-            tree.pairs(surface, reach, found);
         }
     }
 
