@@ -88,6 +88,9 @@ struct Arguments {
     /// Cloths keep off themselves, too.
     #[arg(long)]
     self_collision: bool,
+    /// Cloths pass through each other and are untangled afterwards, instead of resting on each other.
+    #[arg(long)]
+    no_contact: bool,
     /// Prints one line of JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -124,6 +127,10 @@ fn main() -> ExitCode {
                 return ExitCode::from(2);
             }
         };
+    }
+    // A tangle floats, and is only to be untangled.
+    if scene.gravity != glam::Vec3::ZERO && !arguments.no_contact {
+        scene = scene.in_contact();
     }
     // The calling thread works too.
     let pool = (arguments.threads > 1).then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());

@@ -11,10 +11,10 @@ use bevy::prelude::*;
 
 use crate::components::{ClothCollision, ClothLayers};
 use crate::simulation::{ClothInputs, ClothParticles};
+use crate::solver::body::Touch;
 use crate::solver::detect::PartRef;
 use crate::solver::group::{Group, UntangleSettings};
 use crate::solver::rest::RestShape;
-use crate::solver::body::Touch;
 use crate::solver::state::ClothState;
 use crate::solver::step::{Scratch, StepReport};
 

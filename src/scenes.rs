@@ -230,11 +230,20 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: true, touch: Vec::new() });
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: false, touch: Vec::new() });
         Ok(self)
     }
 
-    /// Advances every cloth by `dt` [s], one after the other, and untangles.
+    /// Lets cloths that are untangled also rest on each other, and on themselves.
+    #[must_use]
+    pub fn in_contact(mut self) -> Self {
+        if let Some(untangling) = &mut self.untangle {
+            untangling.contact = true;
+        }
+        self
+    }
+
+    /// Advances every cloth by `dt` [s], one after the other or, where they touch, side by side, and untangles.
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };

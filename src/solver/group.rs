@@ -11,12 +11,12 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
+use super::body::Touch;
 use super::detect::tree::Tree;
 use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
-use super::body::Touch;
-use super::respond::{Contacts, Finder, Moment};
 use super::resolve::{Method, ResolveSettings, Untangler};
+use super::respond::{Contacts, Finder, Moment};
 use super::settings::Stepping;
 use super::state::ClothState;
 use super::step::{self, Scratch, StepReport, Stepped};
@@ -170,7 +170,6 @@ impl Group {
             finder.find(surface, tree, &moment, self.horizon, left_out, contacts);
         }
     }
-
 
     /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it where it is.
     pub fn step(&mut self, cloths: &mut impl Members) {

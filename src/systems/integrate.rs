@@ -108,12 +108,8 @@ fn together(groups: &mut ClothGroups, dt: f32, cloths: &mut Stepping) {
 struct Together<'a, 'w, 's, 'q> {
     members: &'a [Member],
     work: &'a mut [Work],
-    inputs: &'a Query<
-        'w,
-        's,
-        (&'q ClothRest, &'q ClothInputs, &'q ClothParticles, &'q ClothScratch, &'q ClothReport),
-        With<Cloth>,
-    >,
+    inputs:
+        &'a Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothParticles, &'q ClothScratch, &'q ClothReport), With<Cloth>>,
     origin: DVec3,
     dt: f32,
 }

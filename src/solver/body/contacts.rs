@@ -5,12 +5,12 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
 use parry3d::shape::TypedShape;
 
-use crate::solver::settings::Fabric;
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
 use super::sweep::{plane_at, sweep};
+use crate::solver::settings::Fabric;
 
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug)]

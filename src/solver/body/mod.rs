@@ -22,9 +22,9 @@ mod sweep;
 mod tests;
 
 pub use contacts::{Approach, BodyContacts, Touch};
-pub(crate) use respond::Friction;
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
+pub(crate) use respond::Friction;
 pub use shape::ShapeError;
 
 /// A rigid body as one cloth sees it in one frame.

@@ -9,8 +9,8 @@ use super::contact::Contact;
 use super::{Contacts, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
-use crate::solver::detect::{Proximity, Surface};
 use crate::solver::detect::tree::{Bounds, Tree};
+use crate::solver::detect::{Proximity, Surface};
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
 const MARGIN: f32 = 0.25;
@@ -18,6 +18,12 @@ const MARGIN: f32 = 0.25;
 /// How far particles may stray from where they were foreseen, as a share of the distance within which pairs were found: two that both stray by less
 /// than half of it cannot meet.
 const STRAY: f32 = 0.45;
+
+/// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
+const FARTHEST_EDGES: f32 = 4.0;
+const FARTHEST_THICKNESSES: f32 = 4.0;
+/// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
+const MOST_PAIRS: usize = 32;
 
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
 const REST_SHARE: f32 = 0.7;
@@ -40,6 +46,12 @@ pub struct Moment<'a> {
 
 /// Edges are kept this share of the thickness apart: particles carry the cloth, edges only keep it from slipping through between them.
 const EDGE_SHARE: f32 = 1.0;
+
+impl Moment<'_> {
+    fn thickest(&self) -> f32 {
+        self.touch.iter().map(|t| t.thickness).fold(0.0, f32::max)
+    }
+}
 
 /// Which face asks for which particle and edge, and how far each particle goes.
 #[derive(Clone, Debug, Default)]
@@ -126,7 +138,7 @@ impl Finder {
     /// How close boxes must come for their faces to be asked [m].
     #[must_use]
     pub fn reach(moment: &Moment<'_>) -> f32 {
-        (1.0 + MARGIN) * moment.touch.iter().map(|t| t.thickness).fold(0.0, f32::max)
+        (1.0 + MARGIN) * moment.thickest()
     }
 
     /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share` has passed.
@@ -143,6 +155,7 @@ impl Finder {
         for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
         }
+        let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
         contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_behind();
         for (part, &h) in surface.parts.iter().zip(moment.substep) {
@@ -151,7 +164,7 @@ impl Finder {
                 if core::mem::take(&mut self.astray[v]) {
                     let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
                     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
-                    self.ahead[v] = now + motion - self.shared * (1.0 - share);
+                    self.ahead[v] = now + limited(motion - self.shared * (1.0 - share), longest);
                     // So that it is here now.
                     self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
                 }
@@ -179,7 +192,11 @@ impl Finder {
         let Self { owns, ahead, longest, flat, .. } = self;
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
+        let most = MOST_PAIRS * surface.len();
         let mut ask = move |pair: Proximity, first: usize, faces: [u32; 2]| {
+            if contacts.len() >= most {
+                return;
+            }
             let ids = pair.particles;
             let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
@@ -220,7 +237,17 @@ impl Finder {
             let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
             let friction = Friction::between(rub(mine), rub(other));
             let slots = ids.map(|v| contacts.slot(v));
-            contacts.pairs.push(Contact { kind: pair.kind, faces, slots, weights: pair.weights, normal, thickness, friction, load: 0.0, behind: false });
+            contacts.pairs.push(Contact {
+                kind: pair.kind,
+                faces,
+                slots,
+                weights: pair.weights,
+                normal,
+                thickness,
+                friction,
+                load: 0.0,
+                behind: false,
+            });
         };
         let wide = Vec3A::splat(reach);
         move |f: u32, g: u32| {
@@ -318,11 +345,18 @@ impl Finder {
             }
         }
         mean /= surface.len().max(1) as f32;
-        for ahead in &mut self.ahead {
-            *ahead -= mean;
-        }
         self.shared = mean;
+        let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        for (ahead, &start) in self.ahead.iter_mut().zip(&self.start) {
+            *ahead = start + limited(*ahead - start - mean, longest);
+        }
     }
+}
+
+/// A motion no longer than `longest` [m]: of what goes farther, the rest is looked for when it gets there.
+fn limited(motion: Vec3A, longest: f32) -> Vec3A {
+    let motion = motion.clamp_length_max(longest);
+    if motion.is_finite() { motion } else { Vec3A::ZERO }
 }
 
 /// Where a particle is, and where it is foreseen to be [m].

@@ -151,7 +151,8 @@ impl Contacts {
     /// Keeps all pairs apart at the end of a substep of `h` [s].
     pub fn solve(&mut self, h: f32) {
         self.touching = 0;
-        let mut particles = Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
+        let mut particles =
+            Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
         for pair in &mut self.pairs {
             self.touching += u32::from(pair.solve(h, &mut particles));
         }
