@@ -1,5 +1,6 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
+mod seeds;
 mod tangles;
 
 use std::sync::Arc;
@@ -7,6 +8,7 @@ use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
+pub use seeds::{Seed, SeedKind};
 pub use tangles::Tangle;
 
 use crate::solver::body::{Body, Pose, shape};

@@ -13,7 +13,7 @@ use glam::{Vec3, Vec4};
 
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
-use super::resolve::{Method, ResolveSettings, Untangler};
+use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
 use super::state::ClothState;
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
@@ -225,6 +225,17 @@ impl Group {
     #[must_use]
     pub fn crossings(&self) -> &[Crossing] {
         self.untangler.detector.crossings()
+    }
+
+    /// The contours found last.
+    #[must_use]
+    pub fn contours(&self) -> &[Contour] {
+        &self.untangler.resolver.graph().contours
+    }
+
+    /// What was done last about each contour that was found then.
+    pub fn strategies(&self) -> impl Iterator<Item = Strategy> + '_ {
+        self.untangler.resolver.strategies()
     }
 
     /// Segments [m] of all contours found last, in the frame of the group, each with the number of its contour.

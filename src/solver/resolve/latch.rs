@@ -18,6 +18,8 @@ pub enum Strategy {
     Shrink,
     /// The region the contour cuts off is pushed back through it.
     Push,
+    /// Both sides go apart along the cheapest of a few directions.
+    Separate,
     /// Each stretch of the contour follows the gradient summed over its neighbourhood along the curve, not over the whole curve.
     Peel,
 }
@@ -47,6 +49,10 @@ pub struct Latch {
     pub best: f32,
     /// Largest length so far [m].
     pub longest: f32,
+    /// Plan being carried out; 0: none yet.
+    pub plan: u32,
+    /// How far the region that is pushed reached through at most [m].
+    pub depth: f32,
     centre: Vec3,
 }
 
@@ -140,7 +146,7 @@ impl Latches {
             }
             let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(k), ..Latch::new() });
             latch.age += 1;
-            if latch.strategy != Strategy::Push {
+            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) {
                 latch.progress(contour.length);
             }
             latch.longest = latch.longest.max(contour.length);

@@ -24,6 +24,7 @@ mod mark;
 mod patch;
 mod peel;
 mod push;
+mod separate;
 mod share;
 mod shift;
 mod shrink;
@@ -41,6 +42,7 @@ use history::{History, Push};
 use latch::Latches;
 use patch::Patch;
 use region::Flood;
+use separate::Plans;
 use shift::Shift;
 use shrink::coherence;
 
@@ -108,6 +110,7 @@ pub struct Resolver {
     shift: Shift,
     brake: Shift,
     patch: Patch,
+    plans: Plans,
     history: History,
     pushes: Vec<Push>,
 }
@@ -162,6 +165,7 @@ impl Resolver {
         }
         if self.graph.contours.is_empty() {
             self.latches.clear();
+            self.plans.clear();
             return;
         }
         let view = View { surface, crossings: detector.crossings(), positions };
@@ -175,6 +179,7 @@ impl Resolver {
                 Method::ByEndType if self.latches.now[k].strategy == Strategy::Peel => {
                     self.peel(view, k, settings.pace * step, settings);
                 }
+                Method::ByEndType if self.parts(view, k, step, settings) => self.stop_approach(view, previous, k),
                 Method::ByEndType => {
                     let pushed = self.latches.now[k].strategy == Strategy::Push && self.push(view, k, step, settings);
                     if !pushed {
@@ -184,8 +189,26 @@ impl Resolver {
                 }
             }
         }
+        self.plans.advance(&mut self.shift);
         self.brake.apply_to_velocity(positions, previous);
         self.shift.apply(positions, previous);
+    }
+
+    /// Whether a contour is being separated, by a plan made before or now.
+    fn parts(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
+        let latch = self.latches.now[contour];
+        if latch.strategy != Strategy::Separate {
+            return false;
+        }
+        if self.plans.is_live(latch.plan) {
+            return true;
+        }
+        if latch.stale < settings.patience && self.separate(view, contour, settings.pace * step) {
+            return true;
+        }
+        let latch = &mut self.latches.now[contour];
+        latch.turn_to(if latch.kind == ContourKind::Bibi { Strategy::Shrink } else { Strategy::Push });
+        false
     }
 
     /// Recognizes the contours, chooses a strategy for each new one, and another for those that made no progress.
@@ -193,12 +216,12 @@ impl Resolver {
         let by_type = settings.method == Method::ByEndType;
         let (graph, terms) = (&self.graph, &self.terms);
         self.latches.carry(view.crossings, graph, 2.0 * view.surface.mean_edge, |k| match graph.contours[k].kind {
-            ContourKind::Cross if by_type => Strategy::Push,
-            ContourKind::Bbii if by_type && coherence(graph, terms, k) < COHERENT => Strategy::Push,
+            ContourKind::Cross | ContourKind::Bibi if by_type => Strategy::Separate,
+            ContourKind::Bbii if by_type && coherence(graph, terms, k) < COHERENT => Strategy::Separate,
             ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
         });
-        for latch in self.latches.now.iter_mut().filter(|_| by_type) {
+        for latch in self.latches.now.iter_mut().filter(|l| by_type && l.strategy != Strategy::Separate) {
             // A region needs a while to gather pace, the longer the more edges it hangs on.
             let edges = if latch.strategy == Strategy::Push { latch.longest / view.surface.mean_edge } else { 0.0 };
             if latch.stale > (settings.patience + edges as u32 / 4) << latch.turns.min(4) {
@@ -208,7 +231,7 @@ impl Resolver {
                     Strategy::Shrink if pushable => Strategy::Push,
                     Strategy::Push if latch.turns % 4 != 3 => Strategy::Shrink,
                     Strategy::Shrink | Strategy::Push => Strategy::Peel,
-                    Strategy::Peel => Strategy::Shrink,
+                    Strategy::Peel | Strategy::Separate => Strategy::Shrink,
                 });
             }
         }

@@ -10,6 +10,10 @@ use crate::solver::rest::NONE;
 
 /// A contour that ends inside a sheet is prolonged to the border over at most this fraction of its length.
 const PROLONG: f32 = 1.0;
+/// How far the motion of a region spreads into the rest of its sheet, as a multiple of its depth.
+const SPREAD: f32 = 8.0;
+/// Most rings that a region draws along.
+const MOST_RINGS: usize = 1000;
 
 impl Resolver {
     /// Cuts a sheet along a contour: edges of odd parity on `side`, loop vertices, and where the contour ends inside the sheet a
@@ -87,32 +91,35 @@ impl Resolver {
         let along = |v: &u32| view.positions[*v as usize].truncate().dot(direction);
         let deepest = self.flood.region().iter().min_by(|a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
         self.latches.now[contour].seed = deepest.copied().unwrap_or(NONE);
-        let motion = step * self.latches.now[contour].steer(direction, settings.pace, 0.0);
+        let lowest = deepest.map_or(0.0, along);
+        let latch = &mut self.latches.now[contour];
+        latch.depth = latch.depth.max(c.centre.dot(direction) - lowest);
+        let rings = (SPREAD * latch.depth / view.surface.mean_edge) as usize;
+        let motion = step * latch.steer(direction, settings.pace, 0.0);
+        // The rest of the sheet follows, less and less with every ring, so that the region does not crumple against it.
+        let (mine, theirs) = (usize::from(side), usize::from(1 - side));
+        self.patch.gather(view, &self.graph, contour);
+        self.patch.sides[mine].clear();
+        self.flood.region().iter().for_each(|&v| self.patch.put_again(mine, v));
+        self.patch.grow(view.surface, rings.clamp(1, MOST_RINGS));
+        let follows = |ring: usize| 1.0 - ring as f32 / (rings + 1) as f32;
+        let mut moved = Load { mass: 0.0, pinned: region.pinned };
+        for (v, ring) in self.patch.by_ring(mine) {
+            let w = view.positions[v as usize].w;
+            moved.mass += if w > 0.0 { follows(ring) / w } else { 0.0 };
+        }
         // The other cloth gives way as a whole.
-        let node = nodes[0] as usize;
-        let on = |which: u8| {
-            let c = &view.crossings[node];
-            let v = if self.graph.side[node] == which {
-                view.surface.topology.edges[c.edge as usize][0]
-            } else {
-                view.surface.topology.faces[c.face as usize][0]
-            };
-            usize::from(view.surface.part(v))
-        };
-        let other = &view.surface.parts[on(1 - side)].particles;
-        let mine = Load { mass: region.mass, pinned: region.pinned };
-        let theirs = if on(0) == on(1) { Load::default() } else { load(view.positions, other.clone()) };
-        // A small piece of a heavy cloth is still heavy cloth: weigh it by its density, too.
-        let density = (mine.mass / self.flood.region().len() as f32) / (theirs.mass / other.len() as f32);
-        let mine = if density.is_finite() { Load { mass: mine.mass * density, ..mine } } else { mine };
-        let share = shares([mine, theirs]).map(|s| 0.5 * s);
+        let [on, other] = [mine, theirs].map(|s| self.patch.sides[s].first().map_or(0, |&v| usize::from(view.surface.part(v))));
+        let others = view.surface.parts[other].particles.clone();
+        let theirs = if on == other { Load::default() } else { load(view.positions, others.clone()) };
+        let share = shares([moved, theirs]).map(|s| 0.5 * s);
         if share[0] > 0.0 {
-            for &v in self.flood.region() {
-                self.shift.add(v, share[0] * motion, motion.length());
+            for (v, ring) in self.patch.by_ring(mine) {
+                self.shift.add(v, share[0] * follows(ring) * motion, motion.length());
             }
         }
         if share[1] > 0.0 {
-            for v in other.clone() {
+            for v in others {
                 self.shift.add(v, -share[1] * motion, motion.length());
             }
         }
