@@ -44,10 +44,6 @@ use patch::Patch;
 use region::Flood;
 use separate::Plans;
 use shift::Shift;
-use shrink::coherence;
-
-/// A contour that cuts a sheet in two is shrunk all the same while its gradients agree at least so far.
-const COHERENT: f64 = 0.6;
 
 /// How crossing surfaces are taken apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -214,10 +210,9 @@ impl Resolver {
     /// Recognizes the contours, chooses a strategy for each new one, and another for those that made no progress.
     fn choose(&mut self, view: View<'_>, settings: &ResolveSettings) {
         let by_type = settings.method == Method::ByEndType;
-        let (graph, terms) = (&self.graph, &self.terms);
+        let graph = &self.graph;
         self.latches.carry(view.crossings, graph, 2.0 * view.surface.mean_edge, |k| match graph.contours[k].kind {
-            ContourKind::Cross | ContourKind::Bibi if by_type => Strategy::Separate,
-            ContourKind::Bbii if by_type && coherence(graph, terms, k) < COHERENT => Strategy::Separate,
+            ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi if by_type => Strategy::Separate,
             ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
         });

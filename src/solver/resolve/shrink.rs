@@ -9,24 +9,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::contour::ContourGraph;
-use super::gradient::Terms;
 use super::share::{load, shares};
 use super::{ResolveSettings, Resolver, View, latch};
 
 /// Most rings that shrinking moves.
 const MOST_RINGS: usize = 1000;
-
-/// How far the gradients along a contour agree: 1 where all pull one way, 0 where they cancel.
-pub(super) fn coherence(graph: &ContourGraph, terms: &[Terms], contour: usize) -> f64 {
-    let (mut sum, mut size) = (DVec3::ZERO, 0.0);
-    for &i in graph.nodes_of(contour) {
-        let pull = terms[i as usize].pull();
-        sum += if graph.side[i as usize] == 0 { pull } else { -pull };
-        size += pull.length();
-    }
-    if size > 0.0 { sum.length() / size } else { 0.0 }
-}
 
 /// `d = step g / sqrt(|g|² + 1)`
 pub(super) fn saturate(g: DVec3, step: f32) -> Vec3 {
