@@ -23,6 +23,8 @@ mod brake;
 mod mark;
 mod patch;
 mod peel;
+mod plan;
+mod probe;
 mod push;
 mod separate;
 mod share;
@@ -41,8 +43,9 @@ use gradient::Terms;
 use history::{History, Push};
 use latch::Latches;
 use patch::Patch;
+use plan::Plans;
+use probe::{Member, Probe};
 use region::Flood;
-use separate::Plans;
 use shift::Shift;
 
 /// How crossing surfaces are taken apart.
@@ -107,6 +110,8 @@ pub struct Resolver {
     brake: Shift,
     patch: Patch,
     plans: Plans,
+    probe: Probe,
+    set: Vec<Member>,
     history: History,
     pushes: Vec<Push>,
 }
