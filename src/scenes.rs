@@ -68,6 +68,8 @@ pub struct SceneCloth {
     pub report: StepReport,
     /// What is shown while it is tangled.
     pub display: Display,
+    /// Order of layers: larger numbers are worn outside; set it before [`Scene::untangled`].
+    pub layer: i32,
 }
 
 impl SceneCloth {
@@ -92,6 +94,7 @@ impl SceneCloth {
             scratch: Scratch::default(),
             report: StepReport::default(),
             display: Display::default(),
+            layer: 0,
         };
         cloth.prepare();
         cloth
@@ -186,14 +189,14 @@ impl Scene {
         skip: EvaluateSettings,
         self_collision: bool,
     ) -> Result<Self, SurfaceError> {
-        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness);
+        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness, cloth.layer);
         let cloths: Vec<_> = self.cloths.iter().map(part).collect();
         let parts: Vec<PartRef<'_>> = cloths
             .iter()
-            .map(|(rest, thickness)| PartRef {
+            .map(|(rest, thickness, layer)| PartRef {
                 topology: &rest.topology,
                 rest: &rest.positions,
-                layer: 0,
+                layer: *layer,
                 self_collision,
                 thickness: *thickness,
             })

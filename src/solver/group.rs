@@ -97,17 +97,15 @@ impl Group {
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub fn resolve(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
-        let remembers = settings.resolve.method == Method::History;
         for i in 0..settings.iterations {
             if i > 0 {
                 self.look();
             }
-            let clean = self.total.is_clean();
             let Untangler { detector, resolver } = &mut self.untangler;
-            // Even when clean: memories of contours that are gone are dropped.
-            resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
-            self.moved |= !clean || remembers;
-            if clean {
+            // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
+            let moved = resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
+            self.moved |= moved;
+            if self.total.is_clean() && (!moved || settings.resolve.method == Method::History) {
                 break;
             }
             self.iterations += 1;

@@ -20,6 +20,7 @@ pub mod history;
 pub mod latch;
 pub mod region;
 mod brake;
+mod layers;
 mod mark;
 mod patch;
 mod peel;
@@ -42,6 +43,7 @@ use crate::solver::evaluate::Verdict;
 use gradient::Terms;
 use history::{History, Push};
 use latch::Latches;
+use layers::Layers;
 use patch::Patch;
 use plan::Plans;
 use probe::{Member, Probe};
@@ -109,6 +111,7 @@ pub struct Resolver {
     shift: Shift,
     brake: Shift,
     patch: Patch,
+    layers: Layers,
     plans: Plans,
     probe: Probe,
     set: Vec<Member>,
@@ -140,12 +143,17 @@ impl Resolver {
         &self.points
     }
 
+    /// Looks at the order of layers of all particles in the next iteration, not only of a few.
+    pub fn inspect_layers(&mut self) {
+        self.layers.thorough = true;
+    }
+
     /// What is being done about each contour of [`Self::graph`].
     pub fn strategies(&self) -> impl Iterator<Item = Strategy> + '_ {
         self.latches.now.iter().map(|l| l.strategy)
     }
 
-    /// One iteration on the crossings analysed last: moves `positions` and `previous` together.
+    /// One iteration on the crossings analysed last: moves `positions` and `previous` together. Returns whether something was to be moved.
     pub fn advance(
         &mut self,
         surface: &Surface,
@@ -153,46 +161,64 @@ impl Resolver {
         positions: &mut [Vec4],
         previous: &mut [Vec4],
         settings: &ResolveSettings,
-    ) {
+    ) -> bool {
         if positions.len() != surface.len() || previous.len() != surface.len() {
-            return;
+            return false;
         }
         self.shift.of.resize(surface.len(), Vec4::ZERO);
         self.brake.of.resize(surface.len(), Vec4::ZERO);
         if settings.method == Method::History {
             self.remember(surface, detector, positions, settings.step);
             self.shift.apply(positions, previous);
-            return;
+            return true;
         }
-        if self.graph.contours.is_empty() {
+        let layered = settings.method == Method::ByEndType && surface.parts.windows(2).any(|p| p[0].layer != p[1].layer);
+        if layered {
+            self.layers.patrol(surface, detector.tree(), positions);
+        } else {
+            self.layers.clear();
+        }
+        if self.graph.contours.is_empty() && !self.layers.any() {
             self.latches.clear();
             self.plans.clear();
-            return;
+            return false;
         }
         let view = View { surface, crossings: detector.crossings(), positions };
         self.choose(view, settings);
+        if layered {
+            self.order(view, settings.pace * settings.step * surface.mean_edge);
+        }
         for k in 0..self.graph.contours.len() {
             let step = settings.step * self.mean_edge(view, k);
             match settings.method {
                 Method::History => {}
                 Method::LocalGradient => self.shrink_each(view, k, step),
                 Method::GlobalGradient => self.shrink(view, k, step, false, settings),
-                Method::ByEndType if self.latches.now[k].strategy == Strategy::Peel => {
-                    self.peel(view, k, settings.pace * step, settings);
-                }
-                Method::ByEndType if self.parts(view, k, step, settings) => self.stop_approach(view, previous, k),
-                Method::ByEndType => {
-                    let pushed = self.latches.now[k].strategy == Strategy::Push && self.push(view, k, step, settings);
-                    if !pushed {
-                        self.shrink(view, k, step, true, settings);
-                    }
-                    self.stop_approach(view, previous, k);
-                }
+                Method::ByEndType => self.undo(view, previous, k, step, settings),
             }
         }
+        self.layers.plans.advance(&mut self.shift);
         self.plans.advance(&mut self.shift);
         self.brake.apply_to_velocity(positions, previous);
         self.shift.apply(positions, previous);
+        true
+    }
+
+    /// Does to a contour what was decided.
+    fn undo(&mut self, view: View<'_>, previous: &[Vec4], contour: usize, step: f32, settings: &ResolveSettings) {
+        if self.is_ordered(view, contour) {
+            return;
+        }
+        if self.latches.now[contour].strategy == Strategy::Peel {
+            self.peel(view, contour, settings.pace * step, settings);
+            return;
+        }
+        let done = self.parts(view, contour, step, settings)
+            || (self.latches.now[contour].strategy == Strategy::Push && self.push(view, contour, step, settings));
+        if !done {
+            self.shrink(view, contour, step, true, settings);
+        }
+        self.stop_approach(view, previous, contour);
     }
 
     /// Whether a contour is being separated, by a plan made before or now.

@@ -21,17 +21,10 @@ use crate::solver::rest::NONE;
 const COVERED: f32 = 0.8;
 /// Steepest change of the way to go along a sheet, in metres per metre, beyond which another sheet was met.
 const STEEPEST: f32 = 3.0;
+/// Smallest cosine at which a face can be met.
+pub(super) const GRAZING: f32 = 0.01;
 /// Faces walked over at most to find a projection.
 const WALK: usize = 64;
-
-/// Where the particles of a side go.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Along {
-    /// In one unit direction.
-    Fixed(Vec3),
-    /// Along the normals of the faces of the other side, or against them.
-    Normals(f32),
-}
 
 /// A contour that is looked at together with others; `flip` where its sides are the other way round than theirs.
 #[derive(Clone, Copy, Debug)]
@@ -78,21 +71,34 @@ pub(super) struct Probe {
     pub behind: [Vec<u32>; 2],
     /// Face that each of them meets.
     pub meets: [Vec<u32>; 2],
+    /// Smallest cosine between the direction and the normals of what is met.
+    facing: f32,
+    /// Share of the crossings of the contours that the ways undo.
+    pub undone: f32,
     /// Area times squared way [m⁴].
     pub cost: f32,
 }
 
 impl Probe {
-    /// Looks from both sides; gives up beyond a cost of `most`. Returns whether the ways undo the contours.
-    pub fn look(
+    /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost of `most`.
+    /// Returns whether the ways undo the contours.
+    pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], direction: Vec3, most: f32) -> bool {
+        self.look_from(view, graph, set, &[], direction, GRAZING, most);
+        self.cost <= most && self.undone >= COVERED
+    }
+
+    /// The same from strays, too, and only at what faces the direction by a cosine of `facing`.
+    pub fn look_from(
         &mut self,
         view: View<'_>,
         graph: &ContourGraph,
         set: &[Member],
         strays: &[Stray],
-        along: [Along; 2],
+        direction: Vec3,
+        facing: f32,
         most: f32,
-    ) -> bool {
+    ) {
+        (self.facing, self.undone) = (facing, 0.0);
         self.seen.resize(view.surface.len(), [Seen::default(); 2]);
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
@@ -100,25 +106,25 @@ impl Probe {
             self.stamp = 1;
         }
         self.cost = 0.0;
-        for (side, along) in along.into_iter().enumerate() {
+        for (side, along) in [direction, -direction].into_iter().enumerate() {
             self.behind[side].clear();
             self.meets[side].clear();
             self.start(view, graph, set, side);
             let strays = strays.iter().filter(|s| s.side == side);
             self.queue.extend(strays.map(|s| (s.particle, s.face, s.near)));
             if !self.flood(view, side, along, most) {
-                return false;
+                return;
             }
         }
-        let (mut all, mut undone) = (0, 0);
+        let (mut all, mut undone) = (0_u32, 0_u32);
         for (i, side) in nodes(graph, set) {
             let c = &view.crossings[i];
             let moves = |side: usize, run: &[u32]| run.iter().any(|&v| self.way(side, v) > 0.0);
             let (edge, face) = (view.surface.topology.edges[c.edge as usize], view.surface.topology.faces[c.face as usize]);
             all += 1;
-            undone += usize::from(moves(side, &edge) || moves(1 - side, &face));
+            undone += u32::from(moves(side, &edge) || moves(1 - side, &face));
         }
-        undone as f32 >= COVERED * all as f32
+        self.undone = undone as f32 / f32::max(all as f32, 1.0);
     }
 
     /// Way that a particle of a side has to go [m].
@@ -146,7 +152,7 @@ impl Probe {
     }
 
     /// Finds the particles of one side that have a way to go, outwards from those in the queue.
-    fn flood(&mut self, view: View<'_>, side: usize, along: Along, most: f32) -> bool {
+    fn flood(&mut self, view: View<'_>, side: usize, along: Vec3, most: f32) -> bool {
         let topology = &view.surface.topology;
         let at = |v: u32| view.positions[v as usize].truncate();
         let mut head = 0;
@@ -157,8 +163,8 @@ impl Probe {
             if seen.stamp == self.stamp {
                 continue;
             }
-            let Some((way, face, along)) = project(view, at(v), along, face) else { continue };
-            if way > near {
+            let Some((way, face)) = project(view, at(v), along, face, self.facing) else { continue };
+            if !(way <= near) {
                 continue;
             }
             *seen = Seen { stamp: self.stamp, way, along };
@@ -181,19 +187,15 @@ impl Probe {
     }
 }
 
-/// Where `point`, moved along a direction, meets the sheet of `face` or its neighbours: how far it has to go [m], the face, and the direction.
-fn project(view: View<'_>, point: Vec3, along: Along, face: u32) -> Option<(f32, u32, Vec3)> {
+/// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go [m], and the face.
+fn project(view: View<'_>, point: Vec3, along: Vec3, face: u32, facing: f32) -> Option<(f32, u32)> {
     let topology = &view.surface.topology;
     let (mut face, mut before) = (face, NONE);
     for _ in 0..WALK {
         let corners = topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-        let along = match along {
-            Along::Fixed(direction) => direction,
-            Along::Normals(sign) => sign * normal.normalize_or_zero(),
-        };
         let slope = normal.dot(along);
-        if slope * slope <= 1.0e-4 * normal.length_squared() {
+        if !(slope.abs() > facing * normal.length()) {
             return None;
         }
         let outside = [0, 1, 2].map(|k: usize| {
@@ -202,7 +204,7 @@ fn project(view: View<'_>, point: Vec3, along: Along, face: u32) -> Option<(f32,
         });
         let worst = (0..3).min_by(|&a, &b| outside[a].total_cmp(&outside[b]))?;
         if outside[worst] >= -1.0e-6 * slope.abs() {
-            return Some((normal.dot(corners[0] - point) / slope, face, along));
+            return Some((normal.dot(corners[0] - point) / slope, face));
         }
         let edge = topology.face_edges[face as usize][worst];
         let next = topology.edge_faces[edge as usize].into_iter().find(|&f| f != face)?;

@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::contour::ContourGraph;
 use super::gradient::Terms;
 use super::latch::Strategy;
-use super::probe::{Along, Member, nodes};
+use super::probe::{Member, nodes};
 use super::{Resolver, View};
 use crate::solver::rest::NONE;
 
@@ -74,10 +74,7 @@ impl Resolver {
         });
         let [n, m] = normals(view, graph, terms, set);
         let (mut best, mut least) = (None, f32::INFINITY);
-        let mut look = |direction: Vec3, most: f32| {
-            let found = probe.look(view, graph, set, &[], [direction, -direction].map(Along::Fixed), most);
-            found.then_some(probe.cost)
-        };
+        let mut look = |direction: Vec3, most: f32| probe.look(view, graph, set, direction, most).then_some(probe.cost);
         for (k, direction) in [before.normalize_or_zero(), n, -n, m, -m].into_iter().enumerate() {
             if direction != Vec3::ZERO
                 && let Some(cost) = look(direction, least)
