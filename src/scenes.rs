@@ -8,13 +8,16 @@ use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
-pub use seeds::{Seed, SeedKind};
+pub use seeds::{Seed, SeedKind, SeedRun};
 pub use tangles::Tangle;
 
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
-use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Shown};
+use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Resort, Shown, Verdict};
+use crate::solver::fit::fit;
 use crate::solver::group::{Display, Group, UntangleSettings};
+use crate::solver::load::{self, LoadReport};
+use crate::solver::resolve::Contour;
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
@@ -23,6 +26,9 @@ use crate::solver::wind::{Turbulence, Wind};
 
 /// Standard gravity [m/s²].
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
+/// Time in which the last resort draws a tangle to the shape at rest [s].
+const BLEND: f32 = 0.25;
 
 /// Areal density of the cloths in these scenes [kg/m²].
 pub const DENSITY: f32 = 0.3;
@@ -157,6 +163,8 @@ pub struct Untangling {
     pub settings: UntangleSettings,
     /// What is shown meanwhile.
     pub skip: EvaluateSettings,
+    /// A buffer.
+    pose: Vec<Vec3>,
 }
 
 /// Time that each stage took in a frame [ms].
@@ -201,8 +209,26 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip });
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, pose: Vec::new() });
         Ok(self)
+    }
+
+    /// Takes the cloths apart before the first frame, in at most `most` iterations; nothing without untangling.
+    pub fn untangle_at_load(&mut self, most: u32) -> LoadReport {
+        let Some(Untangling { group, settings, .. }) = &mut self.untangle else { return LoadReport::default() };
+        for (part, cloth) in self.cloths.iter().enumerate() {
+            group.gather(part, &cloth.state, Vec3::ZERO, false);
+        }
+        let cloths = &self.cloths;
+        let report = group.untangle_at_load(settings, most, |part, positions| {
+            if let Some(cloth) = cloths.get(part) {
+                load::relax_edges(&cloth.rest, positions);
+            }
+        });
+        for (part, cloth) in self.cloths.iter_mut().enumerate() {
+            group.scatter(part, &mut cloth.state, Vec3::ZERO);
+        }
+        report
     }
 
     /// Advances every cloth by `dt` [s], one after the other, and untangles.
@@ -219,7 +245,7 @@ impl Scene {
 
     /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
     pub fn settle(&mut self, dt: f32) {
-        let Some(Untangling { group, settings, skip }) = &mut self.untangle else { return };
+        let Some(Untangling { group, settings, skip, pose }) = &mut self.untangle else { return };
         let start = Instant::now();
         for (part, cloth) in self.cloths.iter().enumerate() {
             group.gather(part, &cloth.state, Vec3::ZERO, false);
@@ -229,11 +255,21 @@ impl Scene {
 
         let start = Instant::now();
         let cloths = &self.cloths;
+        let resort = cloths.iter().map(|c| c.display.outcome().resort).max().unwrap_or_default();
+        group.escalate(resort);
         group.resolve(settings, |part, positions| {
             if let Some(cloth) = cloths.get(part) {
                 step::relax(&cloth.rest, &cloth.fabric, &cloth.scratch, positions);
             }
         });
+        if resort == Resort::Blend {
+            for (part, cloth) in self.cloths.iter().enumerate() {
+                // First around the tangle, then more and more of the cloth.
+                let whole = (cloth.display.outcome().tangled_for / skip.last_resort - 4.0).clamp(0.0, 1.0);
+                fit(&cloth.rest, &cloth.state.positions, pose);
+                group.blend(part, pose, Vec3::ZERO, dt / BLEND, whole);
+            }
+        }
         for (part, cloth) in self.cloths.iter_mut().enumerate() {
             group.scatter(part, &mut cloth.state, Vec3::ZERO);
         }
@@ -246,6 +282,21 @@ impl Scene {
             display.settle(&group.verdict(part), state, group.weights(part), pose, dt, skip);
         }
         self.times.evaluate = since(start);
+    }
+
+    /// Looks for crossings as the cloths lie, and moves nothing.
+    pub fn look(&mut self) -> Verdict {
+        let Some(Untangling { group, .. }) = &mut self.untangle else { return Verdict::default() };
+        for (part, cloth) in self.cloths.iter().enumerate() {
+            group.gather(part, &cloth.state, Vec3::ZERO, false);
+        }
+        group.detect()
+    }
+
+    /// The contours found last; none without untangling.
+    #[must_use]
+    pub fn contours(&self) -> &[Contour] {
+        self.untangle.as_ref().map_or(&[], |u| u.group.contours())
     }
 
     /// Edges that cross faces; 0 without untangling.

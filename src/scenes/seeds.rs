@@ -6,6 +6,9 @@ use std::sync::Arc;
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
 use super::{Scene, SceneCloth, fabric, grid};
+use crate::solver::evaluate::EvaluateSettings;
+use crate::solver::group::UntangleSettings;
+use crate::solver::resolve::ContourKind;
 use crate::solver::rest::{RestShape, SourceMesh};
 
 /// First of the seeds of the generator; that of tangle `k` is this plus `k`.
@@ -104,6 +107,48 @@ impl Seed {
             cloth
         };
         Scene { gravity: Vec3::ZERO, ..Scene::new(self.cloths.iter().map(cloth).collect()) }
+    }
+}
+
+/// What became of a random tangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeedRun {
+    /// Crossings as it came; 0: not tangled at all.
+    pub start: u32,
+    /// Whether all its contours were closed.
+    pub closed: bool,
+    /// Frames until nothing crossed.
+    pub clean_after: Option<u32>,
+    /// Largest ratio of the contours' length to that 30 frames before.
+    pub growth: f32,
+    /// Crossings at the end.
+    pub left: u32,
+}
+
+impl Seed {
+    /// Steps the tangle by frames of 1/60 s until it is clean, `most` at most. A sheet collides with itself where it is a self-tangle, or always.
+    #[must_use]
+    pub fn run(&self, settings: UntangleSettings, self_collision: bool, most: u32) -> Option<SeedRun> {
+        let own = self_collision || self.kind.is_self_tangle();
+        let mut scene = self.scene().untangled(settings, EvaluateSettings::default(), own).ok()?;
+        let start = scene.look();
+        let closed = scene.contours().iter().all(|c| c.kind == ContourKind::Closed);
+        let mut run = SeedRun { start: start.crossings, closed, clean_after: None, growth: 0.0, left: start.crossings };
+        let mut lengths = vec![start.contour_length];
+        for frame in 1..=most {
+            if run.left == 0 {
+                break;
+            }
+            scene.step(1.0 / 60.0);
+            let now = scene.untangle.as_ref()?.group.total();
+            if let Some(before) = lengths.len().checked_sub(30).and_then(|k| lengths.get(k)) {
+                run.growth = run.growth.max(now.contour_length / before);
+            }
+            lengths.push(now.contour_length);
+            run.left = now.crossings;
+            run.clean_after = now.is_clean().then_some(frame);
+        }
+        Some(run)
     }
 }
 

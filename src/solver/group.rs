@@ -12,7 +12,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
-use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
+use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
 use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
 use super::state::ClothState;
 
@@ -113,6 +113,41 @@ impl Group {
                 self.relax(settings.relaxations, &mut relax);
             }
         }
+    }
+
+    /// Uses stronger means from now on; `None` goes back to the ordinary ones.
+    pub fn escalate(&mut self, resort: Resort) {
+        self.untangler.resolver.escalate(resort);
+    }
+
+    /// Looks at the order of layers of all particles in the next iteration, not only of a few.
+    pub fn inspect_layers(&mut self) {
+        self.untangler.resolver.inspect_layers();
+    }
+
+    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose [m] in the cloth's own frame, by a
+    /// fraction of the way: [`Resort::Blend`]. All others weigh at least `least`. Call it between [`Self::resolve`] and [`Self::scatter`].
+    pub fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
+        let range = self.range(part);
+        if pose.len() != range.len() || self.weights.len() != self.positions.len() || self.total.is_clean() {
+            return;
+        }
+        for (i, &to) in range.zip(pose) {
+            let by = (to + offset - self.positions[i].truncate()) * (fraction * self.weights[i].max(least)).clamp(0.0, 1.0);
+            if by != Vec3::ZERO && by.is_finite() && self.positions[i].w > 0.0 {
+                self.positions[i] += by.extend(0.0);
+                self.previous[i] += by.extend(0.0);
+                self.moved = true;
+            }
+        }
+    }
+
+    pub(super) fn positions(&self) -> &[Vec4] {
+        &self.positions
+    }
+
+    pub(super) fn keep_moved(&mut self, moved: bool) {
+        self.moved |= moved;
     }
 
     /// Sweeps the springs of every cloth; previous positions go along, so that no velocity comes of it.

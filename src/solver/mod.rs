@@ -15,5 +15,7 @@ pub mod detect;
 pub mod resolve;
 pub mod evaluate;
 pub mod group;
+pub mod load;
+pub mod fit;
 pub mod recover;
 pub mod surface;

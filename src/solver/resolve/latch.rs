@@ -6,6 +6,7 @@
 use glam::Vec3;
 
 use crate::solver::detect::Crossing;
+use crate::solver::evaluate::Resort;
 use crate::solver::rest::NONE;
 
 use super::contour::{Contour, ContourGraph, ContourKind};
@@ -43,6 +44,8 @@ pub struct Latch {
     pub age: u32,
     /// Iterations without progress.
     pub stale: u32,
+    /// The means for which the strategy was chosen.
+    pub resort: Resort,
     /// How often the strategy was given up.
     pub turns: u32,
     /// Smallest measure of progress so far: length [m], or area of the region that is pushed [m²].
@@ -72,8 +75,8 @@ impl Latch {
 
     /// Takes up another strategy.
     pub fn turn_to(&mut self, strategy: Strategy) {
-        let Self { age, longest, centre, .. } = *self;
-        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, ..Self::new() };
+        let Self { age, longest, centre, resort, .. } = *self;
+        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, resort, ..Self::new() };
     }
 
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when it turns.

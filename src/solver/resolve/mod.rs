@@ -38,7 +38,7 @@ pub use latch::Strategy;
 use glam::{Vec3, Vec4};
 
 use crate::solver::detect::{Crossing, Detector, Surface};
-use crate::solver::evaluate::Verdict;
+use crate::solver::evaluate::{Resort, Verdict};
 
 use gradient::Terms;
 use history::{History, Push};
@@ -111,6 +111,7 @@ pub struct Resolver {
     shift: Shift,
     brake: Shift,
     patch: Patch,
+    resort: Resort,
     layers: Layers,
     plans: Plans,
     probe: Probe,
@@ -141,6 +142,11 @@ impl Resolver {
     #[must_use]
     pub fn points(&self) -> &[Vec3] {
         &self.points
+    }
+
+    /// Uses stronger means from now on.
+    pub fn escalate(&mut self, resort: Resort) {
+        self.resort = resort;
     }
 
     /// Looks at the order of layers of all particles in the next iteration, not only of a few.
@@ -247,6 +253,14 @@ impl Resolver {
             ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
         });
+        for latch in self.latches.now.iter_mut().filter(|l| by_type && l.resort < self.resort) {
+            latch.turn_to(if self.resort == Resort::Regions && latch.kind.separates() {
+                Strategy::Push
+            } else {
+                Strategy::Separate
+            });
+            latch.resort = self.resort;
+        }
         for latch in self.latches.now.iter_mut().filter(|l| by_type && l.strategy != Strategy::Separate) {
             // A region needs a while to gather pace, the longer the more edges it hangs on.
             let edges = if latch.strategy == Strategy::Push { latch.longest / view.surface.mean_edge } else { 0.0 };

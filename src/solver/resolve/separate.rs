@@ -10,6 +10,7 @@ use super::gradient::Terms;
 use super::latch::Strategy;
 use super::probe::{Member, nodes};
 use super::{Resolver, View};
+use crate::solver::evaluate::Resort;
 use crate::solver::rest::NONE;
 
 /// How much cheaper another direction must be than the one taken before.
@@ -66,7 +67,7 @@ impl Resolver {
     }
 
     fn separate_all(&mut self, view: View<'_>, set: &[Member], step: f32) -> bool {
-        let Self { graph, terms, plans, probe, latches, .. } = self;
+        let Self { graph, terms, plans, probe, latches, resort, .. } = self;
         let before = set.iter().fold(Vec3::ZERO, |sum, m| {
             let latch = &latches.now[m.contour];
             let weight = if latch.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
@@ -75,7 +76,11 @@ impl Resolver {
         let [n, m] = normals(view, graph, terms, set);
         let (mut best, mut least) = (None, f32::INFINITY);
         let mut look = |direction: Vec3, most: f32| probe.look(view, graph, set, direction, most).then_some(probe.cost);
-        for (k, direction) in [before.normalize_or_zero(), n, -n, m, -m].into_iter().enumerate() {
+        let across = n.cross(m).normalize_or_zero();
+        let more = [across, n.cross(across), m.cross(across), Vec3::X, Vec3::Y, Vec3::Z].map(|d| [d, -d]).into_iter().flatten();
+        let candidates = [before.normalize_or_zero(), n, -n, m, -m].into_iter();
+        let more = more.filter(|_| *resort >= Resort::Candidates);
+        for (k, direction) in candidates.chain(more).enumerate() {
             if direction != Vec3::ZERO
                 && let Some(cost) = look(direction, least)
             {
