@@ -23,6 +23,8 @@ const COVERED: f32 = 0.8;
 const STEEPEST: f32 = 3.0;
 /// Smallest cosine at which a face can be met.
 pub(super) const GRAZING: f32 = 0.01;
+/// Edges by which the way may be longer than the contour.
+const ABOUT: f32 = 4.0;
 /// Faces walked over at most to find a projection.
 const WALK: usize = 64;
 
@@ -73,6 +75,8 @@ pub(super) struct Probe {
     pub meets: [Vec<u32>; 2],
     /// Smallest cosine between the direction and the normals of what is met.
     facing: f32,
+    /// Longest way that is meant [m]: what is farther through than the contour is long is something else.
+    farthest: f32,
     /// Share of the crossings of the contours that the ways undo.
     pub undone: f32,
     /// Area times squared way [m⁴].
@@ -99,6 +103,9 @@ impl Probe {
         most: f32,
     ) {
         (self.facing, self.undone) = (facing, 0.0);
+        let length: f32 = set.iter().map(|m| graph.contours[m.contour].length).sum();
+        let strays_reach = strays.iter().map(|s| s.near).fold(0.0, f32::max);
+        self.farthest = strays_reach.max(length + ABOUT * view.surface.mean_edge);
         self.seen.resize(view.surface.len(), [Seen::default(); 2]);
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
@@ -164,7 +171,7 @@ impl Probe {
                 continue;
             }
             let Some((way, face)) = project(view, at(v), along, face, self.facing) else { continue };
-            if !(way <= near) {
+            if !(way <= near.min(self.farthest)) {
                 continue;
             }
             *seen = Seen { stamp: self.stamp, way, along };
