@@ -10,9 +10,11 @@
 //!
 //! | end type | first | when that makes no progress |
 //! |---|---|---|
-//! | Closed, Eight, BIBI, BLI, unknown; BBII whose gradients agree | shrink | push, shrink, ..., peel |
-//! | BBII, Cross | push | shrink, push, ..., peel |
-//! | LL | peel | shrink, peel, ... |
+//! | BBII, BIBI, long LL | separate | push (BIBI: shrink), then in turn |
+//! | short LL | peel | shrink, peel, ... |
+//! | Cross | push | shrink, push, ..., peel |
+//! | Closed, Eight, BLI, unknown | shrink | push, shrink, ..., peel |
+//! | any, between two layers of clothing | into their order | |
 
 pub mod contour;
 pub mod gradient;
@@ -50,6 +52,9 @@ use probe::{Member, Probe};
 use region::Flood;
 use shift::Shift;
 
+/// Crossings of a contour between two loop vertices from which on its sides are sheets, not creases.
+const LONG: u32 = 32;
+
 /// How crossing surfaces are taken apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
@@ -59,8 +64,8 @@ pub enum Method {
     LocalGradient,
     /// One summed gradient per contour (Wen et al. 2009).
     GlobalGradient,
-    /// Per contour, by how it ends: summed gradient with the exact vertex gradient, region push, or gradient along stretches; another of
-    /// these when one makes no progress.
+    /// Per contour, by how it ends: the cheapest way apart, region push, summed gradient with the exact vertex gradient, or gradient along
+    /// stretches; another of these when one makes no progress. Layers of clothing come into their order.
     #[default]
     ByEndType,
 }
@@ -249,7 +254,10 @@ impl Resolver {
         let by_type = settings.method == Method::ByEndType;
         let graph = &self.graph;
         self.latches.carry(view.crossings, graph, 2.0 * view.surface.mean_edge, |k| match graph.contours[k].kind {
-            ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi if by_type => Strategy::Separate,
+            // Around the loop vertex of a cross both sides are one.
+            ContourKind::Cross if by_type => Strategy::Push,
+            ContourKind::Bbii | ContourKind::Bibi if by_type => Strategy::Separate,
+            ContourKind::Ll if by_type && graph.contours[k].count >= LONG => Strategy::Separate,
             ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
         });
