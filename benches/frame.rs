@@ -4,9 +4,11 @@
 
 use std::hint::black_box;
 
-use bevy_drape::scenes::{self, Scene, grid};
+use bevy_drape::scenes::{self, Scene, Tangle, grid};
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::group::UntangleSettings;
 use bevy_drape::solver::rest::RestShape;
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::vec3;
 
 /// Frames before timing starts: the cloth is in motion and buffers are warm.
@@ -37,6 +39,20 @@ fn flags(c: &mut Criterion) {
     frames(c, "flags of 30 x 30", &[1, 10], |k| scenes::flags(k, 30));
 }
 
+/// Half a second of two sheets of 30 x 30 from their tangled start: what `paper_tables` averages.
+fn tangles(c: &mut Criterion) {
+    let mut group = c.benchmark_group("30 frames of two sheets of 30 x 30");
+    group.sample_size(10);
+    for tangle in Tangle::ALL {
+        let scene = scenes::tangle(tangle, 30).untangled(UntangleSettings::default(), EvaluateSettings::default(), false);
+        let Ok(scene) = scene else { continue };
+        group.bench_function(tangle.name(), |b| {
+            b.iter_batched(|| scene.clone(), |mut scene| (0..30).for_each(|_| scene.step(1.0 / 60.0)), BatchSize::LargeInput);
+        });
+    }
+    group.finish();
+}
+
 /// Binding: weld, clean, renumber, batches.
 fn bind(c: &mut Criterion) {
     let mut group = c.benchmark_group("bind");
@@ -49,5 +65,5 @@ fn bind(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, hang, ball, flags, bind);
+criterion_group!(benches, hang, ball, flags, tangles, bind);
 criterion_main!(benches);

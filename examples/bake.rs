@@ -6,7 +6,8 @@
 //!
 //! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame did. The exit code is 0 only if
 //! all was written; a file that cannot be simulated is one line on stderr and exit code 2.
-#![expect(clippy::print_stderr, reason = "a program speaks on its terminal")]
+
+mod cli;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -38,20 +39,14 @@ struct Arguments {
     #[arg(long, default_value_t = 60.0, value_parser = rate)]
     fps: f64,
     /// Substeps per second [Hz] of cloths that have the default rate; more than in a game, since nobody waits.
-    #[arg(long, default_value_t = 7200.0)]
+    #[arg(long, default_value_t = 7200.0, value_parser = substeps)]
     substep_rate: f32,
     /// How crossing cloths are taken apart; the default is what each cloth asks for.
-    #[arg(long, value_parser = method)]
+    #[arg(long, value_parser = cli::method)]
     method: Option<UntangleMethod>,
     /// Folder to write to; made if it is not there.
     #[arg(long, default_value = "bake")]
     out: PathBuf,
-}
-
-fn method(text: &str) -> Result<UntangleMethod, String> {
-    let plain = |name: &str| name.to_lowercase().replace(['-', '_'], "");
-    let known = UntangleMethod::ALL.into_iter().find(|m| plain(&format!("{m:?}")) == plain(text));
-    known.ok_or_else(|| "must be history, local-gradient, global-gradient or by-end-type".into())
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -59,11 +54,16 @@ fn rate(text: &str) -> Result<f64, String> {
     if (1.0..=10_000.0).contains(&fps) { Ok(fps) } else { Err("must be between 1 and 10000".into()) }
 }
 
+fn substeps(text: &str) -> Result<f32, String> {
+    let rate: f32 = text.parse().map_err(|_| "not a number".to_string())?;
+    if (30.0..=10_000.0).contains(&rate) { Ok(rate) } else { Err("must be between 30 and 10000".into()) }
+}
+
 fn main() -> ExitCode {
-    match bake(&Arguments::parse()) {
+    match bake(&cli::parse("bake")) {
         Ok(()) => ExitCode::SUCCESS,
         Err(line) => {
-            eprintln!("bake: {line}");
+            cli::complain("bake", &line);
             ExitCode::from(2)
         }
     }
@@ -259,7 +259,7 @@ fn start(app: &mut App) {
         },
     );
     if let Err(error) = started {
-        eprintln!("bake: the animation does not play: {error}");
+        cli::complain("bake", &format!("the animation does not play: {error}"));
     }
 }
 
@@ -314,6 +314,7 @@ fn describe(app: &mut App, names: &BTreeMap<Entity, String>, frame: u32, elapsed
                 "worst_edge": report.worst_edge,
                 "substeps": report.substeps,
                 "body_contacts": report.body_contacts,
+                "contacts": report.contacts,
                 "crossings": report.crossings,
                 "contours": report.contours,
                 "contour_length": report.contour_length,
@@ -323,6 +324,7 @@ fn describe(app: &mut App, names: &BTreeMap<Entity, String>, frame: u32, elapsed
                     "detect": report.detect_ms,
                     "resolve": report.resolve_ms,
                     "evaluate": report.evaluate_ms,
+                    "respond": report.respond_ms,
                 },
                 "restores": report.restores,
                 "resets": report.resets,

@@ -8,7 +8,7 @@ use stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 fn main() -> AppExit {
     Stage::new("hello_cloth")
-        .camera(OrbitCamera::around(Vec3::new(0.0, 1.1, 0.2), 4.2).from(0.7, 0.25))
+        .camera(OrbitCamera::around(Vec3::new(0.2, 1.1, 0.0), 4.0).from(0.7, 0.25))
         .report(|cloth: Single<&ClothReport>| format!("worst edge {:.3} of rest", cloth.worst_edge))
         .build()
         .add_plugins(ClothPlugin::default())

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The file shows the contract: cloth, pins, colliders, gravity and wind are extras of nodes and of the scene.
-#![expect(clippy::print_stderr, reason = "a program speaks on its terminal")]
 
+mod cli;
 mod glb;
 
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = cli::parse("make_scene");
     let file = match &arguments.obj {
         Some(path) => std::fs::read_to_string(path)
             .map_err(|error| format!("{} cannot be read: {error}", path.display()))
@@ -44,7 +44,7 @@ fn main() -> ExitCode {
     match written {
         Ok(()) => ExitCode::SUCCESS,
         Err(line) => {
-            eprintln!("make_scene: {line}");
+            cli::complain("make_scene", &line);
             ExitCode::from(2)
         }
     }
@@ -56,6 +56,7 @@ fn curtain() -> Vec<u8> {
     let linen = glb.material([0.78, 0.70, 0.55], true);
     let teal = glb.material([0.05, 0.30, 0.32], true);
     let stone = glb.material([0.45, 0.44, 0.42], false);
+    let wood = glb.material([0.30, 0.18, 0.10], false);
 
     let mut curtain = sheet(56, 48, |u, v| vec3(1.6 * (u - 0.5), 1.9 - 1.5 * v, 0.10 * (14.0 * u).sin()));
     let pins = (0..56 * 48).map(|i| if i % 48 == 0 && (i / 48) % 5 == 0 { 1.0 } else { 0.0 }).collect();
@@ -70,7 +71,7 @@ fn curtain() -> Vec<u8> {
     let swing: Vec<Vec3> = times.iter().map(|t| vec3(0.15, 0.9, 0.9 * (t * std::f32::consts::FRAC_PI_2).cos())).collect();
     glb.animate(node, &times, &swing);
 
-    let mesh = glb.mesh(&cuboid(vec3(0.3, 0.25, 0.3)), stone);
+    let mesh = glb.mesh(&cuboid(vec3(0.3, 0.25, 0.3)), wood);
     glb.node("Box", mesh, vec3(1.5, 0.25, 0.2), Quat::from_rotation_y(0.4), json!({ "collider": "cuboid" }));
     let mesh = glb.mesh(&sheet(60, 60, |u, v| vec3(1.2 * (u - 0.5), 0.0, 1.2 * (v - 0.5))), teal);
     let extras = json!({ "cloth": { "material": "cotton", "thickness": 0.016 } });

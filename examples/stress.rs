@@ -3,7 +3,12 @@
 //! ```text
 //! cargo run --release --example stress -- --scene hang --size 64 --json
 //! ```
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a program speaks on its terminal")]
+//!
+//! Where cloths can meet, crossings are looked for in every frame, between cloths and with `--self-collision` in each; elsewhere once at the end, untimed,
+//! of everything with everything, and what would have needed a look at every frame is null.
+#![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
+
+mod cli;
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -46,18 +51,16 @@ enum SceneName {
     Waves,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MethodName {
-    /// Sides are remembered (1995).
-    History,
-    /// Each crossing for itself (2006).
-    LocalGradient,
-    /// One gradient per contour (2009).
-    GlobalGradient,
-    /// By how a contour ends.
-    ByEndType,
-    /// No detection at all.
-    None,
+/// How crossing cloths are taken apart; none: nothing is looked for.
+#[derive(Clone, Copy, Debug)]
+struct MethodChoice(Option<Method>);
+
+fn method_choice(text: &str) -> Result<MethodChoice, String> {
+    if text == "none" {
+        return Ok(MethodChoice(None));
+    }
+    let known = cli::method(text).map(|method| MethodChoice(Some(method.into())));
+    known.map_err(|line| line.replace(" or ", ", ") + " or none")
 }
 
 /// Steps a scene without a window and prints what it cost.
@@ -69,7 +72,7 @@ struct Arguments {
     /// Vertices along each side of a cloth.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
     size: u32,
-    /// Number of cloths in `flags` and `layers`.
+    /// Number of cloths in `hang`, `flags` and `layers`.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     cloths: u32,
     /// Frames of 1/60 s that are timed, after a tenth as many to warm up.
@@ -78,9 +81,10 @@ struct Arguments {
     /// Threads that step cloths.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     threads: u32,
-    /// How crossing cloths are taken apart. Default: by end type where cloths can meet, none elsewhere.
-    #[arg(long, value_enum)]
-    method: Option<MethodName>,
+    /// How crossing cloths are taken apart: history, local-gradient, global-gradient, by-end-type, or none to look for nothing
+    /// [default: by-end-type where cloths can meet, none elsewhere].
+    #[arg(long, value_parser = method_choice)]
+    method: Option<MethodChoice>,
     /// Cloths keep off themselves, too.
     #[arg(long)]
     self_collision: bool,
@@ -90,9 +94,13 @@ struct Arguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = cli::parse("stress");
+    if arguments.cloths > 1 && !matches!(arguments.scene, SceneName::Hang | SceneName::Flags | SceneName::Layers) {
+        cli::complain("stress", "--cloths is for the scenes hang, flags and layers");
+        return ExitCode::from(2);
+    }
     let mut scene = match arguments.scene {
-        SceneName::Hang => scenes::hang(arguments.size),
+        SceneName::Hang => scenes::curtains(arguments.cloths, arguments.size),
         SceneName::Ball => scenes::ball(arguments.size),
         SceneName::Flags => scenes::flags(arguments.cloths, arguments.size),
         SceneName::Sheets => scenes::sheets(arguments.size),
@@ -112,7 +120,7 @@ fn main() -> ExitCode {
         scene = match scene.untangled(settings, EvaluateSettings::default(), arguments.self_collision) {
             Ok(scene) => scene,
             Err(error) => {
-                eprintln!("stress: {error}");
+                cli::complain("stress", &error.to_string());
                 return ExitCode::from(2);
             }
         };
@@ -131,8 +139,19 @@ fn main() -> ExitCode {
         run.frames.push(start.elapsed().as_secs_f64() * 1.0e3);
         run.note(frame, &scene);
     }
-    print(&arguments, &scene, &mut run);
+    let crossings = if scene.untangle.is_some() { Some(scene.crossings()) } else { look(&mut scene) };
+    print(&arguments, &scene, &mut run, crossings);
     ExitCode::SUCCESS
+}
+
+/// Crossings of all cloths with each other and with themselves in a scene in which nobody looked for them; none if there are too many cloths to look at.
+fn look(scene: &mut Scene) -> Option<u32> {
+    let only = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
+    *scene = scene.clone().untangled(only, EvaluateSettings::default(), true).ok()?;
+    scene.settle(0.0);
+    let crossings = scene.crossings();
+    scene.untangle = None;
+    Some(crossings)
 }
 
 /// The method asked for, or the one that suits the scene.
@@ -140,11 +159,7 @@ fn method(arguments: &Arguments) -> Option<Method> {
     use SceneName::{Ball, Flags, Hang};
     let meets = arguments.self_collision || !matches!(arguments.scene, Hang | Ball | Flags);
     match arguments.method {
-        Some(MethodName::None) => None,
-        Some(MethodName::History) => Some(Method::History),
-        Some(MethodName::LocalGradient) => Some(Method::LocalGradient),
-        Some(MethodName::GlobalGradient) => Some(Method::GlobalGradient),
-        Some(MethodName::ByEndType) => Some(Method::ByEndType),
+        Some(MethodChoice(method)) => method,
         None => meets.then_some(Method::ByEndType),
     }
 }
@@ -155,7 +170,7 @@ struct Run {
     /// Time of every frame [ms].
     frames: Vec<f64>,
     /// Time of every stage and frame [ms].
-    stages: [Vec<f64>; 4],
+    stages: [Vec<f64>; 5],
     held_frames: u32,
     tangled_frames: u32,
     /// First frame after which nothing crossed any more.
@@ -165,8 +180,8 @@ struct Run {
 
 impl Run {
     fn note(&mut self, frame: u32, scene: &Scene) {
-        let StageTimes { integrate, detect, resolve, evaluate } = scene.times;
-        for (times, time) in self.stages.iter_mut().zip([integrate, detect, resolve, evaluate]) {
+        let StageTimes { integrate, detect, resolve, evaluate, respond } = scene.times;
+        for (times, time) in self.stages.iter_mut().zip([integrate, detect, resolve, evaluate, respond]) {
             times.push(time);
         }
         self.held_frames += u32::from(scene.is_held());
@@ -187,7 +202,9 @@ fn percentile(times: &mut [f64], p: usize) -> f64 {
 /// One frame of 1/60 s; cloths are dealt to the threads.
 fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     let dt = 1.0 / 60.0;
-    let Some(pool) = pool else {
+    // Cloths that touch each other are stepped side by side.
+    let touch = scene.untangle.as_ref().is_some_and(|u| u.contact);
+    let Some(pool) = pool.filter(|_| !touch) else {
         scene.step(dt);
         return;
     };
@@ -206,8 +223,8 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     scene.settle(dt);
 }
 
-fn print(arguments: &Arguments, scene: &Scene, run: &mut Run) {
-    let [integrate, detect, resolve, evaluate] = &mut run.stages;
+fn print(arguments: &Arguments, scene: &Scene, run: &mut Run, crossings: Option<u32>) {
+    let [integrate, detect, resolve, evaluate, respond] = &mut run.stages;
     let particles: usize = scene.cloths.iter().map(|c| c.state.positions.len()).sum();
     let springs: usize = scene.cloths.iter().map(|c| c.rest.constraints()).sum();
     let substeps = scene.cloths.first().map_or(0, |c| c.report.substeps);
@@ -217,8 +234,9 @@ fn print(arguments: &Arguments, scene: &Scene, run: &mut Run) {
     let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
     let mean = scene.cloths.iter().map(|c| c.report.mean_edge).fold(0.0, f32::max);
     let lowest = scene.cloths.iter().map(SceneCloth::lowest).fold(f32::INFINITY, f32::min);
+    let seen = |count: u32| scene.untangle.is_some().then_some(count);
     let line = serde_json::json!({
-        "scene": format!("{:?}", arguments.scene).to_lowercase(),
+        "scene": arguments.scene.to_possible_value().map(|value| value.get_name().to_string()),
         "size": arguments.size,
         "cloths": scene.cloths.len(),
         "threads": arguments.threads,
@@ -233,11 +251,12 @@ fn print(arguments: &Arguments, scene: &Scene, run: &mut Run) {
             "detect": percentile(detect, 50),
             "resolve": percentile(resolve, 50),
             "evaluate": percentile(evaluate, 50),
+            "respond": percentile(respond, 50),
         },
-        "crossings": scene.crossings(),
-        "most_crossings": run.most_crossings,
-        "tangled_frames": run.tangled_frames,
-        "clean_after": run.clean_after,
+        "crossings": crossings,
+        "most_crossings": seen(run.most_crossings),
+        "tangled_frames": seen(run.tangled_frames),
+        "clean_after": seen(run.clean_after),
         "held_frames": run.held_frames,
         "bytes_per_particle": (shared + own) / particles.max(1),
         "worst_edge": worst,

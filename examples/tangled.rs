@@ -1,83 +1,123 @@
-//! Sheets that start in each other, and how they come apart.
+//! Sheets that get into each other, or start in themselves, and how they come apart, in slow motion.
 //!
-//! Eight tangles in slow motion, floating; what crosses is drawn as a coloured line. `--units FOLDER` adds the seven contour units of Wicke et al. 2006
-//! from `unit_*.obj` files.
+//! Two sheets that are clean are put into each other: eight tangles. What crosses is drawn as a coloured line; while the last clean shape is held in place of
+//! the tangled one, as it would be in a game, it is shown as a ghost. Seven more start tangled, in themselves: there is no clean shape to hold.
 //!
 //! | key | does |
 //! |---|---|
 //! | 1 to 8 | one tangle: dent, deep dent, corner, border overlap, strip stab, tilted strip, full cut, waves |
-//! | 0 | all of them |
-//! | F1 to F7 | the seven units, if they are there |
+//! | F1 to F7 | one contour unit: closed, eight, LL, BBII, BIBI, BLI, cross |
+//! | 0, 9 | all tangles, all units |
 //! | H, L, G, E | history (1995), local gradient (2006), global gradient (2009), by end type |
+//! | P | holds for two frames, as by default, or until clean, as in the paper |
 //! | S | slow motion or real time |
-//! | space | pauses |
+//! | R, space | again, pauses |
 
 mod stage;
 mod tangles;
 
-use std::path::{Path, PathBuf};
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::Tangle;
+use bevy_drape::scenes::{Tangle, Unit};
 use bevy_drape::solver::rest::SourceMesh;
 use clap::Parser;
 use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use tangles::label::{Label, label};
+use tangles::state::Most;
+use tangles::{ghost, grid_mesh, upright};
 
 /// Vertices along each side of a sheet.
 const SIZE: u32 = 30;
-/// Pace of slow motion.
+/// Time between two frames that are simulated, in slow motion [s].
 const SLOW: f32 = 0.2;
-/// The units, in the order of their keys.
-const UNITS: [&str; 7] = ["Closed", "Eight", "LL", "BBII", "BIBI", "BLI", "Cross"];
-/// How often each triangle of a unit is cut into four.
-const SUBDIVISIONS: u32 = 3;
+/// How long two sheets are apart before they are put into each other, or one is left in itself [s], and how far apart they are [m].
+const APART: (f32, f32) = (0.07, 0.03);
+/// Distance between columns and between rows when all are shown [m].
+const GRID: (f32, f32) = (1.5, 1.36);
+/// Turn of everything about the vertical, so that no strip is seen from its edge [rad].
+const TURN: f32 = -0.5;
 
-/// Sheets that start in each other.
+/// Sheets that get into each other, and how they come apart.
 #[derive(Parser, Clone)]
 struct Arguments {
     #[command(flatten)]
     stage: StageArgs,
     /// Which tangle to show first, 1 to 8; 0 shows all.
-    #[arg(long, default_value_t = 0)]
-    tangle: usize,
-    /// Folder with the contour units.
-    #[arg(long)]
-    units: Option<PathBuf>,
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=8))]
+    tangle: u32,
+    /// Which contour unit to show first instead, 1 to 7; 0 shows all.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=7))]
+    unit: Option<u32>,
+}
+
+/// What is shown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shown {
+    Tangles,
+    Tangle(usize),
+    Units,
+    Unit(usize),
+}
+
+impl Shown {
+    fn is_one(self) -> bool {
+        matches!(self, Self::Tangle(_) | Self::Unit(_))
+    }
 }
 
 /// What the keys choose.
 #[derive(Resource)]
 struct Choice {
-    tangle: usize,
-    unit: Option<usize>,
-    units: Option<PathBuf>,
+    shown: Shown,
     method: UntangleMethod,
+    policy: SkipPolicy,
     slow: bool,
 }
 
 fn main() -> AppExit {
     let arguments = Arguments::parse();
-    let (distance, middle) = if arguments.tangle == 0 { (8.4, 1.15) } else { (2.6, 1.2) };
-    let choice = Choice {
-        tangle: arguments.tangle.min(8),
-        unit: None,
-        units: arguments.units,
-        method: UntangleMethod::ByEndType,
-        slow: true,
+    let shown = match (arguments.unit, arguments.tangle) {
+        (Some(0), _) => Shown::Units,
+        (Some(k), _) => Shown::Unit(k as usize - 1),
+        (None, 0) => Shown::Tangles,
+        (None, k) => Shown::Tangle(k as usize - 1),
     };
+    let choice = Choice { shown, method: UntangleMethod::ByEndType, policy: SkipPolicy::Ladder, slow: true };
     Stage::from_args("tangled", arguments.stage)
-        .camera(OrbitCamera::around(Vec3::new(0.0, middle, 0.0), distance).from(0.4, 0.3))
-        .hint("0 to 8: tangle    F1 to F7: unit    H L G E: method    S: slow motion    space: pause")
+        .camera(camera(shown))
+        .hint("0 to 8: tangle   9, F1 to F7: unit   H L G E: method   P: hold   S: slow motion   R: again")
         .report(report)
         .build()
         .add_plugins((ClothPlugin::default(), tangles::plugin))
         .insert_resource(ClothGravity(Vec3::ZERO))
         .insert_resource(choice)
+        .add_observer(ghost::banish)
         .add_systems(Startup, spawn)
-        .add_systems(Update, (keys, pace, describe).chain())
+        .add_systems(Update, (keys, pace, begin, describe, ghost::conjure).chain())
+        .add_systems(PostUpdate, ghost::appear.after(ClothSystems::Evaluate).before(ClothSystems::Sync))
         .run()
 }
+
+fn camera(shown: Shown) -> OrbitCamera {
+    if shown.is_one() {
+        OrbitCamera::around(Vec3::new(0.0, 0.85, 0.0), 2.9).from(0.0, 0.25)
+    } else {
+        OrbitCamera::around(Vec3::new(0.0, 1.30, 0.0), 6.1).from(0.0, 0.25)
+    }
+}
+
+/// What happens once a sheet was shown as it is.
+#[derive(Component)]
+enum Next {
+    /// It is put into another [m].
+    Push(Vec3),
+    /// It is taken apart.
+    Untangle(Untangle),
+}
+
+/// What a cloth is called, and its words.
+#[derive(Component)]
+struct Title(&'static str, Entity);
 
 fn spawn(
     mut commands: Commands,
@@ -86,132 +126,163 @@ fn spawn(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
 ) {
-    let cream = fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.93, 0.90, 0.82), 6.0);
-    let red = fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.70, 0.18, 0.14), 6.0);
-    let mut spawn = |name: &str, source: &SourceMesh, second: bool, at: Vec3| {
-        let coordinates = |i: usize| [source.positions[i].x + 0.5, source.positions[i].y + 0.5];
-        commands.spawn((
-            Name::new(name.to_string()),
-            Mesh3d(meshes.add(tangles::mesh(source, coordinates))),
-            MeshMaterial3d(if second { red.clone() } else { cream.clone() }),
-            // What was up in the formulas lies along z here.
-            Transform::from_translation(at).with_rotation(Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2)),
-            (Cloth, ClothMaterial::COTTON, Untangle::default().with_method(choice.method)),
-        ));
+    let mut cotton = |color: Color| fabric(&mut images, &mut materials, FabricLook::Cotton, color, 6.0);
+    let (cream, red) = (cotton(Color::srgb(0.93, 0.90, 0.82)), cotton(Color::srgb(0.70, 0.18, 0.14)));
+    let one = choice.shown.is_one();
+    let place = |k: usize| {
+        let (column, row) = ((k % 4) as f32, (k / 4) as f32);
+        if one { Vec3::new(0.0, 0.85, 0.0) } else { Vec3::new(GRID.0 * (column - 1.5), 0.72 + GRID.1 * (1.0 - row), 0.0) }
     };
-    if let Some(unit) = choice.unit {
-        let path = choice.units.as_ref().map(|folder| folder.join(format!("unit_{}.obj", UNITS[unit])));
-        match path.as_deref().and_then(read_obj) {
-            Some(mesh) => spawn(UNITS[unit], &mesh, false, Vec3::new(0.0, 1.3, 0.0)),
-            None => warn!("there is no unit_{}.obj: `--units FOLDER` says where to look", UNITS[unit]),
-        }
-        return;
-    }
-    for (i, tangle) in Tangle::ALL.into_iter().enumerate() {
-        let at = match choice.tangle {
-            0 => Vec3::new(1.6 * (i % 4) as f32 - 2.4, 2.1 - 1.4 * (i / 4) as f32, 0.0),
-            k if k == i + 1 => Vec3::new(0.0, 1.2, 0.0),
-            _ => continue,
-        };
+    let untangle = Untangle::default().with_method(choice.method);
+    let skip = SkipFrame { policy: choice.policy, ..default() };
+    let mut spawn = |source: &SourceMesh, material: &Handle<StandardMaterial>, at: Vec3| {
+        let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(TURN) * upright());
+        let look = (Mesh3d(meshes.add(grid_mesh(source))), MeshMaterial3d(material.clone()), place);
+        commands.spawn((look, Cloth, ClothMaterial::COTTON, untangle, skip)).id()
+    };
+    let mut titled = Vec::new();
+    for (k, tangle) in Tangle::ALL.into_iter().enumerate().filter(|(k, _)| match choice.shown {
+        Shown::Tangles => true,
+        Shown::Tangle(only) => only == *k,
+        Shown::Units | Shown::Unit(_) => false,
+    }) {
         let [first, second] = tangle.meshes(SIZE);
-        spawn(tangle.name(), &first, false, at);
-        spawn("", &second, true, at);
+        let above = Vec3::Y * (APART.1 + top(&first) - bottom(&second));
+        // Both together stand in the middle.
+        let at = place(k) - Quat::from_rotation_y(TURN) * upright() * middle(&[&first, &second]);
+        titled.push((tangle.name(), spawn(&first, &cream, at), None, place(k)));
+        titled.push(("", spawn(&second, &red, at + above), Some(Next::Push(-above)), place(k)));
+    }
+    for (k, unit) in Unit::ALL.into_iter().enumerate().filter(|(k, _)| match choice.shown {
+        Shown::Units => true,
+        Shown::Unit(only) => only == *k,
+        Shown::Tangles | Shown::Tangle(_) => false,
+    }) {
+        titled.push((unit.name(), spawn(&unit.mesh(SIZE / 2), &cream, place(k)), Some(Next::Untangle(untangle)), place(k)));
+    }
+    for (name, cloth, next, at) in titled {
+        if !name.is_empty() {
+            let words = commands.spawn(label(at - 0.55 * Vec3::Y, name, if one { 15.0 } else { 12.0 })).id();
+            commands.entity(cloth).insert((Title(name, words), Most::default()));
+        }
+        if let Some(Next::Untangle(_)) = next {
+            let wait = Untangle { iterations: 0, ..untangle };
+            commands.entity(cloth).insert((ClothCollision { self_collision: true, ..default() }, wait));
+        }
+        if let Some(next) = next {
+            commands.entity(cloth).insert(next);
+        }
     }
 }
 
-/// The vertices and triangles of an OBJ file, subdivided and brought to the size of a metre.
-fn read_obj(path: &Path) -> Option<SourceMesh> {
-    let text = std::fs::read_to_string(path).ok()?;
-    let mut mesh = SourceMesh::default();
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        let kind = words.next();
-        if kind == Some("v") {
-            let c: Vec<f32> = words.filter_map(|w| w.parse().ok()).collect();
-            mesh.positions.push(Vec3::new(*c.first()?, *c.get(1)?, *c.get(2)?));
-        } else if kind == Some("f") {
-            let c: Vec<u32> = words.filter_map(|w| w.split('/').next()?.parse::<u32>().ok()?.checked_sub(1)).collect();
-            mesh.triangles.push([*c.first()?, *c.get(1)?, *c.get(2)?]);
-        }
-    }
-    for _ in 0..SUBDIVISIONS {
-        subdivide(&mut mesh)?;
-    }
-    let (low, high) = mesh.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
-    let size = (high - low).max_element();
-    for p in &mut mesh.positions {
-        *p = (*p - 0.5 * (low + high)) / size;
-    }
-    Some(mesh)
+/// The middle of sheets, at their own height [m].
+fn middle(sheets: &[&SourceMesh]) -> Vec3 {
+    let all = sheets.iter().flat_map(|sheet| &sheet.positions);
+    let (low, high) = all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    (0.5 * (low + high)).with_z(0.0)
 }
 
-/// Each triangle becomes four.
-fn subdivide(mesh: &mut SourceMesh) -> Option<()> {
-    let mut middles = std::collections::BTreeMap::new();
-    let mut triangles = Vec::new();
-    for t in &mesh.triangles {
-        let mut m = [0; 3];
-        for (k, m) in m.iter_mut().enumerate() {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            let middle = 0.5 * (*mesh.positions.get(a as usize)? + *mesh.positions.get(b as usize)?);
-            *m = *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                mesh.positions.push(middle);
-                mesh.positions.len() as u32 - 1
-            });
+/// Height of the highest vertex [m].
+fn top(mesh: &SourceMesh) -> f32 {
+    mesh.positions.iter().map(|p| p.z).fold(f32::NEG_INFINITY, f32::max)
+}
+
+/// Height of the lowest vertex [m].
+fn bottom(mesh: &SourceMesh) -> f32 {
+    mesh.positions.iter().map(|p| p.z).fold(f32::INFINITY, f32::min)
+}
+
+/// Puts sheets into each other, and lets go of those that are in themselves.
+fn begin(
+    mut commands: Commands,
+    time: Res<Time>,
+    cloths: Query<(Entity, &Next, &ClothReport, &mut ClothParticles, &mut Untangle)>,
+) {
+    for (cloth, next, report, mut particles, mut untangle) in cloths {
+        // What is shown between two simulated frames is not looked at.
+        if report.time < APART.0 || time.delta_secs() == 0.0 {
+            continue;
         }
-        triangles.extend([[t[0], m[0], m[2]], [m[0], t[1], m[1]], [m[2], m[1], t[2]], m]);
+        match next {
+            Next::Push(by) => {
+                let state = particles.state_mut();
+                state.positions.iter_mut().chain(&mut state.previous).for_each(|p| *p += by.extend(0.0));
+            }
+            Next::Untangle(settings) => *untangle = *settings,
+        }
+        commands.entity(cloth).remove::<Next>();
     }
-    mesh.triangles = triangles;
-    Some(())
 }
 
 fn keys(
     mut commands: Commands,
     keys: Res<ButtonInput<KeyCode>>,
     mut choice: ResMut<Choice>,
-    cloths: Query<Entity, With<Cloth>>,
+    spawned: Query<Entity, Or<(With<Cloth>, With<Label>)>>,
+    mut eye: Single<&mut OrbitCamera>,
 ) {
     use KeyCode::*;
-    let digits = [Digit0, Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8];
-    let mut again = false;
-    if let Some(k) = digits.into_iter().position(|key| keys.just_pressed(key)) {
-        (choice.tangle, choice.unit, again) = (k, None, true);
-    }
-    if let Some(k) = [F1, F2, F3, F4, F5, F6, F7].into_iter().position(|key| keys.just_pressed(key)) {
-        (choice.unit, again) = (Some(k), true);
+    let one = choice.shown.is_one();
+    let mut again = keys.just_pressed(KeyR);
+    let tangles = [Digit1, Digit2, Digit3, Digit4, Digit5, Digit6, Digit7, Digit8].into_iter().enumerate();
+    let units = [F1, F2, F3, F4, F5, F6, F7].into_iter().enumerate();
+    let shown = tangles
+        .map(|(k, key)| (key, Shown::Tangle(k)))
+        .chain(units.map(|(k, key)| (key, Shown::Unit(k))))
+        .chain([(Digit0, Shown::Tangles), (Digit9, Shown::Units)]);
+    for (_, shown) in shown.filter(|(key, _)| keys.just_pressed(*key)) {
+        (choice.shown, again) = (shown, true);
     }
     for (key, method) in [KeyH, KeyL, KeyG, KeyE].into_iter().zip(UntangleMethod::ALL) {
         if keys.just_pressed(key) {
             (choice.method, again) = (method, true);
         }
     }
+    if keys.just_pressed(KeyP) {
+        let ladder = choice.policy == SkipPolicy::Ladder;
+        (choice.policy, again) = (if ladder { SkipPolicy::UntilClean { max: 600 } } else { SkipPolicy::Ladder }, true);
+    }
     if keys.just_pressed(KeyS) {
         choice.slow = !choice.slow;
     }
     if again {
-        cloths.iter().for_each(|cloth| commands.entity(cloth).despawn());
+        if one != choice.shown.is_one() {
+            **eye = camera(choice.shown);
+        }
+        spawned.iter().for_each(|entity| commands.entity(entity).despawn());
         commands.run_system_cached(spawn);
     }
 }
 
-fn pace(choice: Res<Choice>, mut time: ResMut<Time<Virtual>>) {
-    if choice.is_changed() {
-        time.set_relative_speed(if choice.slow { SLOW } else { 1.0 });
+/// Untangling goes by frames: slow motion lets time stand still between them.
+fn pace(choice: Res<Choice>, real: Res<Time<Real>>, mut time: ResMut<Time<Virtual>>, mut waited: Local<f32>) {
+    *waited += real.delta_secs();
+    let due = *waited > SLOW - 0.001;
+    if due {
+        *waited = 0.0;
     }
+    time.set_relative_speed(if due || !choice.slow { 1.0 } else { 0.0 });
 }
 
-fn describe(choice: Res<Choice>, cloths: Query<(&Name, &ClothReport)>, mut panel: Query<&mut Text, With<tangles::Panel>>) {
+fn describe(
+    choice: Res<Choice>,
+    cloths: Query<(&Title, &ClothReport)>,
+    mut labels: Query<&mut Text, With<Label>>,
+    mut panel: Query<&mut Text, (With<tangles::Panel>, Without<Label>)>,
+) {
+    for (Title(name, words), report) in &cloths {
+        if let Ok(mut text) = labels.get_mut(*words) {
+            let held = if report.held { ", held" } else { "" };
+            text.set_if_neq(Text(format!("{name}\n{} crossings{held}", report.crossings)));
+        }
+    }
     for mut text in &mut panel {
-        text.0 = words(&choice, &cloths);
+        let hold = if choice.policy == SkipPolicy::Ladder { "held for 2 frames" } else { "held until clean" };
+        let pace = if choice.slow { format!("{:.0} frames a second", 1.0 / SLOW) } else { "real time".into() };
+        text.set_if_neq(Text(format!("{:?}, {hold}, {pace}", choice.method)));
     }
 }
 
-fn words(choice: &Choice, cloths: &Query<(&Name, &ClothReport)>) -> String {
-    let named = cloths.iter().filter(|(name, _)| !name.as_str().is_empty());
-    let lines: String = named.map(|(name, report)| format!("{name}: {}\n", tangles::line(report))).collect();
-    format!("{:?}\n{lines}", choice.method)
-}
-
-fn report(choice: Res<Choice>, cloths: Query<(&Name, &ClothReport)>) -> String {
-    words(&choice, &cloths)
+fn report(cloths: Query<(&Title, &ClothReport, &Most)>) -> String {
+    cloths.iter().map(|(title, report, most)| format!("{}: {}\n", title.0, tangles::line(report, most))).collect()
 }

@@ -1,13 +1,14 @@
 //! Two sheets driven through each other: the experiment of Wen et al. 2009.
 //!
 //! A sheet is stretched between its four corners; another hangs above, and its upper border is moved down and up again, so fast that it goes
-//! right through. What crosses is drawn as a coloured line. On the left the method of 2006, on the right the one that is chosen.
+//! right through. What crosses is drawn as a coloured line. Side by side (`--side-by-side`, or S): the three states of the paper's figures 4 and 5 on
+//! sheets that start in each other, above with the method of 2006, below with ours.
 //!
 //! | key | does |
 //! |---|---|
 //! | 1, 2, 3, 4 | history (1995), local gradient (2006), global gradient (2009), by end type |
 //! | up, down | finer and coarser sheets, 10² to 100² |
-//! | B | one pair of sheets, or two side by side |
+//! | S | one pair that is driven, or the three states side by side |
 //! | R | again |
 //! | space | pauses |
 
@@ -16,27 +17,39 @@ mod tangles;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use clap::Parser;
+use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use tangles::state::Most;
+use tangles::three_states::{self, Prop};
 
 /// Vertices along each side.
 const SIZES: [u32; 7] = [10, 15, 20, 25, 30, 64, 100];
 /// Height of the stretched sheet [m].
-const HEIGHT: f32 = 0.9;
+const HEIGHT: f32 = 0.75;
 /// How far the hanging sheet is driven down [m], and how long it takes to go down and up again [s].
 const DRIVE: (f32, f32) = (0.55, 3.0);
-/// Distance between the two pairs [m].
-const APART: f32 = 1.5;
+
+/// Two sheets driven through each other.
+#[derive(Parser, Clone)]
+struct Arguments {
+    #[command(flatten)]
+    stage: StageArgs,
+    /// Show the three states of the paper, the method of 2006 above ours.
+    #[arg(long)]
+    side_by_side: bool,
+}
 
 fn main() -> AppExit {
-    Stage::new("two_sheets")
-        .camera(OrbitCamera::around(Vec3::new(0.0, 1.05, 0.0), 4.2).from(0.5, 0.3))
-        .hint("1 to 4: method    up, down: size    B: side by side    R: again    space: pause")
+    let arguments = Arguments::parse();
+    Stage::from_args("two_sheets", arguments.stage)
+        .camera(camera(arguments.side_by_side))
+        .hint("1 to 4: method   up, down: size   S: side by side   R: again")
         .report(report)
         .build()
         .add_plugins((ClothPlugin::default(), tangles::plugin))
-        .init_resource::<Choice>()
+        .insert_resource(Choice { beside: arguments.side_by_side, ..default() })
         .add_systems(Startup, sheets)
-        .add_systems(Update, (keys, drive, describe).chain())
+        .add_systems(Update, (keys, drive, three_states::watch, describe).chain())
         .run()
 }
 
@@ -52,51 +65,58 @@ struct Choice {
 
 impl Default for Choice {
     fn default() -> Self {
-        Self { method: UntangleMethod::ByEndType, size: 4, beside: true, since: 0.0 }
+        Self { method: UntangleMethod::ByEndType, size: 4, beside: false, since: 0.0 }
     }
 }
 
-/// The sheet that is driven, and its pair.
+/// The sheet that is driven.
 #[derive(Component)]
 struct Driven;
+
+fn camera(beside: bool) -> OrbitCamera {
+    if beside {
+        OrbitCamera::around(three_states::MIDDLE, 4.5).from(0.0, 0.3)
+    } else {
+        OrbitCamera::around(Vec3::new(0.0, 0.82, 0.0), 2.7).from(0.5, 0.3)
+    }
+}
 
 fn sheets(
     mut commands: Commands,
     choice: Res<Choice>,
+    mut gravity: ResMut<ClothGravity>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
 ) -> Result {
+    let mut cotton = |color: Color| fabric(&mut images, &mut materials, FabricLook::Cotton, color, 6.0);
+    let (cream, blue) = (cotton(Color::srgb(0.93, 0.90, 0.82)), cotton(Color::srgb(0.16, 0.30, 0.62)));
+    if choice.beside {
+        *gravity = ClothGravity(Vec3::ZERO);
+        three_states::spawn(&mut commands, &mut meshes, [cream, blue], SIZES[choice.size]);
+        return Ok(());
+    }
+    *gravity = ClothGravity::default();
     let subdivisions = SIZES[choice.size] - 2;
     let flat = Plane3d::default().mesh().size(1.0, 1.0).subdivisions(subdivisions).build().with_generated_tangents()?;
     let hanging = Plane3d::new(Vec3::Z, Vec2::new(0.3, 0.4)).mesh().subdivisions(subdivisions).build();
-    let (flat, hanging) = (meshes.add(flat), meshes.add(hanging.with_generated_tangents()?));
-    let cream = fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.93, 0.90, 0.82), 6.0);
-    let blue = fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.16, 0.30, 0.62), 6.0);
-    let pairs = if choice.beside {
-        vec![(UntangleMethod::LocalGradient, -0.5 * APART), (choice.method, 0.5 * APART)]
-    } else {
-        vec![(choice.method, 0.0)]
-    };
-    for (method, x) in pairs {
-        let untangle = Untangle::default().with_method(method);
-        commands.spawn((
-            Name::new(format!("{method:?}")),
-            Mesh3d(flat.clone()),
-            MeshMaterial3d(cream.clone()),
-            Transform::from_xyz(x, HEIGHT, 0.0),
-            (Cloth, ClothMaterial::COTTON, untangle),
-            ClothPins::where_position(|p| p.x.abs() > 0.499 && p.z.abs() > 0.499),
-        ));
-        commands.spawn((
-            Driven,
-            Mesh3d(hanging.clone()),
-            MeshMaterial3d(blue.clone()),
-            Transform::from_xyz(x + 0.03, top(0.0), 0.02).with_rotation(Quat::from_rotation_y(0.35)),
-            (Cloth, ClothMaterial::COTTON, untangle),
-            ClothPins::where_position(|p| p.y > 0.399),
-        ));
-    }
+    let untangle = Untangle::default().with_method(choice.method);
+    commands.spawn((
+        Most::default(),
+        Mesh3d(meshes.add(flat)),
+        MeshMaterial3d(cream),
+        Transform::from_xyz(0.0, HEIGHT, 0.0),
+        (Cloth, ClothMaterial::COTTON, untangle),
+        ClothPins::where_position(|p| p.x.abs() > 0.499 && p.z.abs() > 0.499),
+    ));
+    commands.spawn((
+        Driven,
+        Mesh3d(meshes.add(hanging.with_generated_tangents()?)),
+        MeshMaterial3d(blue),
+        Transform::from_xyz(0.03, top(0.0), 0.02).with_rotation(Quat::from_rotation_y(0.35)),
+        (Cloth, ClothMaterial::COTTON, untangle),
+        ClothPins::where_position(|p| p.y > 0.399),
+    ));
     Ok(())
 }
 
@@ -117,7 +137,8 @@ fn keys(
     keys: Res<ButtonInput<KeyCode>>,
     time: Res<Time>,
     mut choice: ResMut<Choice>,
-    cloths: Query<Entity, With<Cloth>>,
+    spawned: Query<Entity, Or<(With<Cloth>, With<Prop>)>>,
+    mut eye: Single<&mut OrbitCamera>,
 ) {
     let digits = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4];
     let mut again = keys.just_pressed(KeyCode::KeyR);
@@ -126,8 +147,9 @@ fn keys(
             (choice.method, again) = (method, true);
         }
     }
-    if keys.just_pressed(KeyCode::KeyB) {
+    if keys.just_pressed(KeyCode::KeyS) {
         (choice.beside, again) = (!choice.beside, true);
+        **eye = camera(choice.beside);
     }
     if keys.just_pressed(KeyCode::ArrowUp) {
         (choice.size, again) = ((choice.size + 1).min(SIZES.len() - 1), true);
@@ -137,22 +159,23 @@ fn keys(
     }
     if again {
         choice.since = time.elapsed_secs();
-        cloths.iter().for_each(|cloth| commands.entity(cloth).despawn());
+        spawned.iter().for_each(|entity| commands.entity(entity).despawn());
         commands.run_system_cached(sheets);
     }
 }
 
-fn describe(choice: Res<Choice>, pairs: Query<(&Name, &ClothReport)>, mut panel: Query<&mut Text, With<tangles::Panel>>) {
+fn describe(choice: Res<Choice>, pair: Query<(&ClothReport, &Most)>, mut panel: Query<&mut Text, With<tangles::Panel>>) {
     for mut text in &mut panel {
-        text.0 = words(&choice, &pairs);
+        let words = if choice.beside { String::new() } else { words(&choice, &pair) };
+        text.set_if_neq(Text(words));
     }
 }
 
-fn words(choice: &Choice, pairs: &Query<(&Name, &ClothReport)>) -> String {
+fn words(choice: &Choice, pair: &Query<(&ClothReport, &Most)>) -> String {
     let n = SIZES[choice.size];
-    pairs.iter().map(|(name, report)| format!("{name}, {n}x{n}: {}\n", tangles::line(report))).collect()
+    pair.iter().map(|(report, most)| format!("{:?}, {n}x{n}: {}", choice.method, tangles::line(report, most))).collect()
 }
 
-fn report(choice: Res<Choice>, pairs: Query<(&Name, &ClothReport)>) -> String {
-    words(&choice, &pairs)
+fn report(choice: Res<Choice>, pair: Query<(&ClothReport, &Most)>, cells: Query<&Text, With<three_states::Cell>>) -> String {
+    if choice.beside { three_states::report(cells) } else { words(&choice, &pair) }
 }

@@ -14,7 +14,9 @@ use crate::simulation::{ClothInputs, ClothParticles};
 use crate::solver::detect::PartRef;
 use crate::solver::group::{Group, UntangleSettings};
 use crate::solver::rest::RestShape;
+use crate::solver::body::Touch;
 use crate::solver::state::ClothState;
+use crate::solver::step::{Scratch, StepReport};
 
 /// Farthest coordinate from a cloth's origin at which it is looked at [m].
 const FARTHEST: f64 = 1.0e6;
@@ -42,14 +44,31 @@ pub(crate) struct ClothGroup {
     pub settings: UntangleSettings,
     /// Origin of the frame of the group in the world [m].
     pub origin: DVec3,
-    /// Time spent on detecting, resolving and evaluating [ms].
-    pub times: [f32; 3],
+    /// Time spent on detecting, resolving, evaluating and responding [ms].
+    pub times: [f32; 4],
+    /// What members are stepped with while they are stepped side by side.
+    pub work: Vec<Work>,
+    /// Thickness and friction of each member.
+    pub touch: Vec<Touch>,
+}
+
+/// What is borrowed from a member while it is stepped.
+#[derive(Default)]
+pub(crate) struct Work {
+    pub state: ClothState,
+    pub solver: Scratch,
+    pub report: Option<StepReport>,
 }
 
 impl ClothGroup {
     /// From the frame of a cloth to that of the group [m].
     pub fn offset(&self, origin: DVec3) -> Vec3 {
         (origin - self.origin).as_vec3()
+    }
+
+    /// Whether its members are stepped side by side.
+    pub fn is_together(&self) -> bool {
+        !self.work.is_empty()
     }
 
     /// Share of cloth `part` in what the group costs.
@@ -178,7 +197,7 @@ impl ClothGroups {
                 let Some(built) = build(members) else { continue };
                 (group.group, group.members) = (built, members.clone());
             }
-            (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 3]);
+            (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 4]);
             for (part, member) in group.members.iter().enumerate() {
                 place(member.entity, list.len() as u32, part as u32);
             }

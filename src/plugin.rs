@@ -23,7 +23,7 @@ use crate::groups::ClothGroups;
 use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
-use crate::systems::{bind, colliders, detect, evaluate, inputs, integrate, release, resolve, sources, sync};
+use crate::systems::{bind, colliders, detect, evaluate, inputs, integrate, release, resolve, respond, sources, sync};
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
 ///
@@ -133,6 +133,7 @@ impl Plugin for ClothPlugin {
                 ((evaluate::look, evaluate::judge, evaluate::tell).chain().run_if(time_flows), evaluate::recoveries)
                     .chain()
                     .in_set(ClothSystems::Evaluate),
+                respond::respond.run_if(time_flows).in_set(ClothSystems::Respond),
             ),
         )
         .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));

@@ -1,27 +1,31 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
+mod driven;
 mod seeds;
 mod tangles;
+mod units;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
+pub use driven::driven;
 pub use seeds::{Seed, SeedKind, SeedRun};
 pub use tangles::Tangle;
+pub use units::Unit;
 
-use crate::solver::body::{Body, Pose, shape};
+use crate::solver::body::{Body, Pose, Touch, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
 use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Resort, Shown, Verdict};
 use crate::solver::fit::fit;
-use crate::solver::group::{Display, Group, UntangleSettings};
+use crate::solver::group::{Display, Group, Member, Members, UntangleSettings};
 use crate::solver::load::{self, LoadReport};
 use crate::solver::resolve::Contour;
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
-use crate::solver::step::{self, Anchors, FrameInput, Scratch, StepReport};
+use crate::solver::step::{self, Anchors, FrameInput, Scratch, StepReport, Stepped};
 use crate::solver::wind::{Turbulence, Wind};
 
 /// Standard gravity [m/s²].
@@ -118,6 +122,11 @@ impl SceneCloth {
         self.anchors.from.clone_from(&self.anchors.to);
     }
 
+    fn member<'a>(&'a mut self, input: FrameInput<'a>) -> Member<'a> {
+        let Self { rest, fabric, stepping, anchors, state, scratch, .. } = self;
+        Member { cloth: Stepped { rest, fabric, anchors, input }, stepping, state, scratch, offset: Vec3::ZERO, moves: true }
+    }
+
     /// Kinetic energy plus potential energy against the origin [J]; what the springs store is not counted.
     #[must_use]
     pub fn energy(&self, gravity: Vec3) -> f64 {
@@ -134,6 +143,25 @@ impl SceneCloth {
     #[must_use]
     pub fn lowest(&self) -> f32 {
         self.state.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// The cloths of a scene, stepped side by side.
+struct Together<'a> {
+    cloths: &'a mut [SceneCloth],
+    input: FrameInput<'a>,
+}
+
+impl Members for Together<'_> {
+    fn member(&mut self, part: usize) -> Option<Member<'_>> {
+        self.cloths.get_mut(part).map(|cloth| cloth.member(self.input))
+    }
+
+    fn done(&mut self, part: usize, report: StepReport) {
+        if let Some(cloth) = self.cloths.get_mut(part) {
+            cloth.report = report;
+            cloth.anchors.from.clone_from(&cloth.anchors.to);
+        }
     }
 }
 
@@ -165,6 +193,10 @@ pub struct Untangling {
     pub skip: EvaluateSettings,
     /// A buffer.
     pose: Vec<Vec3>,
+    /// Whether cloths rest on each other, and on themselves.
+    pub contact: bool,
+    /// Thickness and friction of each cloth in the last frame.
+    pub touch: Vec<Touch>,
 }
 
 /// Time that each stage took in a frame [ms].
@@ -172,12 +204,14 @@ pub struct Untangling {
 pub struct StageTimes {
     /// Stepping all cloths [ms].
     pub integrate: f64,
-    /// Looking for crossings [ms].
+    /// Looking for crossings, and for what may touch in the next frame [ms].
     pub detect: f64,
     /// Taking them apart [ms].
     pub resolve: f64,
     /// Looking again, and deciding what to show [ms].
     pub evaluate: f64,
+    /// Looking for what may touch again, where something moved since [ms].
+    pub respond: f64,
 }
 
 impl Scene {
@@ -209,7 +243,8 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, pose: Vec::new() });
+        let (contact, touch, pose) = (true, Vec::new(), Vec::new());
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact, touch, pose });
         Ok(self)
     }
 
@@ -235,8 +270,11 @@ impl Scene {
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
-        for cloth in &mut self.cloths {
-            cloth.step(&input);
+        match &mut self.untangle {
+            Some(Untangling { group, contact: true, .. }) => {
+                group.step(&mut Together { cloths: &mut self.cloths, input });
+            }
+            _ => self.cloths.iter_mut().for_each(|cloth| cloth.step(&input)),
         }
         self.wind.advance(dt);
         self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
@@ -245,8 +283,11 @@ impl Scene {
 
     /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
     pub fn settle(&mut self, dt: f32) {
-        let Some(Untangling { group, settings, skip, pose }) = &mut self.untangle else { return };
+        let Some(Untangling { group, settings, skip, contact, touch, pose }) = &mut self.untangle else { return };
         let start = Instant::now();
+        touch.clear();
+        touch.extend(self.cloths.iter().map(|c| Touch::of(&c.fabric)));
+        group.expect(dt, touch, |_| *contact);
         for (part, cloth) in self.cloths.iter().enumerate() {
             group.gather(part, &cloth.state, Vec3::ZERO, false);
         }
@@ -282,6 +323,9 @@ impl Scene {
             display.settle(&group.verdict(part), state, group.weights(part), pose, dt, skip);
         }
         self.times.evaluate = since(start);
+        let start = Instant::now();
+        group.respond();
+        self.times.respond = since(start);
     }
 
     /// Looks for crossings as the cloths lie, and moves nothing.
@@ -331,7 +375,15 @@ fn sheet(n: u32) -> Arc<RestShape> {
 /// A 1 m sheet of `n` x `n` vertices pinned at two corners, starting flat.
 #[must_use]
 pub fn hang(n: u32) -> Scene {
-    Scene::new(vec![SceneCloth::new(sheet(n), fabric(), Vec3::ZERO, &[0, n.max(2) - 1])])
+    curtains(1, n)
+}
+
+/// `k` sheets of [`hang`], 1.5 m apart.
+#[must_use]
+pub fn curtains(k: u32, n: u32) -> Scene {
+    let rest = sheet(n);
+    let cloth = |i: u32| SceneCloth::new(rest.clone(), fabric(), vec3(1.5 * i as f32, 0.0, 0.0), &[0, n.max(2) - 1]);
+    Scene::new((0..k).map(cloth).collect())
 }
 
 /// A 1 m sheet dropped from 0.5 m above the centre of a ball of radius 0.3 m.

@@ -18,7 +18,7 @@ use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
-use crate::solver::step::{Anchors, Scratch};
+use crate::solver::step::{Anchors, FrameInput, Scratch, StepReport};
 use crate::solver::wind::Wind;
 
 /// What changed since a cloth was bound.
@@ -199,6 +199,11 @@ pub(crate) struct ClothInputs {
 }
 
 impl ClothInputs {
+    /// Inputs of a frame in which the clock of the schedule moves by `dt` [s].
+    pub fn frame(&self, dt: f32) -> FrameInput<'_> {
+        FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind }
+    }
+
     /// Defaults for everything that the frame fills in.
     pub fn new(
         placement: Placement,
@@ -303,6 +308,8 @@ pub(crate) struct ClothScratch {
     pub solver: Scratch,
     /// Whether the solver was not prepared yet.
     pub fresh: bool,
+    /// What the frame did, when it was stepped side by side with others.
+    pub done: Option<StepReport>,
     /// What the last frame had to recover from.
     pub recovered: Option<(RecoveryLevel, RecoveryCause)>,
     /// Box of the cloth in the world at the last look [m].
@@ -313,7 +320,7 @@ pub(crate) struct ClothScratch {
 
 impl Default for ClothScratch {
     fn default() -> Self {
-        Self { solver: Scratch::default(), fresh: true, recovered: None, bounds: None, group: None }
+        Self { solver: Scratch::default(), fresh: true, done: None, recovered: None, bounds: None, group: None }
     }
 }
 

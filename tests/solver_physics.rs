@@ -4,7 +4,9 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use bevy::tasks::TaskPoolBuilder;
-use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, flags, grid, hang};
+use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, ball, fabric, flags, grid, hang};
+use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::recover::{Limits, Recovery};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::step::FrameInput;
@@ -183,6 +185,75 @@ fn a_sheet_held_at_two_corners_does_not_stretch_like_rubber() {
         let report = scene.cloths[0].report;
         assert!(report.worst_edge <= 1.10, "{n}²: worst edge {}", report.worst_edge);
         assert!(report.mean_edge <= 1.01, "{n}²: mean edge {}", report.mean_edge);
+    }
+}
+
+#[test]
+fn a_sheet_over_a_ball_does_not_stretch_like_rubber() {
+    for (n, limit) in [(64, 1.10), (128, 1.20)] {
+        let mut scene = ball(n);
+        run(&mut scene, 4.0, |_| 1.0 / 60.0);
+        let mut worst = 0.0f32;
+        for _ in 0..60 {
+            scene.step(1.0 / 60.0);
+            worst = worst.max(scene.cloths[0].report.worst_edge);
+        }
+        assert!(worst <= limit, "{n}²: worst edge {worst}");
+        let mean = scene.cloths[0].report.mean_edge;
+        assert!(mean <= 1.01, "{n}²: mean edge {mean}");
+    }
+}
+
+/// A leg that swings in a skirt, in one frame.
+fn swinging(leg: f32, frame: u32) -> Body {
+    let at = |n: u32| {
+        let t = 2.0 * n as f32 / 60.0;
+        Pose::translation(0.17 * t.sin(), 0.43, 0.17 * t.cos())
+    };
+    let leg = shape::capsule_between(Vec3::Y * -0.15, Vec3::Y * 0.15, leg).expect("a valid capsule");
+    Body::new(leg, at(frame), at(frame + 1))
+}
+
+#[test]
+fn slivers_at_the_waist_of_a_skirt_hold_its_weight() {
+    let (around, rings) = (120, 24);
+    let mesh = grid(around + 1, rings, |u, v| {
+        // Rings close to each other at the waist, and every other one turned by half a vertex.
+        let angle = TAU * (u + 0.5 * ((v * (rings - 1) as f32).round() % 2.0) / around as f32);
+        let out = 0.15 + 0.35 * v * (0.3 + 0.7 * v);
+        vec3(out * angle.cos(), 0.7 - 0.2 * v, out * angle.sin())
+    });
+    let waist: Vec<u32> = (0..=around).map(|i| i * rings).collect();
+    let cloth = SceneCloth::new(build(&mesh), Fabric { density: 0.2, ..fabric() }, Vec3::ZERO, &waist);
+    let mut scene = Scene::new(vec![cloth]);
+    scene.cloths[0].stepping.substep_rate = 2880.0;
+    let mut worst = 0.0f32;
+    for frame in 0..300 {
+        scene.bodies = vec![swinging(0.06, frame)];
+        scene.step(1.0 / 60.0);
+        worst = worst.max(scene.cloths[0].report.worst_edge);
+    }
+    assert!(worst <= 1.12, "worst edge {worst}");
+}
+
+#[test]
+fn a_storm_of_200_metres_per_second_does_not_end_as_a_blow_up() {
+    for (name, mut scene) in [("flag", flags(1, 40)), ("flag", flags(1, 64)), ("sheet", hang(40)), ("sheet", hang(64))] {
+        scene.wind.velocity = scene.wind.velocity.normalize_or(Vec3::X) * 200.0;
+        let cloth = &mut scene.cloths[0];
+        cloth.fabric.density = 0.1;
+        cloth.prepare();
+        let pose: Vec<Vec3> = cloth.state.positions.iter().map(|x| x.truncate()).collect();
+        let mut recovery = Recovery::default();
+        recovery.start(&cloth.state);
+        let mut restored = 0;
+        for _ in 0..600 {
+            scene.step(1.0 / 60.0);
+            let SceneCloth { state, report, .. } = &mut scene.cloths[0];
+            let taken_back = recovery.judge(state, report.worst_edge, &Limits::default(), |out| out.clone_from(&pose));
+            restored += usize::from(taken_back.is_some());
+        }
+        assert!(!recovery.is_frozen() && restored <= 3, "{name} of {} particles: restored {restored} times", pose.len());
     }
 }
 

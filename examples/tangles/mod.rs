@@ -1,5 +1,10 @@
-//! What the two examples about untangling share: sheets from the scenes, curves drawn as lines, a panel of text.
+//! What the two examples about untangling share: sheets from the scenes, curves drawn as lines, words about how far a tangle has come apart.
 #![allow(dead_code, reason = "each example uses a part")]
+
+pub mod ghost;
+pub mod label;
+pub mod state;
+pub mod three_states;
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -8,27 +13,34 @@ use bevy::ui::IsDefaultUiCamera;
 use bevy_drape::ClothGroups;
 use bevy_drape::prelude::*;
 use bevy_drape::solver::rest::SourceMesh;
+use state::{Most, State};
 
-/// Draws curves and the panel.
+/// Draws curves, the panel and labels.
 pub fn plugin(app: &mut App) {
-    app.add_systems(Startup, (panel, pen)).add_systems(PostStartup, adopt).add_systems(Update, curves);
+    app.add_systems(Startup, (panel, pen))
+        .add_systems(PostStartup, adopt)
+        .add_systems(Update, (curves, three_states::curves, state::remember))
+        .add_systems(PostUpdate, label::place.after(TransformSystems::Propagate));
 }
 
 /// Words that change.
 #[derive(Component)]
 pub struct Panel;
 
+/// Colour of words.
+pub const INK: Color = Color::srgb(0.08, 0.08, 0.10);
+
 fn panel(mut commands: Commands) {
     commands.spawn((
         Panel,
         Text::default(),
         TextFont { font_size: FontSize::Px(15.0), ..default() },
-        TextColor(Color::srgb(0.08, 0.08, 0.10)),
+        TextColor(INK),
         Node { position_type: PositionType::Absolute, bottom: px(12), left: px(12), ..default() },
     ));
 }
 
-/// The panel belongs to the camera of the stage, with or without a window.
+/// Panel and labels belong to the camera of the stage, with or without a window.
 fn adopt(mut commands: Commands, cameras: Query<Entity, With<Camera3d>>) {
     cameras.iter().for_each(|camera| {
         commands.entity(camera).insert(IsDefaultUiCamera);
@@ -38,28 +50,52 @@ fn adopt(mut commands: Commands, cameras: Query<Entity, With<Camera3d>>) {
 /// Lines are thick and in front of everything.
 fn pen(mut store: ResMut<GizmoConfigStore>) {
     let (config, _) = store.config_mut::<DefaultGizmoConfigGroup>();
-    (config.line.width, config.depth_bias) = (5.0, -1.0);
+    (config.line.width, config.depth_bias) = (3.5, -1.0);
 }
 
 /// Every intersection curve as a line, each in a colour of its own.
 fn curves(mut gizmos: Gizmos, groups: Option<Res<ClothGroups>>) {
     for (curve, [from, to]) in groups.iter().flat_map(|groups| groups.contours()) {
-        let color = Color::hsl(curve as f32 * 137.5 % 360.0, 1.0, 0.5);
-        gizmos.line(from.as_vec3(), to.as_vec3(), color);
+        gizmos.line(from.as_vec3(), to.as_vec3(), color(curve));
     }
 }
 
-/// What a cloth has to say about itself.
-pub fn line(report: &ClothReport) -> String {
-    let ClothReport { crossings, contours, contour_length, tangled_for, .. } = report;
-    let state = if *crossings == 0 { "clean".into() } else { format!("tangled for {tangled_for:.2} s") };
-    let held = if report.held { ", held" } else { "" };
-    let ms = report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms;
-    format!("{crossings} crossings, {contours} curves, {:.1} cm: {state}{held} ({ms:.2} ms)", 100.0 * contour_length)
+/// The colour of a curve.
+pub fn color(curve: usize) -> Color {
+    Color::hsl(curve as f32 * 137.5 % 360.0, 1.0, 0.5)
 }
 
-/// A mesh with texture coordinates for one of the solver.
-pub fn mesh(source: &SourceMesh, coordinates: impl Fn(usize) -> [f32; 2]) -> Mesh {
+/// What a cloth has to say about itself.
+pub fn line(report: &ClothReport, most: &Most) -> String {
+    let state = State::of(report.crossings, most.0);
+    let ms = report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms;
+    let since = if report.crossings > 0 { format!(" for {:.2} s", report.tangled_for) } else { String::new() };
+    let held = if report.held { format!(", {} held frames", report.held_frames) } else { String::new() };
+    format!("{state}{since}, {}{held} ({ms:.2} ms)", counts(report))
+}
+
+/// What crosses.
+pub fn counts(report: &ClothReport) -> String {
+    let plural = |n: u32, one: &str| if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") };
+    let (crossings, curves) = (plural(report.crossings, "crossing"), plural(report.contours, "curve"));
+    format!("{crossings}, {curves}, {:.0} cm", 100.0 * report.contour_length)
+}
+
+/// What is up in the formulas lies along z; here it lies along y.
+pub fn upright() -> Quat {
+    Quat::from_rotation_x(-core::f32::consts::FRAC_PI_2)
+}
+
+/// A mesh for one of the solver, which is a grid: its texture follows the columns and rows, once along the longer side.
+pub fn grid_mesh(source: &SourceMesh) -> Mesh {
+    // The first quad has the corners 0, 1, rows and rows + 1.
+    let rows = source.triangles.first().map_or(1, |t| t.iter().copied().max().unwrap_or(1)) as usize;
+    let columns = source.positions.len() / rows;
+    let cells = (rows.max(columns) - 1) as f32;
+    mesh(source, |i| [(i / rows) as f32 / cells, (i % rows) as f32 / cells])
+}
+
+fn mesh(source: &SourceMesh, coordinates: impl Fn(usize) -> [f32; 2]) -> Mesh {
     let positions: Vec<[f32; 3]> = source.positions.iter().map(Vec3::to_array).collect();
     let uvs: Vec<[f32; 2]> = (0..positions.len()).map(coordinates).collect();
     let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())

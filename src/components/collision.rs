@@ -3,13 +3,21 @@
 use bevy::prelude::*;
 
 /// How a cloth meets itself and other cloths.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothCollision {
-    /// Whether it is untangled from itself, not only from other cloths. Default false; cloth from glTF: true. Looking for crossings of a draped sheet of 64 x 64 with itself
-    /// takes some milliseconds a frame, and nothing yet keeps folds apart before they cross.
+    /// Whether it meets itself: is untangled from itself and, with `contact`, folds on itself. Default true.
     pub self_collision: bool,
+    /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths pass through each other and are
+    /// untangled afterwards.
+    pub contact: bool,
     /// Order of layers of clothing: higher lies outside. Default 0. Reserved: has no effect yet.
     pub layer: i32,
+}
+
+impl Default for ClothCollision {
+    fn default() -> Self {
+        Self { self_collision: true, contact: true, layer: 0 }
+    }
 }

@@ -49,12 +49,17 @@ pub struct ClothReport {
     pub held_frames: u32,
     /// Time spent on integrating this cloth in the last frame [ms].
     pub integrate_ms: f32,
-    /// Its share, by particles, of the time spent on looking for crossings among the cloths it can meet [ms].
+    /// Its share, by particles, of the time spent on looking for crossings among the cloths it can meet, and for what
+    /// may touch in the next frame [ms].
     pub detect_ms: f32,
     /// Its share of the time spent on untangling them [ms].
     pub resolve_ms: f32,
     /// Its share of the time spent on looking again, and the time spent on deciding what to show [ms].
     pub evaluate_ms: f32,
+    /// Its share of the time spent on looking for what may touch again, where something was untangled [ms].
+    pub respond_ms: f32,
+    /// Pairs of particles and faces, or of edges, of the cloths it can meet that touched in the last substep.
+    pub contacts: u32,
     /// Settings that are out of range and used clamped.
     pub clamped: Vec<Cow<'static, str>>,
 }

@@ -210,7 +210,7 @@ fn make_cloth(
         solver.substep_rate = rate;
     }
     let pins = extras.pin.clone().map_or(ClothPins::NONE, ClothPins::from);
-    let collision = ClothCollision { self_collision: extras.self_collision.unwrap_or(true), layer: extras.layer.unwrap_or(0) };
+    let collision = ClothCollision { self_collision: extras.self_collision.unwrap_or(true), layer: extras.layer.unwrap_or(0), ..default() };
     entity.try_insert((Cloth, material, solver, pins, collision));
 }
 

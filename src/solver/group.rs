@@ -11,10 +11,15 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
-use super::detect::{Crossing, PartRef, Surface, SurfaceError};
+use super::body::Touch;
+use super::detect::tree::Tree;
+use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
 use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
+use super::respond::{Contacts, Finder, Moment};
+use super::settings::Stepping;
 use super::state::ClothState;
+use super::step::{self, Scratch, StepReport, Stepped};
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
@@ -36,6 +41,31 @@ impl Default for UntangleSettings {
     }
 }
 
+/// A cloth of a group that is stepped.
+#[derive(Debug)]
+pub struct Member<'a> {
+    /// What it is stepped with.
+    pub cloth: Stepped<'a>,
+    /// Its substeps; all take as many as the one that needs most.
+    pub stepping: &'a Stepping,
+    /// Its particles.
+    pub state: &'a mut ClothState,
+    /// Its buffers.
+    pub scratch: &'a mut Scratch,
+    /// From its frame of simulation to that of the group [m].
+    pub offset: Vec3,
+    /// Whether other cloths can push it.
+    pub moves: bool,
+}
+
+/// The cloths of a group, as [`Group::step`] asks for them.
+pub trait Members {
+    /// Cloth `part`, in the order in which the group was made.
+    fn member(&mut self, part: usize) -> Option<Member<'_>>;
+    /// Is told what the frame of cloth `part` did.
+    fn done(&mut self, part: usize, report: StepReport);
+}
+
 /// Several cloths as one surface, with reused buffers; nothing is allocated once warm.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
@@ -49,6 +79,15 @@ pub struct Group {
     total: Verdict,
     iterations: u32,
     moved: bool,
+    finder: Finder,
+    contacts: Contacts,
+    substep: Vec<f32>,
+    touch: Vec<Touch>,
+    takes_part: Vec<bool>,
+    /// Time for which pairs were looked for, and the share of it that has passed.
+    horizon: f32,
+    share: f32,
+    looks: u32,
 }
 
 impl Group {
@@ -61,6 +100,8 @@ impl Group {
         let n = surface.len();
         Ok(Self {
             untangler: Untangler::new(&surface),
+            finder: Finder::new(&surface),
+            substep: vec![0.0; surface.parts.len()],
             positions: vec![Vec4::ZERO; n],
             previous: vec![Vec4::ZERO; n],
             verdicts: vec![Verdict::default(); surface.parts.len()],
@@ -75,6 +116,7 @@ impl Group {
         if state.positions.len() != range.len() || state.previous.len() != range.len() {
             return;
         }
+        self.substep[part] = state.substep;
         let offset = offset.extend(0.0);
         for (to, from) in self.positions[range.clone()].iter_mut().zip(&state.positions) {
             *to = *from + offset;
@@ -87,12 +129,174 @@ impl Group {
         }
     }
 
+    /// Says that the pairs will be wanted that may touch within the next `dt` [s]: `touch` says of each cloth how it does, `takes_part` whether it does.
+    pub fn expect(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
+        self.takes_part.clear();
+        self.takes_part.extend((0..self.surface.parts.len()).map(takes_part));
+        self.touch.clear();
+        self.touch.extend_from_slice(touch);
+        (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
+    }
+
+    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle are left out.
+    pub fn respond(&mut self) {
+        if self.looks == 0 || self.moved || !self.total.is_clean() {
+            self.share = 0.0;
+            self.find(false);
+        }
+    }
+
+    /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
+    fn find(&mut self, strayed: bool) {
+        self.looks += 1;
+        if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
+            self.contacts.clear();
+            return;
+        }
+        let Self { surface, untangler, finder, contacts, weights, .. } = self;
+        let clean = self.total.is_clean();
+        let takes_part = &self.takes_part;
+        let left_out = |v: u32| {
+            let tangled = !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
+            tangled || !takes_part[usize::from(surface.part(v))]
+        };
+        let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
+        let moment = Moment { positions, previous, substep, touch };
+        let tree = untangler.detector.tree();
+        if strayed {
+            let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
+            finder.find_strayed(surface, tree, &moment, share, rest, left_out, contacts);
+        } else {
+            finder.find(surface, tree, &moment, self.horizon, left_out, contacts);
+        }
+    }
+
+    /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it where it is.
+    pub fn step(&mut self, cloths: &mut impl Members) {
+        let parts = self.surface.parts.len();
+        let mut count = 0;
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part) {
+                count = count.max(step::substeps_of(m.stepping, m.cloth.input.dt));
+            }
+        }
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part) {
+                m.cloth.begin(m.stepping, Some(count), m.state, m.scratch);
+            }
+        }
+        for n in 1..=count {
+            for part in 0..parts {
+                let Some(m) = cloths.member(part) else { continue };
+                if m.cloth.constrain(m.state, m.scratch) {
+                    m.cloth.project(m.state, m.scratch);
+                    let first = self.surface.parts[part].particles.start;
+                    m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
+                }
+            }
+            self.keep_apart(cloths);
+            self.share = n as f32 / count as f32;
+            if n < count {
+                self.look_where_strayed(cloths);
+            }
+        }
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part)
+                && let Some(report) = m.cloth.finish(m.state, m.scratch)
+            {
+                cloths.done(part, report);
+            }
+        }
+        // Edges were shortened, which pays no heed to what is between them.
+        self.keep_apart(cloths);
+    }
+
+    /// Keeps apart what touches at the end of a substep.
+    fn keep_apart(&mut self, cloths: &mut impl Members) {
+        if self.contacts.is_empty() {
+            return;
+        }
+        let mut h = 0.0f32;
+        self.contacts.begin_gather();
+        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+            h = h.max(state.substep);
+            let (offset, mobility) = (offset.extend(0.0), Vec4::new(1.0, 1.0, 1.0, if moves { 1.0 } else { 0.0 }));
+            self.contacts.gather(particles.clone(), |i| match (state.positions.get(i), state.previous.get(i)) {
+                (Some(&now), Some(&old)) => (now * mobility + offset, old + offset),
+                _ => Default::default(),
+            });
+        }
+        self.contacts.solve(h);
+        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+            let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
+            let offset = offset.extend(0.0);
+            self.contacts.scatter(particles.clone(), |i, now, old| {
+                if let (Some(x), Some(was)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
+                    *x = now - offset;
+                    *was = old - offset;
+                }
+            });
+        }
+    }
+
+    /// Looks for pairs again where cloth went where it was not foreseen to be.
+    fn look_where_strayed(&mut self, cloths: &mut impl Members) {
+        let mut strayed = false;
+        for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch) {
+            let Some(m) = cloths.member(i) else { continue };
+            if m.state.positions.len() == part.particles.len() {
+                let first = part.particles.start as usize;
+                strayed |= self.finder.strayed(first, &m.state.positions, m.offset, self.share, touch.thickness);
+            }
+        }
+        if strayed {
+            for part in 0..self.surface.parts.len() {
+                if let Some(m) = cloths.member(part) {
+                    self.gather(part, m.state, m.offset, !m.moves);
+                }
+            }
+            self.find(true);
+        }
+    }
+
+    /// How often pairs were looked for since [`Self::respond`], that look included.
+    #[must_use]
+    pub fn looks(&self) -> u32 {
+        self.looks
+    }
+
+    /// The pairs that may touch.
+    #[must_use]
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
+    }
+
     /// Looks for crossings in what was gathered.
     pub fn detect(&mut self) -> Verdict {
         self.moved = false;
         self.iterations = 0;
-        self.look();
+        if self.touch.len() == self.surface.parts.len() && self.takes_part.contains(&true) {
+            self.look_and_find();
+        } else {
+            self.contacts.clear();
+            self.look();
+        }
         self.total
+    }
+
+    /// Looks for crossings and, at the same pairs of faces, for what may touch.
+    fn look_and_find(&mut self) {
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
+        let moment = Moment { positions, previous, substep, touch };
+        finder.begin(surface, &moment, self.horizon, contacts);
+        let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
+        let ask = finder.ask(surface, &moment, left_out, contacts);
+        let sweep = |tree: &mut Tree| finder.sweep(surface, tree);
+        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), sweep, ask);
+        self.total = untangler.resolver.analyse(surface, crossings, positions);
+        self.looks = 1;
+        self.sum_up();
     }
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
@@ -197,6 +401,11 @@ impl Group {
 
     fn look(&mut self) {
         self.total = self.untangler.look(&self.surface, &self.positions);
+        self.sum_up();
+    }
+
+    /// Gives each cloth its share of the verdict.
+    fn sum_up(&mut self) {
         self.verdicts.fill(Verdict::default());
         let (graph, crossings) = (self.untangler.resolver.graph(), self.untangler.detector.crossings());
         for (k, contour) in graph.contours.iter().enumerate() {

@@ -14,6 +14,7 @@ pub mod step;
 pub mod detect;
 pub mod resolve;
 pub mod evaluate;
+pub mod respond;
 pub mod group;
 pub mod load;
 pub mod fit;

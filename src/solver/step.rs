@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::body::{Approach, Body, BodyContacts, Touch};
-use super::integrate::{anchor, bend, damp, predict, spring, tether};
+use super::integrate::{anchor, bend, damp, leash, net, predict, spring, tether};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
 use super::state::ClothState;
@@ -33,7 +33,7 @@ impl Anchors {
 }
 
 /// Inputs of one frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct FrameInput<'a> {
     /// Length of the frame [s]; 0, less or not finite: nothing moves.
     pub dt: f32,
@@ -66,21 +66,42 @@ pub struct Scratch {
     springs: spring::SpringFactors,
     bends: bend::BendFactors,
     tethers: tether::Tethers,
+    hubs: net::Hubs,
+    leash: leash::Leash,
+    overlong: spring::Overlong,
     contacts: BodyContacts,
     wind: WindForces,
     rigid: Vec<u32>,
     acceleration: Vec<Vec4>,
-    /// Worst edge of the last frame (dimensionless).
+    before: Vec<Vec4>,
+    /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
+    frame: Option<Frame>,
     /// Substep the factors were computed for [s]; 0: none yet.
     factors_for: f32,
 }
 
 impl Scratch {
+    /// Particles that touched a body in the last substep.
+    pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
+        self.contacts.touching()
+    }
+
+    /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
+    fn strain(&self) -> f32 {
+        self.worst_edge - 1.0
+    }
+
     /// Memory held by factors, tethers and forces [B]; contacts and gusts come on top where there are any.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.springs.bytes() + self.bends.bytes() + self.tethers.bytes() + size_of_val(&self.acceleration[..])
+        self.springs.bytes()
+            + self.bends.bytes()
+            + self.tethers.bytes()
+            + self.hubs.bytes()
+            + self.leash.bytes()
+            + size_of_val(&self.acceleration[..])
+            + size_of_val(&self.before[..])
     }
 }
 
@@ -90,15 +111,20 @@ const WIND_RATE: f32 = 60.0;
 /// Bending elements are solved once in this many substeps, with the impulse of as many.
 const BEND_EVERY: u64 = 2;
 
-/// Beyond this many strain limits a cloth is taut, and its springs are swept several times in each substep of the next frame.
-///
-/// Tried for a skirt of uneven triangles, whose worst edge is 1.35 with three sweeps: smoothing the masses (no change), pulling each particle to its neighbour
-/// nearer to a pin (1.18, but gains energy elsewhere), repeating only the edges beyond the limit (1.38) or those near pins (1.6), tethers along the edges of pins (no
-/// change). Shorter substeps help.
+/// Beyond this many strain limits a cloth is strained: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
+const STRAINED: f32 = 1.5;
+
+/// Beyond this many strain limits a cloth is taut: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
 
-/// How often the springs of a taut cloth are swept in each substep.
-const TAUT_SWEEPS: u32 = 3;
+/// Sweeps for the strain limit in each substep of a taut cloth.
+const TAUT_SWEEPS: u32 = 2;
+
+/// Passes over edges that are beyond the strain limit at the end of a frame.
+const FINISH_PASSES: u32 = 8;
+
+/// Up to this share of the strain limit in its mean edge a cloth is strained in places, not as a whole (dimensionless).
+const EVEN: f32 = 0.2;
 
 /// Sets inverse masses from density and anchors, constraint factors and tethers.
 ///
@@ -117,6 +143,8 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     }
     if scratch.rigid != rigid || scratch.factors_for == 0.0 {
         scratch.tethers = tether::Tethers::new(rest, &rigid);
+        scratch.hubs.hold(rest, &rigid);
+        scratch.leash = leash::Leash::new(rest, &rigid);
         scratch.rigid = rigid;
     }
     scratch.factors_for = 0.0;
@@ -132,49 +160,115 @@ pub fn step(
     state: &mut ClothState,
     scratch: &mut Scratch,
 ) -> StepReport {
-    let mut report = StepReport::default();
-    // NaN fails the comparison; `min` alone would let it pass as a whole frame.
-    if !(input.dt > 0.0) || state.positions.len() != rest.positions.len() {
-        return report;
+    let cloth = Stepped { rest, fabric, anchors, input: *input };
+    cloth.begin(stepping, None, state, scratch);
+    while cloth.constrain(state, scratch) {
+        cloth.project(state, scratch);
     }
-    let dt = input.dt.min(stepping.max_frame);
-    report.lost_time = input.dt - dt;
-    report.substeps = substeps(dt, stepping.substep_rate);
-    let h = dt / report.substeps as f32;
-    if scratch.factors_for != h {
-        scratch.springs.update(&rest.springs, fabric, &state.positions, h);
-        scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * BEND_EVERY as f32);
-        scratch.factors_for = h;
-    }
-    if fabric.damping > 0.0 {
-        damp::solve(&rest.springs, fabric.damping, dt, &state.positions, &mut state.previous);
-    }
-    let approach = Approach {
-        dt,
-        substep: state.substep,
-        gravity: input.gravity,
-        thickness: fabric.thickness,
-        extra: anchors.longest_way() + input.wind.fastest() * dt,
-    };
-    scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
-    let touch = Touch {
-        thickness: fabric.thickness,
-        static_friction: fabric.static_friction,
-        dynamic_friction: fabric.dynamic_friction,
-    };
-    let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
-    let windy = input.wind.density > 0.0;
-    let taut = scratch.worst_edge > 1.0 + TAUT * fabric.strain_limit;
-    let sweeps = if taut { TAUT_SWEEPS } else { 1 };
-    let gusts = substeps(dt, WIND_RATE).min(report.substeps);
+    cloth.finish(state, scratch).unwrap_or_default()
+}
 
-    for n in 0..report.substeps {
-        let (s0, s1) = (n as f32 / report.substeps as f32, (n + 1) as f32 / report.substeps as f32);
+/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side, and are kept apart
+/// after [`project`](Self::project).
+#[derive(Clone, Copy, Debug)]
+pub struct Stepped<'a> {
+    /// Rest shape.
+    pub rest: &'a RestShape,
+    /// Material.
+    pub fabric: &'a Fabric,
+    /// Pins.
+    pub anchors: &'a Anchors,
+    /// Inputs of the frame.
+    pub input: FrameInput<'a>,
+}
+
+/// A frame under way.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    dt: f32,
+    /// Length of a substep [s].
+    h: f32,
+    /// Substeps begun.
+    begun: u32,
+    gusts: u32,
+    strained: bool,
+    taut: bool,
+    report: StepReport,
+}
+
+impl Frame {
+    /// Shares of the frame that have passed at the start and at the end of the current substep.
+    fn span(&self) -> (f32, f32) {
+        let n = self.report.substeps as f32;
+        ((self.begun - 1) as f32 / n, self.begun as f32 / n)
+    }
+}
+
+/// Substeps that [`step`] takes for a frame of `dt` [s].
+#[must_use]
+pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
+    substeps(dt.min(stepping.max_frame), stepping.substep_rate)
+}
+
+impl Stepped<'_> {
+    /// Prepares a frame of as many substeps as asked for, or as `stepping` says. None begins when no time passes or the
+    /// state does not fit.
+    pub fn begin(&self, stepping: &Stepping, count: Option<u32>, state: &mut ClothState, scratch: &mut Scratch) {
+        scratch.frame = None;
+        let Self { rest, fabric, anchors, input } = *self;
+        // NaN fails the comparison; `min` alone would let it pass as a whole frame.
+        if !(input.dt > 0.0) || state.positions.len() != rest.positions.len() {
+            return;
+        }
+        let dt = input.dt.min(stepping.max_frame);
+        let substeps = count.unwrap_or_else(|| substeps_of(stepping, dt)).max(1);
+        let h = dt / substeps as f32;
+        if scratch.factors_for != h {
+            scratch.springs.update(&rest.springs, fabric, &state.positions, h);
+            scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * BEND_EVERY as f32);
+            scratch.hubs.update(&rest.net, &state.positions);
+            scratch.factors_for = h;
+        }
+        if fabric.damping > 0.0 {
+            damp::solve(&rest.springs, fabric.damping, dt, &state.positions, &mut state.previous);
+        }
+        let approach = Approach {
+            dt,
+            substep: state.substep,
+            gravity: input.gravity,
+            thickness: fabric.thickness,
+            extra: anchors.longest_way() + input.wind.fastest() * dt,
+        };
+        scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+        scratch.frame = Some(Frame {
+            dt,
+            h,
+            begun: 0,
+            gusts: self::substeps(dt, WIND_RATE).min(substeps),
+            // Of its first frame nothing is known: a cloth may start in a storm.
+            strained: scratch.strain() > STRAINED * fabric.strain_limit || scratch.worst_edge == 0.0,
+            taut: scratch.strain() > TAUT * fabric.strain_limit,
+            report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
+        });
+    }
+
+    /// Begins the next substep: forces, prediction, and all that holds the cloth together. False when the frame is over, or none was begun.
+    pub fn constrain(&self, state: &mut ClothState, scratch: &mut Scratch) -> bool {
+        let Some(frame) = &mut scratch.frame else { return false };
+        let Self { rest, fabric, anchors, input } = *self;
+        let (n, count, h) = (frame.begun, frame.report.substeps, frame.h);
+        if n == count {
+            return false;
+        }
+        frame.begun += 1;
+        let frame = *frame;
         let (x, old) = (&mut state.positions, &mut state.previous);
-        if windy && (n == 0 || n * gusts / report.substeps > (n - 1) * gusts / report.substeps) {
+        let windy = input.wind.density > 0.0;
+        if windy && (n == 0 || n * frame.gusts / count > (n - 1) * frame.gusts / count) {
             scratch.acceleration.clear();
             scratch.acceleration.resize(x.len(), input.gravity.extend(0.0));
-            let hold = dt / gusts as f32;
+            let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
+            let hold = frame.dt / frame.gusts as f32;
             let faces = &rest.topology.faces;
             scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
         }
@@ -186,21 +280,76 @@ pub fn step(
             predict::predict_uniform(x, old, input.gravity.extend(0.0), carry, push);
         }
         state.substep = h;
-        anchor::solve(anchors, s1, h, x);
+        anchor::solve(anchors, frame.span().1, h, x);
+        // Turn about: tethers are at a bound, which holds for more than one substep.
         if state.substeps.is_multiple_of(BEND_EVERY) {
             bend::solve(&rest.bends, &scratch.bends, x);
+        } else {
+            scratch.tethers.solve(fabric.tether_scale, x);
         }
-        scratch.tethers.solve(fabric.tether_scale, x);
-        for _ in 0..sweeps {
-            spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        if frame.strained {
+            scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
         }
-        report.body_contacts = scratch.contacts.project(input.bodies, s0, s1, x, old, &touch);
+        spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        for _ in 0..if frame.taut { TAUT_SWEEPS } else { 0 } {
+            spring::limit(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        }
         state.substeps += 1;
+        true
     }
-    state.time += f64::from(dt);
-    (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
-    scratch.worst_edge = report.worst_edge;
-    report
+
+    /// Ends the substep: keeps the cloth out of bodies.
+    pub fn project(&self, state: &mut ClothState, scratch: &mut Scratch) {
+        let Some(frame) = &mut scratch.frame else { return };
+        let (s0, s1) = frame.span();
+        let touch = Touch::of(self.fabric);
+        frame.report.body_contacts =
+            scratch.contacts.project(self.input.bodies, s0, s1, &mut state.positions, &mut state.previous, &touch);
+    }
+
+    /// Ends the frame; nothing when none was begun.
+    pub fn finish(&self, state: &mut ClothState, scratch: &mut Scratch) -> Option<StepReport> {
+        let frame = scratch.frame.take()?;
+        let Self { rest, fabric, input, .. } = *self;
+        let mut report = frame.report;
+        state.time += f64::from(frame.dt);
+        (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+        scratch.worst_edge = report.worst_edge;
+        if scratch.strain() > STRAINED * fabric.strain_limit {
+            shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
+            (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+        }
+        Some(report)
+    }
+}
+
+/// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.
+fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut ClothState, scratch: &mut Scratch, mean_edge: f32) {
+    let bound = 1.0 + fabric.strain_limit;
+    let x = &mut state.positions;
+    let before = &mut scratch.before;
+    before.clone_from(x);
+    scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
+    // A cloth that is stretched as a whole would be crumpled.
+    if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.leash.is_empty() {
+        scratch.leash.solve(rest, bound, x);
+        // Each particle was drawn to the last of its neighbours: even that out.
+        scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
+    }
+    // No farther than the distance kept to bodies: nothing can be behind one then.
+    let farthest = fabric.thickness;
+    for (x, before) in x.iter_mut().zip(&*before) {
+        let way = *x - *before;
+        let square = way.length_squared();
+        if square > farthest * farthest {
+            *x = *before + way * (farthest / square.sqrt());
+        }
+    }
+    let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
+    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip);
+    for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
+        *old += *x - *before;
+    }
 }
 
 /// Sweeps the springs once, as a substep does, without letting time pass. Nothing happens before the first [`step`].

@@ -19,7 +19,9 @@
 //! 0.1 kg/m²: four times). Explicitly the relative velocity would change by `x v`; divided by `√(1 + x²)` it changes by less than `v`, so that it decays and is
 //! never reversed, while a gentle wind (`x < 0.1`) loses less than 0.5 % of its force. (Implicit Euler divides by `1 + x` and loses 10 %.)
 
-use glam::{DVec3, Quat, Vec3, Vec3A, Vec4};
+use glam::{DVec3, Mat4, Quat, Vec3, Vec3A, Vec4};
+
+use super::rest::LANES;
 
 /// Density of air at 15 °C and sea level [kg/m³].
 pub const AIR_DENSITY: f32 = 1.225;
@@ -345,7 +347,7 @@ impl WindForces {
     /// Adds the acceleration of each particle by the air to `acc` (`xyz` [m/s²], `w` unused).
     ///
     /// `positions`: `w` = inverse mass [1/kg], particles with 0 get nothing. `substep`: time between `previous` and `positions` [s], 0 or less when the cloth
-    /// is at rest. `hold`: how long the accelerations will be used before the next call [s]. Faces with an index past the end are skipped.
+    /// is at rest. `hold`: how long the accelerations will be used before the next call [s]. Faces with an index past the end: no force.
     pub fn apply(
         &mut self,
         wind: &Wind,
@@ -359,36 +361,31 @@ impl WindForces {
     ) {
         let drag = coefficient(fabric.drag);
         let lift = coefficient(fabric.lift);
-        if !wind.blows() || (drag <= 0.0 && lift <= 0.0) || faces.is_empty() {
+        let known = positions.len().min(previous.len());
+        if !wind.blows() || (drag <= 0.0 && lift <= 0.0) || faces.as_flattened().iter().any(|&i| i as usize >= known) {
             return;
         }
         self.relative_velocities(wind, positions, previous, substep);
         self.forces.clear();
         self.forces.resize(positions.len(), Vec4::ZERO);
-        // 1/2 of the dynamic pressure, 1/2 of the cross product, 1/3 for each corner.
-        let share = wind.density.min(1000.0) / 12.0;
-        for &[a, b, c] in faces {
-            let [a, b, c] = [a as usize, b as usize, c as usize];
-            let (Some(&pa), Some(&pb), Some(&pc)) = (positions.get(a), positions.get(b), positions.get(c)) else {
-                continue;
-            };
-            let (Some(&ra), Some(&rb), Some(&rc)) = (self.relative.get(a), self.relative.get(b), self.relative.get(c)) else {
-                continue;
-            };
-            let force = triangle([pa, pb, pc], (ra + rb + rc) * (1.0 / 3.0), share, drag, lift);
-            for corner in [a, b, c] {
-                if let Some(sum) = self.forces.get_mut(corner) {
-                    *sum += force;
-                }
-            }
+        let plate = Plate { share: wind.density.min(1000.0) / 12.0, drag, lift };
+        let (positions, relative, forces) = (&positions[..known], &self.relative[..known], &mut self.forces[..known]);
+        let (fours, rest) = faces.as_chunks::<LANES>();
+        for four in fours {
+            plate.press(four, positions, relative, forces);
+        }
+        if let Some(&last) = rest.last() {
+            // Lanes left over have no area, so they take no force.
+            let four = std::array::from_fn(|lane| rest.get(lane).copied().unwrap_or([last[0]; 3]));
+            plate.press(&four, positions, relative, forces);
         }
         let hold = if hold.is_finite() { hold.max(0.0) } else { 0.0 };
         for ((acc, force), position) in acc.iter_mut().zip(&self.forces).zip(positions) {
             let w = position.w;
             let x = hold * w * force.w;
-            let a = force.truncate() * (w / (1.0 + x * x).sqrt());
+            let a = (*force * (w / (1.0 + x * x).sqrt())).with_w(0.0);
             if a.is_finite() {
-                *acc += a.extend(0.0);
+                *acc += a;
             }
         }
     }
@@ -434,27 +431,77 @@ impl WindForces {
     }
 }
 
-/// `F / 3` of one triangle with `|F| / (3 |v|)` in the fourth lane. `share` is `ρ / 12`: ½ of the pressure, ½ of the cross product, ⅓ a corner.
-#[inline]
-fn triangle([a, b, c]: [Vec4; 3], wind: Vec4, share: f32, drag: f32, lift: f32) -> Vec4 {
-    let v = Vec3A::from_vec4(wind);
-    let double_area = Vec3A::from_vec4(b - a).cross(Vec3A::from_vec4(c - a));
-    let area2 = double_area.length_squared();
-    let speed2 = v.length_squared();
-    // False for what is not a number. The upper bounds are far beyond sound and keep the products finite.
-    let acts = area2 > 1.0e-24 && speed2 > 1.0e-12 && area2 < 1.0e12 && speed2 < 1.0e8;
-    if !acts {
-        return Vec4::ZERO;
+/// What a triangle does with the wind.
+#[derive(Clone, Copy)]
+struct Plate {
+    /// `ρ / 12`: ½ of the dynamic pressure, ½ of the cross product, ⅓ for each corner [kg/m³].
+    share: f32,
+    drag: f32,
+    lift: f32,
+}
+
+impl Plate {
+    /// Adds the forces on four triangles to their corners.
+    #[inline(always)]
+    fn press(self, faces: &[[u32; 3]; LANES], positions: &[Vec4], relative: &[Vec4], forces: &mut [Vec4]) {
+        let corner = |k: usize| -> [Vec4; LANES] { std::array::from_fn(|lane| positions[faces[lane][k] as usize]) };
+        let wind = std::array::from_fn(|lane| {
+            let [a, b, c] = faces[lane].map(|i| relative[i as usize]);
+            (a + b + c) * (1.0 / 3.0)
+        });
+        let force = self.forces(corner(0), corner(1), corner(2), wind);
+        for (face, force) in faces.iter().zip(force) {
+            for &i in face {
+                forces[i as usize] += force;
+            }
+        }
     }
-    let area = area2.sqrt();
-    let speed = speed2.sqrt();
-    let across = double_area.dot(v);
-    let c = across.abs();
-    // c v: drag on the projected area. |v| n - c v / |v|: across the wind, n on the lee side.
-    let toward = double_area * (1.0_f32.copysign(across) / area);
-    let cosine = c / area;
-    let force = (v * drag + (toward * speed - v * (cosine / speed)) * lift) * (share * c);
-    force.extend(force.length() / speed)
+
+    /// `F / 3` of four triangles `a b c` in the relative wind `v`, with a bound on `|F| / (3 |v|)` in the fourth lane.
+    ///
+    /// With `N` twice the area along the normal, `c = |N · v|` and `cos θ = c / (|N| |v|)`:
+    ///
+    /// ```text
+    /// F = ½ρ ½c (v (C_D - C_L cos θ) ± N C_L |v| / |N|)        |F| <= ½ρ ½c |v| (C_D + C_L sin² θ)
+    /// ```
+    #[inline]
+    fn forces(self, a: [Vec4; LANES], b: [Vec4; LANES], c: [Vec4; LANES], wind: [Vec4; LANES]) -> [Vec4; LANES] {
+        let e: Rows = rows(std::array::from_fn(|lane| b[lane] - a[lane]));
+        let f: Rows = rows(std::array::from_fn(|lane| c[lane] - a[lane]));
+        let v: Rows = rows(wind);
+        let normal = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+        let (area2, speed2, across) = (dot(normal, normal), dot(v, v), dot(normal, v));
+        // False for what is not a number. The upper bounds are far beyond sound and keep the products finite.
+        let acts = area2.cmpgt(Vec4::splat(1.0e-24))
+            & speed2.cmpgt(Vec4::splat(1.0e-12))
+            & area2.cmplt(Vec4::splat(1.0e12))
+            & speed2.cmplt(Vec4::splat(1.0e8));
+        let inverse = (area2 * speed2).sqrt().recip();
+        let cosine = across.abs() * inverse;
+        let pressure = across.abs() * self.share;
+        let along = pressure * (Vec4::splat(self.drag) - cosine * self.lift);
+        // The side of the normal away from the wind: the sign of `across` times `|across|` is `across`.
+        let lee = across * (speed2 * inverse) * (self.share * self.lift);
+        let strength = pressure * (Vec4::splat(self.drag + self.lift) - cosine * cosine * self.lift);
+        let [x, y, z] = std::array::from_fn(|axis| v[axis] * along + normal[axis] * lee);
+        let force = [x, y, z, strength].map(|row| Vec4::select(acts, row, Vec4::ZERO));
+        let m = Mat4::from_cols(force[0], force[1], force[2], force[3]).transpose();
+        [m.x_axis, m.y_axis, m.z_axis, m.w_axis]
+    }
+}
+
+/// Components of four vectors, each in one register.
+type Rows = [Vec4; 3];
+
+#[inline]
+fn rows(v: [Vec4; LANES]) -> Rows {
+    let m = Mat4::from_cols(v[0], v[1], v[2], v[3]).transpose();
+    [m.x_axis, m.y_axis, m.z_axis]
+}
+
+#[inline]
+fn dot(a: Rows, b: Rows) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Cosine of a phase in turns, four at a time; error below 2e-4. Only sums and products: the same bits on every machine.
@@ -693,15 +740,19 @@ mod tests {
 
     #[test]
     fn bad_numbers_give_no_force_and_no_panic() {
-        let (mut positions, previous, mut faces) = sheet(4, 0.2, Vec3::ZERO);
+        let (mut positions, previous, faces) = sheet(4, 0.2, Vec3::ZERO);
         positions[3] = Vec4::new(f32::NAN, 0.0, f32::INFINITY, 1.0);
         positions[0].w = 0.0;
-        faces.push([0, 1, 999]);
         let mut acc = vec![Vec4::ZERO; positions.len()];
         for velocity in [Vec3::splat(f32::NAN), Vec3::splat(f32::MAX), Vec3::Y * 20.0] {
             let mut wind = Wind { velocity, turbulence: Turbulence { intensity: f32::NAN, ..Turbulence::NONE }, ..Wind::STILL };
             wind.advance(0.1);
             WindForces::default().apply(&wind, Aerodynamics::default(), &faces, &positions, &previous, H, H, &mut acc);
+            let past_the_end = [faces[0], [0, 1, 999]];
+            let mut none = vec![Vec4::ZERO; positions.len()];
+            let plate = Aerodynamics::default();
+            WindForces::default().apply(&wind, plate, &past_the_end, &positions, &previous, H, H, &mut none);
+            assert!(none.iter().all(|a| *a == Vec4::ZERO), "{none:?}");
         }
         assert!(acc.iter().all(|a| a.is_finite()), "{acc:?}");
         assert_eq!(acc[0], Vec4::ZERO, "a pinned particle was accelerated");

@@ -7,6 +7,7 @@ use super::stopwatch;
 use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::solver::body::Touch;
 
 /// Groups cloths that can meet.
 pub(crate) fn group(
@@ -44,17 +45,24 @@ pub(crate) fn group(
     });
 }
 
-/// Looks for crossings, in parallel over groups. Each writes only its own data, so the result has the same bits for any number of threads.
-pub(crate) fn detect(mut groups: ResMut<ClothGroups>, cloths: Query<&ClothParticles, With<Cloth>>) {
+/// Looks for crossings and for what may touch in the next frame, in parallel over groups. Each writes only its own data, so the result has the same bits for any number of threads.
+pub(crate) fn detect(
+    time: Res<Time>,
+    mut groups: ResMut<ClothGroups>,
+    cloths: Query<(&ClothParticles, &ClothInputs), With<Cloth>>,
+) {
+    let dt = time.delta_secs();
     each(&mut groups.list, |group| {
         let clock = stopwatch();
+        group.touch.clear();
         for part in 0..group.members.len() {
             let Member { entity, fixed, .. } = group.members[part];
-            if let Ok(particles) = cloths.get(entity) {
-                let offset = group.offset(particles.origin);
-                group.group.gather(part, &particles.state, offset, fixed);
-            }
+            let Ok((particles, inputs)) = cloths.get(entity) else { continue };
+            let offset = group.offset(particles.origin);
+            group.group.gather(part, &particles.state, offset, fixed);
+            group.touch.push(Touch::of(&inputs.fabric));
         }
+        group.group.expect(dt, &group.touch, |part| group.members[part].collision.contact);
         group.group.detect();
         group.times[0] = clock();
     });

@@ -59,6 +59,7 @@ pub(crate) fn judge(
             report.iterations = at.map_or(0, |(group, _)| group.group.iterations());
             let of = |stage: usize| at.map_or(0.0, |(group, part)| group.share(part) * group.times[stage]);
             (report.detect_ms, report.resolve_ms) = (of(0), of(1));
+            (report.respond_ms, report.contacts) = (0.0, 0);
             report.evaluate_ms = of(2) + clock();
         },
     );

@@ -1,50 +1,161 @@
 //! Integrate: a frame of every cloth, in parallel over cloths. Each writes only its own data, so the result has the same bits for
 //! any number of threads.
 
+use std::sync::Arc;
+
 use bevy::ecs::batching::BatchingStrategy;
+use bevy::math::DVec3;
 use bevy::prelude::*;
 
+use super::detect::each;
 use super::stopwatch;
 use crate::components::{Cloth, ClothReport, RecoveryCause, RecoveryLevel};
+use crate::groups::{ClothGroup, ClothGroups, Member, Work};
 use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::solver::group::{self, Members};
 use crate::solver::recover::{Cause, Level};
-use crate::solver::rest::RestShape;
-use crate::solver::step::{FrameInput, Scratch, prepare, step};
+use crate::solver::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 
-/// Steps every cloth, and takes those back that blew up.
-pub(crate) fn integrate(
-    time: Res<Time>,
-    clock: Res<ClothClock>,
-    mut cloths: Query<(&ClothRest, &mut ClothInputs, &mut ClothParticles, &mut ClothScratch, &mut ClothReport), With<Cloth>>,
-) {
+type Stepping<'w, 's, 'a> = Query<
+    'w,
+    's,
+    (&'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch, &'a mut ClothReport),
+    With<Cloth>,
+>;
+
+/// Steps every cloth, and takes those back that blew up. Cloths that may touch each other or themselves are stepped side by side.
+pub(crate) fn integrate(time: Res<Time>, clock: Res<ClothClock>, mut groups: ResMut<ClothGroups>, mut cloths: Stepping) {
     let (dt, interpolates) = (time.delta_secs(), clock.interpolates);
+    for group in &mut groups.list {
+        gather(group, &cloths);
+    }
     // Batches of one cloth each all ran on one thread when measured; a few for each thread halve the frame of 50 cloths on two (11.6 to 6.1 ms).
-    cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
+    let batches = BatchingStrategy::new().batches_per_thread(5);
+    let list = &groups.list;
+    cloths.par_iter_mut().batching_strategy(batches.clone()).for_each(
         |(rest, mut inputs, mut particles, mut scratch, mut report)| {
-            let dt = dt * inputs.time_scale;
-            let fits = particles.state.positions.len() == rest.0.positions.len();
-            if inputs.active && fits && dt > 0.0 && !particles.recovery.is_frozen() {
-                let clock = stopwatch();
-                advance(&rest.0, dt, interpolates, &mut inputs, &mut particles, &mut scratch, &mut report);
+            let clock = stopwatch();
+            if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut scratch) {
+                return;
+            }
+            if !scratch.group.is_some_and(|(group, _)| list.get(group as usize).is_some_and(ClothGroup::is_together)) {
+                let ClothParticles { state, .. } = &mut *particles;
+                let input = inputs.frame(dt);
+                let done = step(&rest.0, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, &mut scratch.solver);
+                finish(rest, done, &inputs, &mut particles, &mut scratch, &mut report);
                 report.integrate_ms = clock();
-            } else if !particles.before.is_empty() {
-                // Nothing moved: there is nothing to interpolate.
-                particles.before.clear();
             }
         },
     );
+    if groups.list.iter().any(ClothGroup::is_together) {
+        together(&mut groups, dt, &mut cloths);
+        cloths.par_iter_mut().batching_strategy(batches).for_each(|(rest, inputs, mut particles, mut scratch, mut report)| {
+            if let Some(done) = scratch.done.take() {
+                finish(rest, done, &inputs, &mut particles, &mut scratch, &mut report);
+            }
+        });
+    }
 }
 
-fn advance(
-    rest: &RestShape,
+/// Makes room for the members of a group that are stepped side by side: those of one whose members are all as they were when it was looked at.
+fn gather(group: &mut ClothGroup, cloths: &Stepping) {
+    group.work.clear();
+    let fits = |member: &Member| {
+        cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| {
+            Arc::ptr_eq(&rest.0, &member.rest) && particles.len() == rest.0.positions.len() && scratch.group.is_some()
+        })
+    };
+    if group.members.iter().any(|m| m.collision.contact) && group.members.iter().all(fits) {
+        group.work.resize_with(group.members.len(), Work::default);
+    }
+}
+
+/// Steps the groups whose members touch, in parallel over groups.
+fn together(groups: &mut ClothGroups, dt: f32, cloths: &mut Stepping) {
+    for ClothGroup { members, work, .. } in &mut groups.list {
+        for (member, work) in members.iter().zip(work) {
+            if let Ok((.., mut particles, mut scratch, _)) = cloths.get_mut(member.entity) {
+                core::mem::swap(&mut work.state, &mut particles.state);
+                core::mem::swap(&mut work.solver, &mut scratch.solver);
+            }
+        }
+    }
+    let inputs = cloths.as_readonly();
+    each(&mut groups.list, |group| {
+        if group.is_together() {
+            let clock = stopwatch();
+            let ClothGroup { group: solver, members, work, origin, .. } = group;
+            solver.step(&mut Together { members, work, inputs: &inputs, origin: *origin, dt });
+            group.times[3] = clock();
+        }
+    });
+    for group in &mut groups.list {
+        for part in 0..group.work.len() {
+            let share = group.share(part) * group.times[3];
+            let work = &mut group.work[part];
+            if let Ok((.., mut particles, mut scratch, mut report)) = cloths.get_mut(group.members[part].entity) {
+                core::mem::swap(&mut work.state, &mut particles.state);
+                core::mem::swap(&mut work.solver, &mut scratch.solver);
+                scratch.done = work.report.take();
+                report.integrate_ms = share;
+            }
+        }
+    }
+}
+
+/// The members of a group, as the solver asks for them.
+struct Together<'a, 'w, 's, 'q> {
+    members: &'a [Member],
+    work: &'a mut [Work],
+    inputs: &'a Query<
+        'w,
+        's,
+        (&'q ClothRest, &'q ClothInputs, &'q ClothParticles, &'q ClothScratch, &'q ClothReport),
+        With<Cloth>,
+    >,
+    origin: DVec3,
+    dt: f32,
+}
+
+impl Members for Together<'_, '_, '_, '_> {
+    fn member(&mut self, part: usize) -> Option<group::Member<'_>> {
+        let (member, work) = (self.members.get(part)?, self.work.get_mut(part)?);
+        let (rest, inputs, particles, ..) = self.inputs.get(member.entity).ok()?;
+        let moves = inputs.active && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
+        let input = FrameInput { dt: if moves { self.dt * inputs.time_scale } else { 0.0 }, ..inputs.frame(self.dt) };
+        Some(group::Member {
+            cloth: Stepped { rest: &rest.0, fabric: &inputs.fabric, anchors: &inputs.anchors, input },
+            stepping: &inputs.stepping,
+            state: &mut work.state,
+            scratch: &mut work.solver,
+            offset: (particles.origin - self.origin).as_vec3(),
+            moves,
+        })
+    }
+
+    fn done(&mut self, part: usize, report: StepReport) {
+        if let Some(work) = self.work.get_mut(part) {
+            work.report = Some(report);
+        }
+    }
+}
+
+/// Prepares a frame of `dt` [s]; false when the cloth does not move in it.
+fn begin(
+    rest: &ClothRest,
     dt: f32,
     interpolates: bool,
     inputs: &mut ClothInputs,
     particles: &mut ClothParticles,
     scratch: &mut ClothScratch,
-    report: &mut ClothReport,
-) {
+) -> bool {
+    let fits = particles.state.positions.len() == rest.0.positions.len();
+    if !(inputs.active && fits && dt > 0.0) || particles.recovery.is_frozen() {
+        // Nothing moved: there is nothing to interpolate.
+        particles.before.clear();
+        return false;
+    }
     if interpolates {
         particles.before.clear();
         match particles.display.held() {
@@ -52,19 +163,27 @@ fn advance(
             None => particles.before.extend(particles.state.positions.iter().map(|x| x.truncate())),
         }
     }
-    let state = &mut particles.state;
     if inputs.stale || scratch.fresh {
-        prepare(rest, &inputs.fabric, &inputs.anchors, state, &mut scratch.solver);
+        prepare(&rest.0, &inputs.fabric, &inputs.anchors, &mut particles.state, &mut scratch.solver);
         inputs.stale = false;
         scratch.fresh = false;
     }
-    let input = FrameInput { dt, gravity: inputs.gravity, bodies: &inputs.bodies, wind: &inputs.wind };
-    let done = step(rest, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, &mut scratch.solver);
+    true
+}
 
-    let origin = particles.origin;
+/// Judges and records what a frame did.
+fn finish(
+    rest: &ClothRest,
+    done: StepReport,
+    inputs: &ClothInputs,
+    particles: &mut ClothParticles,
+    scratch: &mut ClothScratch,
+    report: &mut ClothReport,
+) {
+    let (origin, state) = (particles.origin, &mut particles.state);
     let recovered = particles.recovery.judge(state, done.worst_edge, &inputs.limits, |pose| {
         pose.clear();
-        pose.extend(inputs.pose(rest, origin));
+        pose.extend(inputs.pose(&rest.0, origin));
     });
     scratch.recovered = recovered.map(|(level, cause)| (level.into(), cause.into()));
     if recovered.is_some() {
@@ -77,7 +196,7 @@ fn advance(
     report.mean_edge = done.mean_edge;
     report.body_contacts = done.body_contacts;
     report.lost_time += done.lost_time;
-    report.time = state.time as f32;
+    report.time = particles.state.time as f32;
     match recovered {
         None => {}
         Some((Level::LastGood, _)) => report.restores += 1,

@@ -8,6 +8,7 @@ pub(crate) mod inputs;
 pub(crate) mod integrate;
 pub(crate) mod release;
 pub(crate) mod resolve;
+pub(crate) mod respond;
 pub(crate) mod sources;
 pub(crate) mod sync;
 

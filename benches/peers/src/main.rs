@@ -1,7 +1,9 @@
-//! The same sheet on `bevy_drape`, `bevy_silk` and `rapier3d`, in one run and on one thread.
+//! The same sheet on `bevy_drape`, `bevy_silk` and `rapier3d`, and the same tangles on the two that have contacts between cloths, in one run and
+//! on one thread.
 //!
 //! ```text
 //! cargo run --release -- --sizes 16,30,64,128 --frames 300 --runs 3
+//! cargo run --release -- --tables tangles --tangle-size 20
 //! ```
 //!
 //! What is compared, and how, is in `README.md`.
@@ -13,11 +15,13 @@ mod rapier;
 mod report;
 mod sheet;
 mod silk;
+mod tangle;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::Parser;
+use bevy_drape::scenes::Tangle;
+use clap::{Parser, ValueEnum};
 
 use crate::measure::Row;
 use crate::peer::{Engine, Peer, Scene};
@@ -31,31 +35,61 @@ struct Arguments {
     /// Frames of 1/60 s; the first fifth is not timed.
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(5..=100_000))]
     frames: u32,
+    /// Tables to print, separated by commas.
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Table::ALL)]
+    tables: Vec<Table>,
+    /// Vertices along each side of the sheets of a tangle.
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(5..=256))]
+    tangle_size: u32,
+    /// Steps of 1/60 s that a tangle gets, all of them timed.
+    #[arg(long, default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    tangle_steps: u32,
     /// Engines to run, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Engine::ALL)]
     only: Vec<Engine>,
     /// Runs of everything; of each row, the one with the median time is shown.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=99))]
     runs: u32,
-    /// Prints one line of JSON instead of tables.
+    /// Prints a line of JSON instead of each table.
     #[arg(long)]
     json: bool,
 }
 
+/// What is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Table {
+    /// A sheet that hangs, a sheet on a ball.
+    Sheets,
+    /// Two sheets that start in each other.
+    Tangles,
+}
+
+impl Table {
+    const ALL: [Self; 2] = [Self::Sheets, Self::Tangles];
+}
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let mut runs = Vec::new();
-    for run in 1..=arguments.runs {
-        let rows = measure_all(&arguments, run);
-        runs.push(rows);
+    let mut text = String::new();
+    if arguments.tables.contains(&Table::Sheets) {
+        let runs = (1..=arguments.runs).map(|run| measure_all(&arguments, run)).collect();
+        let rows = measure::median_rows(runs);
+        let timed = measure::timed_frames(arguments.frames);
+        text += &if arguments.json {
+            format!("{}\n", report::json(&rows, arguments.frames, timed, arguments.runs))
+        } else {
+            report::tables(&rows, arguments.frames, timed, arguments.runs)
+        };
     }
-    let rows = measure::median_rows(runs);
-    let timed = measure::timed_frames(arguments.frames);
-    let text = if arguments.json {
-        format!("{}\n", report::json(&rows, arguments.frames, timed, arguments.runs))
-    } else {
-        report::tables(&rows, arguments.frames, timed, arguments.runs)
-    };
+    if arguments.tables.contains(&Table::Tangles) {
+        let rows = untangle_all(&arguments);
+        let (size, steps) = (arguments.tangle_size, arguments.tangle_steps);
+        text += &if arguments.json {
+            format!("{}\n", report::tangles_json(&rows, size, steps))
+        } else {
+            report::tangles(&rows, size, steps)
+        };
+    }
     // A closed pipe is no reason to panic.
     match io::stdout().write_all(text.as_bytes()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -73,6 +107,18 @@ fn measure_all(arguments: &Arguments, run: u32) -> Vec<Row> {
                 eprintln!("run {run} of {}: {scene} {size} x {size} on {engine}", arguments.runs);
                 rows.push(measure::row(engine, scene, size, peer.as_mut(), arguments.frames));
             }
+        }
+    }
+    rows
+}
+
+/// Every tangle on every engine, once.
+fn untangle_all(arguments: &Arguments) -> Vec<tangle::Row> {
+    let mut rows = Vec::new();
+    for tangle in Tangle::ALL {
+        for engine in Engine::ALL.into_iter().filter(|engine| arguments.only.contains(engine)) {
+            eprintln!("{} on {engine}", tangle.name());
+            rows.extend(tangle::row(engine, tangle, arguments.tangle_size, arguments.tangle_steps));
         }
     }
     rows

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::measure::Row;
 use crate::peer::{Engine, Scene};
+use crate::tangle;
 
 /// Size at which engines are compared, if it was run.
 const COMPARED: u32 = 64;
@@ -84,6 +85,70 @@ fn table(text: &mut String, scene: Scene, rows: &[&Row]) {
         }
         text.push('\n');
     }
+}
+
+/// The tangles, then what they cost on other engines over ours.
+pub fn tangles(rows: &[tangle::Row], size: u32, steps: u32) -> String {
+    let mut text = format!(
+        "\ntangles, sheets of about {size} x {size}, {steps} steps of 1/60 s\n\n\
+         | scene | engine | crossings at the start | steps to clean | left at the end | ms per step | ms per step, tangled | ms p95 | ms until clean |\n\
+         |---|---|---:|---:|---:|---:|---:|---:|---:|\n"
+    );
+    for row in rows {
+        let clean = row.clean.map_or("-".into(), |step| step.to_string());
+        let total = row.clean.map_or("-".into(), |_| format!("{:.2}", row.total));
+        // Writing to a `String` cannot fail.
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {clean} | {} | {:.3} | {:.3} | {:.3} | {total} |",
+            row.tangle.name(),
+            row.engine,
+            row.start,
+            row.left,
+            row.mean,
+            row.tangled,
+            row.p95
+        );
+    }
+    for (engine, mean, cleared, pairs) in tangle_ratios(rows) {
+        let _ =
+            writeln!(text, "\n{engine}: {cleared} of {pairs} clean; a step takes {mean:.1} x ours, over all scenes and steps.");
+    }
+    text
+}
+
+/// One line with every tangle.
+pub fn tangles_json(rows: &[tangle::Row], size: u32, steps: u32) -> Value {
+    let line = |row: &tangle::Row| {
+        json!({
+            "scene": row.tangle.name(),
+            "engine": row.engine.to_string(),
+            "crossings_at_start": row.start,
+            "steps_to_clean": row.clean,
+            "crossings_left": row.left,
+            "step_ms_mean": row.mean,
+            "step_ms_tangled": row.tangled,
+            "step_ms_p95": row.p95,
+        })
+    };
+    json!({ "size": size, "steps": steps, "tangles": rows.iter().map(line).collect::<Vec<_>>() })
+}
+
+/// Per other engine: its mean step over ours, tangles cleared, tangles run.
+fn tangle_ratios(rows: &[tangle::Row]) -> Vec<(Engine, f64, usize, usize)> {
+    let mean = |engine: Engine| {
+        let times: Vec<f64> = rows.iter().filter(|row| row.engine == engine).map(|row| row.mean).collect();
+        times.iter().sum::<f64>() / times.len().max(1) as f64
+    };
+    let of = |engine: Engine| rows.iter().filter(move |row| row.engine == engine);
+    Engine::ALL
+        .into_iter()
+        .filter(|&engine| of(engine).count() > 0)
+        .map(|engine| {
+            let cleared = of(engine).filter(|row| row.clean.is_some()).count();
+            (engine, mean(engine) / mean(Engine::Ours), cleared, of(engine).count())
+        })
+        .collect()
 }
 
 /// One line with everything. Numbers that are not finite are null.

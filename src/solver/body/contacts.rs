@@ -5,6 +5,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
 use parry3d::shape::TypedShape;
 
+use crate::solver::settings::Fabric;
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
@@ -28,7 +29,7 @@ pub struct Approach {
 }
 
 /// The fabric's side of a contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
     /// Distance kept to every body [m].
     pub thickness: f32,
@@ -36,6 +37,15 @@ pub struct Touch {
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless).
     pub dynamic_friction: f32,
+}
+
+impl Touch {
+    /// As a fabric says.
+    #[must_use]
+    pub fn of(fabric: &Fabric) -> Self {
+        let Fabric { thickness, static_friction, dynamic_friction, .. } = *fabric;
+        Self { thickness, static_friction, dynamic_friction }
+    }
 }
 
 /// One particle that may meet one part of a body in this frame.
@@ -75,6 +85,11 @@ impl BodyContacts {
     #[must_use]
     pub fn candidates(&self) -> usize {
         self.candidates.len()
+    }
+
+    /// Particles that touched a body when last projected, by part of a body.
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+        self.candidates.iter().filter(|c| c.load > 0.0).map(|c| c.particle)
     }
 
     #[cfg(test)]

@@ -22,6 +22,7 @@ mod sweep;
 mod tests;
 
 pub use contacts::{Approach, BodyContacts, Touch};
+pub(crate) use respond::Friction;
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub use shape::ShapeError;

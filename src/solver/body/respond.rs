@@ -31,14 +31,14 @@ pub(super) const BAND: f32 = 0.02;
 
 /// Friction coefficients of one body and one fabric (dimensionless).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Friction {
-    pub(super) fixed: f32,
-    pub(super) sliding: f32,
+pub(crate) struct Friction {
+    pub(crate) fixed: f32,
+    pub(crate) sliding: f32,
 }
 
 impl Friction {
     /// Geometric mean of both partners; what is not a number counts as 0.
-    pub(super) fn between(body: (f32, f32), fabric: (f32, f32)) -> Self {
+    pub(crate) fn between(body: (f32, f32), fabric: (f32, f32)) -> Self {
         let in_range = |x: f32| if x.is_finite() { x.clamp(0.0, 10.0) } else { 0.0 };
         let mean = |a, b| (in_range(a) * in_range(b)).sqrt();
         let sliding = mean(body.1, fabric.1);

@@ -12,7 +12,7 @@
 //!              v
 //! ```
 
-use glam::{DVec3, Vec3A, Vec4};
+use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 
 use crate::solver::rest::NONE;
 
@@ -73,17 +73,30 @@ impl Detector {
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
+        self.detect_and(surface, positions, 0.0, |_| {}, |_, _| {})
+    }
+
+    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes come within `margin` [m] after `widen`.
+    pub fn detect_and(
+        &mut self,
+        surface: &Surface,
+        positions: &[Vec4],
+        margin: f32,
+        widen: impl FnOnce(&mut Tree),
+        also: impl FnMut(u32, u32),
+    ) -> &[Crossing] {
         if positions.len() != surface.len() {
             self.crossings.clear();
             return &self.crossings;
         }
         self.tree.refit(surface, positions);
+        widen(&mut self.tree);
         for (part, out) in surface.parts.iter().zip(&mut self.kinematic) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = positions[range].iter().all(|p| p.w == 0.0);
         }
         self.ties.directions.clear();
-        self.cross(surface, positions);
+        self.cross(surface, positions, margin, also);
         if !self.doubtful.is_empty() {
             self.cross_doubtful(surface, positions);
         }
@@ -91,12 +104,13 @@ impl Detector {
         &self.crossings
     }
 
-    fn cross(&mut self, surface: &Surface, positions: &[Vec4]) {
+    fn cross(&mut self, surface: &Surface, positions: &[Vec4], margin: f32, mut also: impl FnMut(u32, u32)) {
         let Self { tree, asks, kinematic, ties, doubtful, crossings } = self;
         crossings.clear();
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
-        tree.pairs(surface, 0.0, |f, g| {
+        tree.pairs(surface, margin, |f, g| {
+            also(f, g);
             if fixed {
                 let still = |face: u32| kinematic[usize::from(surface.part_of_face(face))];
                 if still(f) && still(g) {
@@ -173,15 +187,29 @@ fn normal(surface: &Surface, positions: &[Vec4], particle: u32) -> DVec3 {
 }
 
 /// Asks the edges of two faces against the other face.
+#[inline]
 fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u32, ties: &mut Ties, out: &mut Vec<Crossing>) {
     let (tf, tg) = (surface.topology.faces[f as usize], surface.topology.faces[g as usize]);
-    if are_apart(positions, tf, tg) {
+    let shared = [0, 1, 2].map(|i| tf[i] == tg[0] || tf[i] == tg[1] || tf[i] == tg[2]);
+    let count = shared.iter().filter(|&&s| s).count();
+    if count >= 2 || (asks[f as usize] | asks[g as usize]) == 0 || are_apart(positions, tf, tg, (count == 1).then_some(shared))
+    {
         return;
     }
-    let (near_f, near_g) = (tf.map(|v| tg.contains(&v)), tg.map(|v| tf.contains(&v)));
-    if near_f.iter().filter(|&&n| n).count() >= 2 || (asks[f as usize] | asks[g as usize]) == 0 {
-        return;
-    }
+    cross_close_faces(surface, positions, asks, [f, g], [tf, tg], shared, ties, out);
+}
+
+fn cross_close_faces(
+    surface: &Surface,
+    positions: &[Vec4],
+    asks: &[u8],
+    [f, g]: [u32; 2],
+    [tf, tg]: [[u32; 3]; 2],
+    near_f: [bool; 3],
+    ties: &mut Ties,
+    out: &mut Vec<Crossing>,
+) {
+    let near_g = tg.map(|v| tf.contains(&v));
     let (pf, pg) = (tf.map(|v| point(positions, v)), tg.map(|v| point(positions, v)));
     let Some(sides_f) = sides(&Plane::new(pg[0], pg[1], pg[2]), &pf, near_f, ties) else { return };
     let Some(sides_g) = sides(&Plane::new(pf[0], pf[1], pf[2]), &pg, near_g, ties) else { return };
@@ -204,25 +232,24 @@ fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u3
     cross(g, &pg, &sides_g, f, &pf);
 }
 
-/// Whether a plane across the line between the centres has the faces on different sides, shared particles aside: a cheap way to dismiss
+/// Whether a plane across the line between the centres has the faces on different sides, a shared particle aside: a cheap way to dismiss
 /// almost all neighbours in a smooth sheet.
 #[inline]
-fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3]) -> bool {
-    let [a, b] = [f, g].map(|t| t.map(|v| Vec3A::from_vec4(positions[v as usize])));
+fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>) -> bool {
+    let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
+    let (a, b) = ([at(f[0]), at(f[1]), at(f[2])], [at(g[0]), at(g[1]), at(g[2])]);
     let origin = b[0];
     let axis = (a[0] + a[1] + a[2]) - (b[0] + b[1] + b[2]);
-    let (a, b) = (a.map(|p| (p - origin).dot(axis)), b.map(|p| (p - origin).dot(axis)));
-    let scale = a.into_iter().chain(b).fold(0.0, |m: f32, x| m.max(x.abs()));
+    let along = |p: Vec3A| (p - origin).dot(axis);
+    let (a, b) = (Vec3::new(along(a[0]), along(a[1]), along(a[2])), Vec3::new(0.0, along(b[1]), along(b[2])));
     // Rounding of the dot products is some 1e-6 of the scale of its terms.
-    let slack = 1.0e-4 * scale + f32::MIN_POSITIVE;
-    let shared = f.iter().position(|v| g.contains(v));
-    match shared {
-        None => a[0].min(a[1]).min(a[2]) > b[0].max(b[1]).max(b[2]) + slack,
-        Some(k) => {
-            let at = a[k];
-            (0..3).all(|i| g.contains(&f[i]) || a[i] > at + slack) && (0..3).all(|i| f.contains(&g[i]) || b[i] < at - slack)
-        }
-    }
+    let slack = 1.0e-4 * a.abs().max(b.abs()).max_element() + f32::MIN_POSITIVE;
+    let Some(shared) = shared else { return a.min_element() > b.max_element() + slack };
+    // The shared particle is where one side ends and the other begins.
+    let (mine, others) = (BVec3::from_array(shared), BVec3::from_array(g.map(|v| f.contains(&v))));
+    let border = Vec3::select(mine, a, Vec3::ZERO).element_sum();
+    let (low, high) = (Vec3::select(mine, Vec3::INFINITY, a), Vec3::select(others, Vec3::NEG_INFINITY, b));
+    low.min_element() > border + slack && high.max_element() < border - slack
 }
 
 /// Sides of three points, `None` for one shared with the plane; nothing when no crossing is possible: all are clear of the plane on

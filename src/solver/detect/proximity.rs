@@ -109,20 +109,51 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 fn is_excluded(surface: &Surface, pair: &Proximity, settings: &ProximitySettings) -> bool {
+    surface.part(pair.particles[0]) == surface.part(pair.particles[3])
+        && is_near_at_rest(surface, pair, settings.distance, settings.exclude_rings, f32::INFINITY)
+}
+
+/// Whether a pair of one cloth is closer at rest than `distance` [m] or within `rings` edges, none of which is longer than `longest` [m].
+pub(crate) fn is_near_at_rest(surface: &Surface, pair: &Proximity, distance: f32, rings: u32, longest: f32) -> bool {
     let [a, b, c, d] = pair.particles;
-    if surface.part(a) != surface.part(d) {
-        return false;
-    }
+    let at = |v: u32| surface.rest[v as usize];
     let (first, second): (&[u32], &[u32]) = match pair.kind {
         ProximityKind::VertexFace => (&[a], &[b, c, d]),
         ProximityKind::EdgeEdge => (&[a, b], &[c, d]),
     };
-    let at = |v: u32| surface.rest[v as usize];
+    // Ends of edges farther apart than the rings reach settle almost all pairs.
+    let reach = distance + (rings + 2) as f32 * longest;
+    if at(a).distance_squared(at(d)) > reach * reach {
+        return false;
+    }
     let rest = match pair.kind {
         ProximityKind::VertexFace => vertex_face(pair.particles, at),
         ProximityKind::EdgeEdge => edge_edge(pair.particles, at),
     };
-    rest.distance < settings.distance || first.iter().any(|&v| within(surface, v, second, settings.exclude_rings))
+    rest.distance < distance || first.iter().any(|&v| within(surface, v, second, rings))
+}
+
+/// Closest points of two edges, ends included (Ericson 2005, section 5.1.9).
+pub(crate) fn closest_edges(particles: [u32; 4], at: impl Fn(u32) -> Vec3) -> Proximity {
+    let [p, q, r, s] = particles.map(&at);
+    let (u, v, w) = (q - p, s - r, p - r);
+    let (a, b, c, d, e) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
+    let det = a * c - b * b;
+    // Parallel: any point of the first.
+    let x = if det > 1.0e-6 * a * c { ((b * e - c * d) / det).clamp(0.0, 1.0) } else { 0.5 };
+    let y = ((b * x + e) / c.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    let x = ((b * y - d) / a.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    let distance = (p + u * x).distance(r + v * y);
+    Proximity { kind: ProximityKind::EdgeEdge, particles, weights: [1.0 - x, x, y - 1.0, -y], distance }
+}
+
+/// Distance of a pair at rest [m].
+pub(crate) fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
+    let at = |v: u32| surface.rest[v as usize];
+    match pair.kind {
+        ProximityKind::VertexFace => vertex_face(pair.particles, at).distance,
+        ProximityKind::EdgeEdge => closest_edges(pair.particles, at).distance,
+    }
 }
 
 /// Whether a particle is at most `rings` edges from one of the targets.

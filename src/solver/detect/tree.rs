@@ -13,6 +13,9 @@
 //! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits and holes, so it is drawn
 //! only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at rest.
 //!
+//! Two nodes that share particles always meet, and are most of all that does. They are known from the start ([`Joint`]) and are one piece
+//! of cloth: the same test on the normals of both dismisses them, where borders run along the sides of the box of the whole cloth only.
+//!
 //! A cloth with a particle that is not finite or absurdly far is *quarantined*: its leaves get the empty box, which meets nothing,
 //! so it contributes no pair and changes no box that another cloth's pairs depend on.
 
@@ -25,6 +28,10 @@ use crate::solver::rest::NONE;
 const LEAF: usize = 4;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
+/// Cosine of 45°.
+const COS: f32 = core::f32::consts::FRAC_1_SQRT_2;
+/// First of a pair on the stack whose second is a [`Joint`].
+const JOINT: u32 = NONE;
 /// [`Node::part`] of a node that holds more than one cloth.
 const MIXED: u16 = u16::MAX;
 
@@ -41,8 +48,10 @@ impl Bounds {
     /// The box that meets nothing, not even itself.
     pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
+    /// The smallest box around both.
     #[inline]
-    fn union(self, other: Self) -> Self {
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
@@ -72,8 +81,23 @@ struct Node {
     part: u16,
     /// Whether the faces below form a disc without slits.
     disc: bool,
+    /// Whether that holds and borders, if any, run along the sides of the whole cloth.
+    smooth: bool,
+    /// Whether a face below is marked.
+    marked: bool,
+    /// [`Joint`] of the two children; `NONE` of a leaf and of two that share nothing.
+    joint: u32,
     /// Box of the unit normals below.
     normals: Bounds,
+}
+
+/// Two nodes, none above the other, that share particles.
+#[derive(Clone, Copy, Debug)]
+struct Joint {
+    nodes: [u32; 2],
+    /// Joints of their children: `first .. first + count`.
+    first: u32,
+    count: u32,
 }
 
 /// The hierarchy. See the module.
@@ -87,6 +111,7 @@ pub struct Tree {
     /// Unit normal of each entry of `faces`.
     normals: Vec<Vec3A>,
     quarantined: Vec<bool>,
+    joints: Vec<Joint>,
     stack: Vec<(u32, u32)>,
 }
 
@@ -107,6 +132,7 @@ impl Tree {
             tree.split_parts(surface, &centre, 0, surface.parts.len());
         }
         tree.find_discs(surface);
+        tree.find_joints(surface);
         // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
         tree.stack.reserve(256);
         tree
@@ -119,6 +145,7 @@ impl Tree {
         let mut seen_edge = vec![u32::MAX; topology.edges.len()];
         let mut seen_vertex = vec![u32::MAX; surface.len()];
         let mut queue = Vec::new();
+        let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();
         for i in 0..self.nodes.len() {
             let faces = self.faces_below(i);
             let id = i as u32;
@@ -129,10 +156,9 @@ impl Tree {
                 owner[f as usize] = id;
             }
             let corners = self.faces[faces.clone()].iter().flat_map(|&f| topology.faces[f as usize]);
-            let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| {
-                (low.min(surface.rest[v as usize]), high.max(surface.rest[v as usize]))
-            });
-            let (mut vertices, mut edges, mut reached, mut border) = (0, 0, 0, false);
+            let [low, high] = rest_box(surface, corners);
+            let whole = wholes[usize::from(self.nodes[i].part)];
+            let (mut vertices, mut edges, mut reached, mut inside, mut outline) = (0, 0, 0, false, false);
             queue.clear();
             queue.push(self.faces[faces.start]);
             owner[self.faces[faces.start] as usize] = u32::MAX;
@@ -146,7 +172,10 @@ impl Tree {
                     edges += usize::from(seen_edge[e as usize] != id);
                     seen_edge[e as usize] = id;
                     let ends = topology.edges[e as usize].map(|v| surface.rest[v as usize]);
-                    border |= topology.is_border(e) && !runs_along_a_side(low, high, ends);
+                    if topology.is_border(e) {
+                        inside |= !runs_along_a_side([low, high], ends);
+                        outline |= !runs_along_a_side(whole, ends);
+                    }
                     for g in topology.edge_faces[e as usize] {
                         if g != NONE && owner[g as usize] == id {
                             owner[g as usize] = u32::MAX;
@@ -155,8 +184,65 @@ impl Tree {
                     }
                 }
             }
-            self.nodes[i].disc = !border && reached == faces.len() && vertices + reached == edges + 1;
+            let disc = reached == faces.len() && vertices + reached == edges + 1;
+            self.nodes[i].disc = disc && !inside;
+            self.nodes[i].smooth = disc && !outline;
         }
+    }
+
+    /// Finds the pairs of nodes that share particles, from the children of each node downwards.
+    fn find_joints(&mut self, surface: &Surface) {
+        let topology = &surface.topology;
+        let mut place = vec![0; topology.faces.len()];
+        for (i, &f) in self.faces.iter().enumerate() {
+            place[f as usize] = i;
+        }
+        let ranges: Vec<_> = (0..self.nodes.len()).map(|i| self.faces_below(i)).collect();
+        let belongs = |v: u32, node: u32| {
+            topology.around(v).iter().any(|&(_, e)| {
+                let faces = topology.edge_faces[e as usize];
+                faces.iter().any(|&f| f != NONE && ranges[node as usize].contains(&place[f as usize]))
+            })
+        };
+        let mut queue = std::collections::VecDeque::new();
+        for i in 0..self.nodes.len() as u32 {
+            let node = self.nodes[i as usize];
+            if node.right & IS_LEAF != 0 || node.part == MIXED {
+                continue;
+            }
+            let below = self.faces[ranges[i as usize + 1].clone()].iter().flat_map(|&f| topology.faces[f as usize]);
+            let mut shared: Vec<u32> = below.filter(|&v| belongs(v, node.right)).collect();
+            shared.sort_unstable();
+            shared.dedup();
+            if !shared.is_empty() {
+                self.nodes[i as usize].joint = self.joints.len() as u32;
+                self.joints.push(Joint { nodes: [i + 1, node.right], first: 0, count: 0 });
+                queue.push_back((self.joints.len() - 1, shared));
+            }
+            while let Some((joint, shared)) = queue.pop_front() {
+                self.joints[joint].first = self.joints.len() as u32;
+                for [a, b] in self.below(self.joints[joint].nodes) {
+                    let shared: Vec<u32> = shared.iter().copied().filter(|&v| belongs(v, a) && belongs(v, b)).collect();
+                    if !shared.is_empty() {
+                        self.joints[joint].count += 1;
+                        queue.push_back((self.joints.len(), shared));
+                        self.joints.push(Joint { nodes: [a, b], first: 0, count: 0 });
+                    }
+                }
+            }
+        }
+    }
+
+    /// The pairs that two different nodes fall into; none of two leaves.
+    fn below(&self, [a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let halves = |i: u32| {
+            let right = self.nodes[i as usize].right;
+            if right & IS_LEAF == 0 { [i + 1, right] } else { [i, NONE] }
+        };
+        let (left, right) = (halves(a), halves(b));
+        let pairs = [[left[0], right[0]], [left[0], right[1]], [left[1], right[0]], [left[1], right[1]]];
+        let leaves = left[1] == NONE && right[1] == NONE;
+        pairs.into_iter().filter(move |pair| !leaves && !pair.contains(&NONE))
     }
 
     fn faces_below(&self, node: usize) -> core::ops::Range<usize> {
@@ -214,7 +300,17 @@ impl Tree {
     }
 
     fn push(&mut self, right: u32, count: u16, part: u16) -> usize {
-        self.nodes.push(Node { bounds: Bounds::EMPTY, right, count, part, disc: false, normals: Bounds::EMPTY });
+        self.nodes.push(Node {
+            bounds: Bounds::EMPTY,
+            right,
+            count,
+            part,
+            disc: false,
+            smooth: false,
+            marked: false,
+            joint: NONE,
+            normals: Bounds::EMPTY,
+        });
         self.nodes.len() - 1
     }
 
@@ -229,6 +325,19 @@ impl Tree {
             *bounds = Bounds { min: a.min(b).min(c), max: a.max(b).max(c) };
             *normal = (b - a).cross(c - a).normalize_or_zero();
         }
+        self.refit_nodes();
+    }
+
+    /// Widens the boxes of the last [`Self::refit`] to where the particles are `ahead` [m]; normals stay.
+    pub fn sweep(&mut self, surface: &Surface, ahead: &[Vec3A]) {
+        for (bounds, &f) in self.boxes.iter_mut().zip(&self.faces) {
+            let [a, b, c] = surface.topology.faces[f as usize].map(|v| ahead[v as usize]);
+            *bounds = bounds.union(Bounds { min: a.min(b).min(c), max: a.max(b).max(c) });
+        }
+        self.refit_nodes();
+    }
+
+    fn refit_nodes(&mut self) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             let (bounds, normals) = if node.right & IS_LEAF == 0 {
@@ -255,7 +364,28 @@ impl Tree {
 
     /// Calls `found` once with every pair of different faces whose boxes come within `margin` [m]; in a cloth that does not
     /// collide with itself, only with faces of other cloths.
-    pub fn pairs(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+    pub fn pairs(&mut self, surface: &Surface, margin: f32, found: impl FnMut(u32, u32)) {
+        self.traverse::<false>(surface, margin, found);
+    }
+
+    /// As [`Self::pairs`], only for pairs with a face that is `marked` (by face).
+    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], mut found: impl FnMut(u32, u32)) {
+        for i in (0..self.nodes.len()).rev() {
+            let node = self.nodes[i];
+            self.nodes[i].marked = if node.right & IS_LEAF == 0 {
+                self.nodes[i + 1].marked || self.nodes[node.right as usize].marked
+            } else {
+                self.faces[node.run()].iter().any(|&f| marked[f as usize])
+            };
+        }
+        self.traverse::<true>(surface, margin, |f, g| {
+            if marked[f as usize] || marked[g as usize] {
+                found(f, g);
+            }
+        });
+    }
+
+    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
         if self.nodes.is_empty() {
             return;
         }
@@ -264,7 +394,16 @@ impl Tree {
         stack.clear();
         stack.push((0, 0));
         while let Some((a, b)) = stack.pop() {
+            if a == JOINT {
+                if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked) {
+                    self.descend(b, margin, &mut stack, &mut found);
+                }
+                continue;
+            }
             let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+            if MARKED && !left.marked && !right.marked {
+                continue;
+            }
             let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
             if a == b {
                 if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {
@@ -274,11 +413,15 @@ impl Tree {
                     continue;
                 }
                 if leaf_a {
-                    self.within(left, margin, &mut found);
+                    if !(left.disc && self.hardly_bend([left])) {
+                        self.within(left, margin, &mut found);
+                    }
                 } else {
                     stack.push((left.right, left.right));
                     stack.push((a + 1, a + 1));
-                    if self.meet(a + 1, left.right, margin) {
+                    if left.joint != NONE {
+                        stack.push((JOINT, left.joint));
+                    } else if self.meet(a + 1, left.right, margin) {
                         stack.push((a + 1, left.right));
                     }
                 }
@@ -299,6 +442,41 @@ impl Tree {
             }
         }
         self.stack = stack;
+    }
+
+    /// Takes two nodes that share particles apart, unless they are one piece that hardly bends.
+    #[inline]
+    fn descend(&self, joint: u32, margin: Vec3A, stack: &mut Vec<(u32, u32)>, found: &mut impl FnMut(u32, u32)) {
+        let Joint { nodes: [a, b], first, count } = self.joints[joint as usize];
+        let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+        if left.smooth && right.smooth && left.normals.union(right.normals).within_45_degrees() {
+            return;
+        }
+        if left.right & right.right & IS_LEAF != 0 {
+            if !(left.smooth && right.smooth && self.hardly_bend([left, right])) {
+                self.between(left, right, margin, found);
+            }
+            return;
+        }
+        // The joints stand in the order of the pairs.
+        let mut joint = first;
+        for pair in self.below([a, b]) {
+            if joint < first + count && self.joints[joint as usize].nodes == pair {
+                stack.push((JOINT, joint));
+                joint += 1;
+            } else if self.meet(pair[0], pair[1], margin) {
+                stack.push((pair[0], pair[1]));
+            }
+        }
+    }
+
+    /// Whether all normals of some leaves lie within 45° of their sum. Their box, which is tested first, takes in more than the normals.
+    #[inline]
+    fn hardly_bend<const N: usize>(&self, leaves: [&Node; N]) -> bool {
+        let normals = || leaves.into_iter().flat_map(|leaf| &self.normals[leaf.run()]);
+        let axis: Vec3A = normals().sum();
+        let limit = COS * axis.length();
+        limit > 0.0 && normals().all(|n| n.dot(axis) >= limit)
     }
 
     #[inline]
@@ -383,8 +561,16 @@ impl Node {
     }
 }
 
+/// Smallest and largest corner [m] of the box around particles at rest.
+fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2] {
+    particles.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], v| {
+        let x = surface.rest[v as usize];
+        [low.min(x), high.max(x)]
+    })
+}
+
 /// Whether a segment lies in one side of a box, along an axis in which the box is not flat.
-fn runs_along_a_side(low: Vec3, high: Vec3, [a, b]: [Vec3; 2]) -> bool {
+fn runs_along_a_side([low, high]: [Vec3; 2], [a, b]: [Vec3; 2]) -> bool {
     let size = high - low;
     let slack = 1.0e-3 * size.max_element();
     (0..3).any(|k| {

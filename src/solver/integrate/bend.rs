@@ -6,7 +6,7 @@
 //!
 //! Linear in positions on a flat rest shape, so it takes neither a square root nor an angle (Bergou et al. 2006; XPBD as in `spring`).
 
-use glam::{Mat4, Vec4};
+use glam::{BVec4A, Mat4, Vec4};
 
 use crate::solver::rest::{Bends, LANES};
 
@@ -45,31 +45,44 @@ impl BendFactors {
     }
 }
 
-const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
-
 /// Solves every bending element once.
 pub fn solve(bends: &Bends, factors: &BendFactors, positions: &mut [Vec4]) {
-    let batches = bends.particles.iter().zip(&bends.coefficients).zip(&bends.rest).zip(&factors.share);
-    for (((particles, coefficients), &rest), share) in batches {
-        let x: [[Vec4; 4]; LANES] = std::array::from_fn(|l| particles[l].map(|p| positions[p as usize]));
-        let mut v: [Vec4; LANES] = std::array::from_fn(|l| {
-            let c = coefficients[l];
-            (x[l][0] * c.x + x[l][1] * c.y + x[l][2] * c.z + x[l][3] * c.w) * XYZ
-        });
-        if !factors.flat {
-            let m = Mat4::from_cols(v[0], v[1], v[2], v[3]).transpose();
-            let length = (m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis).sqrt();
-            // Without a direction a curved hinge cannot tell which way to open.
-            let keep = Vec4::select(length.cmpgt(rest * 1.0e-3), Vec4::ONE - rest / length, Vec4::ZERO).to_array();
+    let batches = bends.particles.iter().zip(&bends.coefficients).zip(&factors.share);
+    if factors.flat {
+        for ((particles, coefficients), shares) in batches {
             for lane in 0..LANES {
-                v[lane] *= keep[lane];
+                let x = particles[lane].map(|p| positions[p as usize]);
+                let v = curvature(&x, coefficients[lane]);
+                spread(&particles[lane], &x, v, shares[lane], positions);
             }
         }
+        return;
+    }
+    for (((particles, coefficients), shares), &rest) in batches.zip(&bends.rest) {
+        let x: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| positions[p as usize]));
+        let v: [Vec4; LANES] = std::array::from_fn(|lane| curvature(&x[lane], coefficients[lane]));
+        let m = Mat4::from_cols(v[0], v[1], v[2], v[3]).transpose();
+        let length = (m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis).sqrt();
+        // Without a direction a curved hinge cannot tell which way to open.
+        let keep = Vec4::select(length.cmpgt(rest * 1.0e-3), Vec4::ONE - rest / length, Vec4::ZERO).to_array();
         for lane in 0..LANES {
-            let share = share[lane].to_array();
-            for k in 0..4 {
-                positions[particles[lane][k] as usize] = x[lane][k] - v[lane] * share[k];
-            }
+            spread(&particles[lane], &x[lane], v[lane] * keep[lane], shares[lane], positions);
         }
+    }
+}
+
+/// `v = Σ c_i x_i`.
+#[inline(always)]
+fn curvature(x: &[Vec4; 4], c: Vec4) -> Vec4 {
+    let v = x[0] * c.x + x[1] * c.y + x[2] * c.z + x[3] * c.w;
+    Vec4::select(BVec4A::from_array([true, true, true, false]), v, Vec4::ZERO)
+}
+
+/// Moves four particles by their shares of `v`.
+#[inline(always)]
+fn spread(particles: &[u32; 4], x: &[Vec4; 4], v: Vec4, share: Vec4, positions: &mut [Vec4]) {
+    let share = share.to_array();
+    for k in 0..4 {
+        positions[particles[k] as usize] = x[k] - v * share[k];
     }
 }

@@ -5,4 +5,6 @@ pub mod predict;
 pub mod anchor;
 pub mod bend;
 pub mod tether;
+pub mod net;
+pub mod leash;
 pub mod spring;

@@ -11,43 +11,48 @@
 //! same fixed point, needs no square root, and cannot fling apart two particles at one place.
 //!
 //! Beyond `(1 + limit) L` the spring does not yield (Provot 1995): `s` is at least `(1 - (1 + limit) L/|d|) / (w_a + w_b)`.
+//!
+//! In the code `L/|d| = 1/3 + u`, `u = (8/9) / (q + 1/3)`, and `s` is taken times `w_a + w_b`, of which each end has its share.
 
-use glam::{Mat4, Vec4};
+use glam::{BVec4A, Mat4, Vec4};
 
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
 
-/// What a spring of one cloth divides by; depends on masses, stiffness and substep.
+/// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpringFactors {
-    /// `1 / (w_a + w_b + 1 / (k h²))` [kg], by batch and lane; 0 where nothing can move.
-    soft: Vec<Vec4>,
-    /// `1 / (w_a + w_b)` [kg]; 0 without a strain limit.
-    hard: Vec<Vec4>,
+    /// `σ = (w_a + w_b) / (w_a + w_b + 1 / (k h²))` (dimensionless), by batch and lane.
+    give: Vec<Vec4>,
+    /// `w_a / (w_a + w_b)` (dimensionless); 0 where nothing can move.
+    share_a: Vec<Vec4>,
+    /// `w_b / (w_a + w_b)` (dimensionless); 0 where nothing can move.
+    share_b: Vec<Vec4>,
 }
 
 impl SpringFactors {
     /// Memory held [B].
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.soft[..]) + size_of_val(&self.hard[..])
+        3 * size_of_val(&self.give[..])
     }
 
     /// Recomputes all factors for a substep of `h` [s].
     pub fn update(&mut self, springs: &Springs, fabric: &Fabric, positions: &[Vec4], h: f32) {
-        self.soft.clear();
-        self.hard.clear();
+        self.give.clear();
+        self.share_a.clear();
+        self.share_b.clear();
         for k in 0..springs.a.len() {
-            let w = Vec4::from_array(std::array::from_fn(|lane| {
-                positions[springs.a[k][lane] as usize].w + positions[springs.b[k][lane] as usize].w
-            }));
+            let weights = |ends: [u32; LANES]| Vec4::from_array(ends.map(|i| positions[i as usize].w));
+            let (wa, wb) = (weights(springs.a[k]), weights(springs.b[k]));
+            let w = wa + wb;
             let membrane =
                 Vec4::splat(fabric.stretch_stiffness) + springs.shear[k] * (fabric.shear_stiffness - fabric.stretch_stiffness);
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
-            let free = w.cmpgt(Vec4::ZERO);
-            self.soft.push(Vec4::select(free, (w + (stiffness * h * h).recip()).recip(), Vec4::ZERO));
-            let limited = fabric.strain_limit.is_finite();
-            self.hard.push(if limited { Vec4::select(free, w.recip(), Vec4::ZERO) } else { Vec4::ZERO });
+            let some = w.max(Vec4::splat(f32::MIN_POSITIVE));
+            self.give.push(w / (w + (stiffness * h * h).recip()));
+            self.share_a.push(wa / some);
+            self.share_b.push(wb / some);
         }
     }
 }
@@ -67,36 +72,36 @@ fn lengths_squared(d: [Vec4; LANES]) -> Vec4 {
     m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis
 }
 
-const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
+const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// Solves every spring once.
 pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
-    // Without a limit the factors are 0, and infinity times 0 would not be a number.
-    let slack = Vec4::splat(if strain_limit.is_finite() { 1.0 + strain_limit } else { 1.0 });
-    let batches = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square).zip(factors.soft.iter().zip(&factors.hard));
-    for (((a, b), &inverse_square), (&soft, &hard)) in batches {
-        solve_batch(a, b, inverse_square, soft, hard, slack, positions);
-    }
+    sweep::<true>(springs, factors, strain_limit, positions);
 }
 
-#[inline(always)]
-fn solve_batch(
-    a: &[u32; LANES],
-    b: &[u32; LANES],
-    inverse_square: Vec4,
-    soft: Vec4,
-    hard: Vec4,
-    slack: Vec4,
-    positions: &mut [Vec4],
-) {
-    let (pa, pb, d) = gather(a, b, positions);
-    let q = lengths_squared(d) * inverse_square;
-    let ratio = (q + Vec4::splat(3.0)) / (q * 3.0 + Vec4::ONE);
-    let s = ((Vec4::ONE - ratio) * soft).max((Vec4::ONE - ratio * slack) * hard).to_array();
-    for lane in 0..LANES {
-        let move_by = d[lane] * XYZ * s[lane];
-        positions[a[lane] as usize] = pa[lane] + move_by * pa[lane].w;
-        positions[b[lane] as usize] = pb[lane] - move_by * pb[lane].w;
+/// Shortens every spring beyond the strain limit once. Springs that are too short do not push back, so nothing keeps others from giving way.
+pub fn limit(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
+    sweep::<false>(springs, factors, strain_limit, positions);
+}
+
+fn sweep<const ELASTIC: bool>(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
+    // Without a limit the second term is far below zero.
+    let slack = 1.0 + strain_limit.min(1.0e9);
+    let (hard, slack) = (Vec4::splat(1.0 - slack / 3.0), Vec4::splat(slack));
+    let ends = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square);
+    let shares = factors.give.iter().zip(&factors.share_a).zip(&factors.share_b);
+    for (((a, b), &inverse_square), ((&give, &share_a), &share_b)) in ends.zip(shares) {
+        let (pa, pb, d) = gather(a, b, positions);
+        let q = lengths_squared(d) * inverse_square;
+        let u = Vec4::splat(8.0 / 9.0) / (q + Vec4::splat(1.0 / 3.0));
+        let soft = if ELASTIC { (Vec4::splat(2.0 / 3.0) - u) * give } else { Vec4::ZERO };
+        let s = soft.max(hard - slack * u);
+        let (by_a, by_b) = ((s * share_a).to_array(), (s * share_b).to_array());
+        for lane in 0..LANES {
+            let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
+            positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
+            positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
+        }
     }
 }
 
@@ -113,4 +118,35 @@ pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
     }
     let mean = (sum.x + sum.y + sum.z + sum.w) / (LANES * springs.a.len().max(1)) as f32;
     if mean.is_finite() { (worst.max_element(), mean) } else { (f32::INFINITY, f32::INFINITY) }
+}
+
+/// Springs that are still too long at the end of a frame, and are shortened without letting time pass.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlong {
+    batches: Vec<u32>,
+}
+
+impl Overlong {
+    /// Shortens what is longer than `bound` times its length at rest (dimensionless), `passes` times over.
+    pub fn shorten(&mut self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
+        self.batches.clear();
+        for (batch, ((a, b), &inverse_square)) in (0_u32..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
+            let (_, _, d) = gather(a, b, positions);
+            if (lengths_squared(d) * inverse_square).cmpgt(Vec4::splat(bound * bound)).any() {
+                self.batches.push(batch);
+            }
+        }
+        for k in (0..passes).flat_map(|_| &self.batches).map(|&batch| batch as usize) {
+            let (a, b) = (&springs.a[k], &springs.b[k]);
+            let (pa, pb, d) = gather(a, b, positions);
+            let ratio = (lengths_squared(d) * springs.inverse_square[k]).sqrt().max(Vec4::splat(bound));
+            let s = Vec4::ONE - Vec4::splat(bound) / ratio;
+            let (by_a, by_b) = ((s * factors.share_a[k]).to_array(), (s * factors.share_b[k]).to_array());
+            for lane in 0..LANES {
+                let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
+                positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
+                positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 //! `|x - x_pin| ≤ scale · geodesic distance`; the pin does not move, so a tether costs one particle one projection, and a hanging sheet
 //! of any resolution carries its weight at once.
 
-use glam::{Mat4, Vec4};
+use glam::{BVec4A, Mat4, Vec4};
 
 use crate::solver::rest::{LANES, NONE, RestShape, geodesic};
 
@@ -12,6 +12,8 @@ const ISLANDS: usize = 8;
 
 /// Tethers per particle, to different groups of pins, shortest first.
 const PER_PARTICLE: usize = 2;
+
+const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// Upper bounds on distances to pins, in batches of four with different free particles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,15 +76,13 @@ impl Tethers {
             let anchor = pin.map(|i| positions[i as usize]);
             let d: [Vec4; LANES] = std::array::from_fn(|l| x[l] - anchor[l]);
             let m = Mat4::from_cols(d[0], d[1], d[2], d[3]).transpose();
-            let q = (m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis) * (inverse_square * shrink);
-            if q.cmple(Vec4::ONE).all() {
-                continue;
-            }
-            // 1 - L/|d| to second order, as for springs.
-            let back = (Vec4::ONE - (q + Vec4::splat(3.0)) / (q * 3.0 + Vec4::ONE)).max(Vec4::ZERO).to_array();
+            let square = m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis;
+            // 1 - L/|d| to second order, as for springs. Most tethers of a hanging cloth are taut: a test would cost more than it saves.
+            let u = Vec4::splat(8.0 / 9.0) / (square * (inverse_square * shrink) + Vec4::splat(1.0 / 3.0));
+            let back = (Vec4::splat(2.0 / 3.0) - u).max(Vec4::ZERO).to_array();
             for lane in 0..LANES {
-                let by = d[lane] * back[lane];
-                positions[particle[lane] as usize] = (x[lane] - by).with_w(x[lane].w);
+                let by = Vec4::select(XYZ, d[lane], Vec4::ZERO) * back[lane];
+                positions[particle[lane] as usize] = x[lane] - by;
             }
         }
     }

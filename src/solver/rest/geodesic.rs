@@ -28,50 +28,83 @@ pub struct Nearest {
 /// Geodesic distance of every particle from the nearest of `sources`, on the surface at `positions` [m].
 #[must_use]
 pub fn distances(topology: &Topology, positions: &[Vec3], sources: &[u32]) -> Vec<Nearest> {
-    let n = topology.particles as usize;
-    let mut best = vec![Nearest { distance: f32::INFINITY, source: NONE }; n];
-    let mut settled = vec![false; n];
-    let mut heap: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
-    for &s in sources {
-        best[s as usize] = Nearest { distance: 0.0, source: s };
-        heap.push(Reverse((0, s)));
-    }
-    while let Some(Reverse((bits, v))) = heap.pop() {
-        if settled[v as usize] || f32::from_bits(bits) > best[v as usize].distance {
-            continue;
+    let mut front = Front::new(topology.particles as usize);
+    front.run(topology, positions, sources, f32::INFINITY);
+    front.best
+}
+
+/// A front that spreads from some sources; its buffers serve many runs.
+#[derive(Clone, Debug)]
+pub struct Front {
+    best: Vec<Nearest>,
+    settled: Vec<bool>,
+    reached: Vec<(u32, f32)>,
+    heap: BinaryHeap<Reverse<(u32, u32)>>,
+}
+
+impl Front {
+    /// Buffers for a mesh of `particles` particles.
+    #[must_use]
+    pub fn new(particles: usize) -> Self {
+        Self {
+            best: vec![Nearest { distance: f32::INFINITY, source: NONE }; particles],
+            settled: vec![false; particles],
+            reached: Vec::new(),
+            heap: BinaryHeap::new(),
         }
-        settled[v as usize] = true;
-        let at = best[v as usize];
-        let mut relax = |w: u32, distance: f32, best: &mut [Nearest]| {
-            if distance < best[w as usize].distance {
-                best[w as usize] = Nearest { distance, source: at.source };
-                heap.push(Reverse((distance.to_bits(), w)));
-            }
-        };
-        for &(u, edge) in topology.around(v) {
-            if !settled[u as usize] {
-                let step = positions[v as usize].distance(positions[u as usize]);
-                relax(u, at.distance + step, &mut best);
+    }
+
+    /// The particles within `limit` [m] of a run from `sources`, nearest first, with their distances.
+    pub fn run(&mut self, topology: &Topology, positions: &[Vec3], sources: &[u32], limit: f32) -> &[(u32, f32)] {
+        for &(p, _) in &self.reached {
+            self.best[p as usize] = Nearest { distance: f32::INFINITY, source: NONE };
+            self.settled[p as usize] = false;
+        }
+        self.reached.clear();
+        self.heap.clear();
+        let Self { best, settled, reached, heap } = self;
+        for &s in sources {
+            best[s as usize] = Nearest { distance: 0.0, source: s };
+            heap.push(Reverse((0, s)));
+        }
+        while let Some(Reverse((bits, v))) = heap.pop() {
+            if settled[v as usize] || f32::from_bits(bits) > best[v as usize].distance {
                 continue;
             }
-            for face in topology.edge_faces[edge as usize].into_iter().filter(|&f| f != NONE) {
-                let w = topology.opposite(edge, face);
-                if !settled[w as usize] {
-                    let corners = [u, v, w].map(|p| positions[p as usize]);
-                    if let Some(d) = across(corners, best[u as usize].distance, at.distance) {
-                        relax(w, d, &mut best);
+            settled[v as usize] = true;
+            reached.push((v, 0.0));
+            let at = best[v as usize];
+            let mut relax = |w: u32, distance: f32, best: &mut [Nearest]| {
+                if distance < best[w as usize].distance && distance <= limit {
+                    best[w as usize] = Nearest { distance, source: at.source };
+                    heap.push(Reverse((distance.to_bits(), w)));
+                }
+            };
+            for &(u, edge) in topology.around(v) {
+                if !settled[u as usize] {
+                    let step = positions[v as usize].distance(positions[u as usize]);
+                    relax(u, at.distance + step, best);
+                    continue;
+                }
+                for face in topology.edge_faces[edge as usize].into_iter().filter(|&f| f != NONE) {
+                    let w = topology.opposite(edge, face);
+                    if !settled[w as usize] {
+                        let corners = [u, v, w].map(|p| positions[p as usize]);
+                        if let Some(d) = across(corners, best[u as usize].distance, at.distance) {
+                            relax(w, d, best);
+                        }
                     }
                 }
             }
         }
-    }
-    // Two fronts that merge can report less than the way to either source.
-    for (i, nearest) in best.iter_mut().enumerate() {
-        if nearest.source != NONE {
-            nearest.distance = nearest.distance.max(positions[i].distance(positions[nearest.source as usize]));
+        // Two fronts that merge can report less than the way to either source.
+        for (p, distance) in reached.iter_mut() {
+            let nearest = &mut best[*p as usize];
+            nearest.distance = nearest.distance.max(positions[*p as usize].distance(positions[nearest.source as usize]));
+            *distance = nearest.distance;
         }
+        reached
     }
-    best
 }
 
 /// Distance of `w` [m] when the front comes straight across edge `u v`; `None` when it does not.

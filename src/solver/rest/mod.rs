@@ -4,6 +4,7 @@
 mod batch;
 mod bends;
 pub mod geodesic;
+mod net;
 mod order;
 mod source;
 mod springs;
@@ -12,6 +13,7 @@ mod weld;
 
 pub use batch::LANES;
 pub use bends::Bends;
+pub use net::Net;
 pub use source::{BuildReport, RestError, SourceMesh};
 pub use springs::Springs;
 pub use topology::{NONE, Topology};
@@ -38,6 +40,8 @@ pub struct RestShape {
     pub springs: Springs,
     /// Bending elements.
     pub bends: Bends,
+    /// Coarse net over the cloth.
+    pub net: Net,
     /// Mean rest length of the edges [m].
     pub mean_edge: f32,
 }
@@ -107,6 +111,7 @@ impl RestShape {
         let length: f64 =
             topology.edges.iter().map(|e| f64::from(positions[e[0] as usize].distance(positions[e[1] as usize]))).sum();
         shape.mean_edge = (length / topology.edges.len() as f64) as f32;
+        shape.net = Net::new(&topology, &positions, shape.mean_edge);
         shape.topology = topology;
         shape.positions = positions;
         shape.attach_isolated(mesh);
@@ -161,6 +166,9 @@ impl RestShape {
             + size_of_val(&t.neighbour_start[..])
             + size_of_val(&t.neighbours[..])
             + self.springs.a.len() * (2 * size_of::<[u32; LANES]>() + 3 * 16)
+            + size_of_val(&self.net.around[..])
+            + size_of_val(&self.net.weights[..])
+            + self.net.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
             + self.bends.rest.len() * (size_of::<[[u32; 4]; LANES]>() + 6 * 16)
     }
 }

@@ -1,0 +1,150 @@
+//! One pair of primitives that is kept apart: a particle and a face, or two edges.
+//!
+//! ```text
+//!   x_v            δ = Σ wᵢ xᵢ      from the closest point of the second to that of the first
+//!    \             C = n · δ - t     n = ±δ/|δ|, t: thickness
+//!     |  δ        Δxᵢ = wᵢ mᵢ⁻¹ n (C* - C) / Σ wⱼ² mⱼ⁻¹
+//!  ---o-------     C* = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
+//! ```
+//!
+//! `Σ wᵢ = 0`, hence no momentum is made. Friction as for bodies (Macklin et al. 2014, eq. 24): the tangential part of `Σ wᵢ (xᵢ - oldᵢ)` is taken away while it is
+//! below `μs` times the mean push, and shortened by `μd` times that beyond.
+
+use core::cmp::Ordering;
+
+use glam::{Vec3, Vec4};
+
+use super::FREE;
+
+use crate::solver::body::Friction;
+use crate::solver::detect::ProximityKind;
+use crate::solver::detect::proximity::{edge_edge, vertex_face};
+
+/// Speed at which pairs that are closer than their thickness are taken apart [m/s].
+const RECOVERY_SPEED: f32 = 0.5;
+/// Share of the newest push in the running mean of the load (dimensionless).
+const LOAD_SHARE: f32 = 0.25;
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
+const SUPPORT: f32 = 0.1;
+/// Beyond this many thicknesses along the last normal, closest points are not asked for.
+const FAR: f32 = 1.2;
+
+/// A pair. See the module.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    pub kind: ProximityKind,
+    /// The faces whose boxes met.
+    pub faces: [u32; 2],
+    /// Slots of its particles, as [`Proximity::particles`](crate::solver::detect::Proximity::particles).
+    pub slots: [u32; 4],
+    /// Weights of the closest points when last asked.
+    pub weights: [f32; 4],
+    /// Unit vector towards the first primitive, on whichever side it is.
+    pub normal: Vec3,
+    /// Distance kept [m].
+    pub thickness: f32,
+    pub friction: Friction,
+    /// Mean push [m].
+    pub load: f32,
+    /// Whether it is on the other side than it belongs.
+    pub behind: bool,
+}
+
+/// The particles that pairs are made of, by slot; levels by particle.
+pub(super) struct Particles<'a> {
+    pub ids: &'a [u32],
+    pub now: &'a mut [Vec4],
+    pub old: &'a mut [Vec4],
+    pub levels: &'a mut [u8],
+}
+
+impl Contact {
+    /// Keeps the pair apart; whether it touched.
+    #[inline]
+    pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
+        let mut x = self.slots.map(|s| particles.now[s as usize]);
+        let along = self.normal.dot(sum(&self.weights, &x));
+        if along > FAR * self.thickness {
+            return false;
+        }
+        let was = self.slots.map(|s| particles.old[s as usize]);
+        let at = |points: &[Vec4; 4]| match self.kind {
+            ProximityKind::VertexFace => vertex_face([0, 1, 2, 3], |i| points[i as usize].truncate()),
+            ProximityKind::EdgeEdge => edge_edge([0, 1, 2, 3], |i| points[i as usize].truncate()),
+        };
+        let near = at(&x);
+        if !(near.distance < f32::INFINITY) {
+            return false;
+        }
+        let delta = sum(&near.weights, &x);
+        let mut distance = near.distance;
+        if delta.dot(self.normal) < 0.0 && {
+            // Through, or around? Where it was as far from one side as it is now from the other, it must have been in the other.
+            let before = self.normal.dot(sum(&near.weights, &was)).max(0.0);
+            let t = before / (before + distance);
+            let midway = at(&std::array::from_fn(|i| was[i].lerp(x[i], t)));
+            midway.distance < 0.25 * self.thickness.max(distance)
+        } {
+            distance = -distance;
+        }
+        // In touch to the last digit the direction is the last one.
+        if distance.abs() > 1.0e-3 * self.thickness {
+            self.normal = delta / distance;
+        }
+        self.weights = near.weights;
+        self.behind = distance < 0.0;
+        let gap = distance - self.thickness;
+        if gap < 0.0 {
+            self.support(particles, &mut x);
+        }
+        let mobility: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
+        if gap >= 0.0 || mobility <= 0.0 {
+            self.load = 0.0;
+            return false;
+        }
+        let gap_before = self.normal.dot(sum(&self.weights, &was)) - self.thickness;
+        let target = if gap_before < 0.0 { (gap_before + RECOVERY_SPEED * h).min(0.0) } else { 0.0 };
+        let pushed = (target - gap).max(0.0);
+        let lift = if gap_before < 0.0 { (target - gap_before).clamp(0.0, pushed) } else { 0.0 };
+        let push = pushed - lift;
+        self.load = if self.load > 0.0 { self.load + LOAD_SHARE * (push - self.load) } else { push };
+
+        let moved = sum(&self.weights, &x) - sum(&self.weights, &was);
+        let slip = moved - self.normal * self.normal.dot(moved);
+        let length = slip.length();
+        let rubbed = if length <= self.friction.fixed * self.load {
+            slip
+        } else {
+            slip * (self.friction.sliding * self.load / length).min(1.0)
+        };
+        let step = (self.normal * pushed - rubbed).extend(0.0) / mobility;
+        let lift = (self.normal * lift).extend(0.0) / mobility;
+        for i in 0..4 {
+            let share = self.weights[i] * x[i].w;
+            let (now, old) = (&mut particles.now[self.slots[i] as usize], &mut particles.old[self.slots[i] as usize]);
+            *now += step * share;
+            *old += lift * share;
+        }
+        true
+    }
+
+    /// Makes the side heavier that is closer to a body, which would only push it back, and passes on how close that is (mass scaling as in Macklin et al. 2014, section 5.2).
+    #[inline]
+    fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
+        let ids = self.slots.map(|s| particles.ids[s as usize] as usize);
+        let split = if self.kind == ProximityKind::VertexFace { 1 } else { 2 };
+        let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
+        let (first, second) = (lowest(&ids[..split]), lowest(&ids[split..]));
+        let (heavy, above, level) = match first.cmp(&second) {
+            Ordering::Less => (0..split, split..4, first),
+            Ordering::Equal => return,
+            Ordering::Greater => (split..4, 0..split, second),
+        };
+        heavy.for_each(|i| x[i].w *= SUPPORT);
+        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + 1));
+    }
+}
+
+fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
+    (points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]).truncate()
+}

@@ -1,0 +1,366 @@
+//! Which pairs may touch before the next frame.
+//!
+//! Each face is boxed together with where it is foreseen to be, relative to the motion all cloths share. Of two faces whose boxes meet, each asks with
+//! the particles and edges it owns, so that every pair is asked for once.
+
+use glam::{Vec3, Vec3A, Vec4};
+
+use super::contact::Contact;
+use super::{Contacts, Touch};
+use crate::solver::body::Friction;
+use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
+use crate::solver::detect::{Proximity, Surface};
+use crate::solver::detect::tree::{Bounds, Tree};
+
+/// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
+const MARGIN: f32 = 0.25;
+
+/// How far particles may stray from where they were foreseen, as a share of the distance within which pairs were found: two that both stray by less
+/// than half of it cannot meet.
+const STRAY: f32 = 0.45;
+
+/// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
+const REST_SHARE: f32 = 0.7;
+
+/// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
+const SLACK: f32 = 0.1;
+
+/// What pairs are looked for in: the state of all cloths after a substep.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Position [m] and, in `w`, inverse mass [1/kg] of every particle.
+    pub positions: &'a [Vec4],
+    /// Positions [m] at the start of the substep.
+    pub previous: &'a [Vec4],
+    /// Length [s] of the substep, for each cloth.
+    pub substep: &'a [f32],
+    /// Thickness and friction of each cloth.
+    pub touch: &'a [Touch],
+}
+
+/// Edges are kept this share of the thickness apart: particles carry the cloth, edges only keep it from slipping through between them.
+const EDGE_SHARE: f32 = 1.0;
+
+/// Which face asks for which particle and edge, and how far each particle goes.
+#[derive(Clone, Debug, Default)]
+pub struct Finder {
+    /// Bits 0 to 2: corners the face owns; bits 3 to 5: its edges.
+    owns: Vec<u8>,
+    /// Where each particle is foreseen to be in the next frame [m], less the motion that all cloths share.
+    ahead: Vec<Vec3A>,
+    /// Where each particle was at the last look [m].
+    start: Vec<Vec3A>,
+    /// Particles that are elsewhere than foreseen, and faces with one.
+    astray: Vec<bool>,
+    marked: Vec<bool>,
+    /// Unit normals of faces, their sums around particles, and particles around which the cloth hardly bends.
+    normals: Vec<Vec3A>,
+    sums: Vec<Vec3A>,
+    flat: Vec<bool>,
+    /// The motion that all share until the next frame [m].
+    shared: Vec3A,
+    /// Longest edge of each cloth at rest [m].
+    longest: Vec<f32>,
+}
+
+impl Finder {
+    /// Prepares finding on a surface.
+    #[must_use]
+    pub fn new(surface: &Surface) -> Self {
+        let topology = &surface.topology;
+        let mut owns = vec![0; topology.faces.len()];
+        let mut owned = vec![false; surface.len()];
+        for (f, t) in topology.faces.iter().enumerate() {
+            for (k, &v) in t.iter().enumerate() {
+                if !std::mem::replace(&mut owned[v as usize], true) {
+                    owns[f] |= 1 << k;
+                }
+                if topology.edge_faces[topology.face_edges[f][k] as usize][0] == f as u32 {
+                    owns[f] |= 8 << k;
+                }
+            }
+        }
+        let length = |e: u32| {
+            let [a, b] = topology.edges[e as usize].map(|v| surface.rest[v as usize]);
+            a.distance(b)
+        };
+        let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
+        let start = vec![Vec3A::ZERO; surface.len()];
+        let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
+        let (normals, sums) = (vec![Vec3A::ZERO; topology.faces.len()], start.clone());
+        let flat = astray.clone();
+        Self { owns, ahead: start.clone(), start, astray, marked, normals, sums, flat, shared: Vec3A::ZERO, longest }
+    }
+
+    /// Prepares for looking at all pairs that may touch within `dt` [s]: with [`Self::ask`], in whatever order [`Tree::pairs`] finds faces within
+    /// [`Self::reach`] once the tree was [swept](Self::sweep).
+    pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
+        contacts.begin();
+        contacts.fit(surface.len());
+        contacts.lift();
+        self.foresee(surface, moment, dt);
+        self.find_flat(surface, moment.positions);
+    }
+
+    /// Finds the pairs that may touch within `dt` [s]. `left_out` says of a particle that it takes no part.
+    pub fn find(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        dt: f32,
+        left_out: impl Fn(u32) -> bool,
+        contacts: &mut Contacts,
+    ) {
+        self.begin(surface, moment, dt, contacts);
+        tree.refit(surface, moment.positions);
+        self.sweep(surface, tree);
+        tree.pairs(surface, Self::reach(moment), self.ask(surface, moment, left_out, contacts));
+    }
+
+    /// Widens the boxes of a tree to where particles are foreseen to be.
+    pub fn sweep(&self, surface: &Surface, tree: &mut Tree) {
+        tree.sweep(surface, &self.ahead);
+    }
+
+    /// How close boxes must come for their faces to be asked [m].
+    #[must_use]
+    pub fn reach(moment: &Moment<'_>) -> f32 {
+        (1.0 + MARGIN) * moment.touch.iter().map(|t| t.thickness).fold(0.0, f32::max)
+    }
+
+    /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share` has passed.
+    pub fn find_strayed(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        share: f32,
+        dt: f32,
+        left_out: impl Fn(u32) -> bool,
+        contacts: &mut Contacts,
+    ) {
+        for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
+            *marked = t.iter().any(|&v| self.astray[v as usize]);
+        }
+        contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.note_behind();
+        for (part, &h) in surface.parts.iter().zip(moment.substep) {
+            let scale = if h > 0.0 { dt / h } else { 0.0 };
+            for v in part.particles.start as usize..part.particles.end as usize {
+                if core::mem::take(&mut self.astray[v]) {
+                    let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
+                    let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
+                    self.ahead[v] = now + motion - self.shared * (1.0 - share);
+                    // So that it is here now.
+                    self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
+                }
+            }
+        }
+        self.find_flat(surface, moment.positions);
+        tree.refit(surface, moment.positions);
+        self.sweep(surface, tree);
+        let marked = core::mem::take(&mut self.marked);
+        tree.pairs_with(surface, Self::reach(moment), &marked, self.ask(surface, moment, left_out, contacts));
+        self.marked = marked;
+    }
+
+    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be.
+    pub fn ask<'a>(
+        &'a self,
+        surface: &'a Surface,
+        moment: &Moment<'a>,
+        left_out: impl Fn(u32) -> bool + 'a,
+        contacts: &'a mut Contacts,
+    ) -> impl FnMut(u32, u32) + 'a {
+        let &Moment { positions, touch, .. } = moment;
+        let reach = Self::reach(moment);
+        let topology = &surface.topology;
+        let Self { owns, ahead, longest, flat, .. } = self;
+        let at = |v: u32| positions[v as usize].truncate();
+        let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
+        let mut ask = move |pair: Proximity, first: usize, faces: [u32; 2]| {
+            let ids = pair.particles;
+            let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
+            let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
+            let mut thickness = 0.5 * (mine.thickness + other.thickness);
+            let margin = MARGIN * thickness;
+            if first == 2 {
+                thickness *= EDGE_SHARE;
+            }
+            let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
+            let normal = delta / pair.distance;
+            // Exactly in touch, there is no side to be on.
+            if !normal.is_finite() || ids.iter().all(|&v| positions[v as usize].w == 0.0) || ids.iter().any(|&v| left_out(v)) {
+                return;
+            }
+            let far = |thickness: f32| {
+                let reach = thickness + margin;
+                let axis = Vec3A::from(normal);
+                let along = |v: u32| axis.dot(ahead[v as usize]);
+                let low = ids[..first].iter().map(|&v| along(v)).fold(f32::INFINITY, f32::min);
+                let high = ids[first..].iter().map(|&v| along(v)).fold(f32::NEG_INFINITY, f32::max);
+                pair.distance >= reach && low - high >= reach
+            };
+            if far(thickness) {
+                return;
+            }
+            if p == q {
+                let near = thickness / REST_SHARE + 2.0 * longest[usize::from(p)];
+                if surface.rest[ids[0] as usize].distance_squared(surface.rest[ids[3] as usize]) < near * near {
+                    thickness = thickness.min(REST_SHARE * distance_at_rest(surface, &pair));
+                    if thickness <= 0.0 || far(thickness) {
+                        return;
+                    }
+                }
+            }
+            if contacts.is_behind(pair.kind, ids) {
+                return;
+            }
+            let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
+            let friction = Friction::between(rub(mine), rub(other));
+            let slots = ids.map(|v| contacts.slot(v));
+            contacts.pairs.push(Contact { kind: pair.kind, faces, slots, weights: pair.weights, normal, thickness, friction, load: 0.0, behind: false });
+        };
+        let wide = Vec3A::splat(reach);
+        move |f: u32, g: u32| {
+            let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
+            // Faces of a fan that hardly bends are hardly closer than at rest.
+            if tf.iter().any(|v| flat[*v as usize] && tg.contains(v)) {
+                return;
+            }
+            let (pf, pg) = (tf.map(path), tg.map(path));
+            if are_apart(&pf, &pg, reach) {
+                return;
+            }
+            let (bf, bg) = (pf.map(Path::bounds), pg.map(Path::bounds));
+            for (own, t, u, bt, bu) in [(owns[f as usize], tf, tg, &bf, &bg), (owns[g as usize], tg, tf, &bg, &bf)] {
+                if own & 7 == 0 {
+                    continue;
+                }
+                let face = bu[0].union(bu[1]).union(bu[2]);
+                for k in 0..3 {
+                    if own & (1 << k) != 0 && !u.contains(&t[k]) && bt[k].meets(&face, wide) {
+                        ask(vertex_face([t[k], u[0], u[1], u[2]], at), 1, [f, g]);
+                    }
+                }
+            }
+            for i in (0..3).filter(|i| owns[f as usize] & (8 << i) != 0) {
+                let e = [tf[i], tf[(i + 1) % 3]];
+                let edge = bf[i].union(bf[(i + 1) % 3]);
+                for j in (0..3).filter(|j| owns[g as usize] & (8 << j) != 0) {
+                    let h = [tg[j], tg[(j + 1) % 3]];
+                    let (pe, ph) = ([pf[i], pf[(i + 1) % 3]], [pg[j], pg[(j + 1) % 3]]);
+                    let meet = || bg[j].union(bg[(j + 1) % 3]).meets(&edge, wide) && may_pass(pe, ph);
+                    if !h.contains(&e[0]) && !h.contains(&e[1]) && meet() {
+                        ask(closest_edges([e[0], e[1], h[0], h[1]], at), 2, [f, g]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found, when `share` (0 to 1) of the time looked ahead
+    /// has passed. `positions` and `offset` [m] as gathered, `thickness` [m] of the cloth. Whether there are any.
+    pub fn strayed(&mut self, first: usize, positions: &[Vec4], offset: Vec3, share: f32, thickness: f32) -> bool {
+        let common = Vec3A::from(offset) - self.shared * share;
+        let limit = STRAY * (1.0 + MARGIN) * thickness;
+        let range = first..first + positions.len();
+        let stray = |x: Vec4, start: Vec3A, ahead: Vec3A| Vec3A::from_vec4(x) + common - start - (ahead - start) * share;
+        let foreseen = || self.start[range.clone()].iter().zip(&self.ahead[range.clone()]);
+        let mut far = Vec3A::ZERO;
+        for (&x, (&start, &ahead)) in positions.iter().zip(foreseen()) {
+            let stray = stray(x, start, ahead);
+            far = far.max(stray * stray);
+        }
+        // The largest of each axis: no less than the farthest particle's.
+        if far.element_sum() <= limit * limit {
+            return false;
+        }
+        let mut any = false;
+        for ((&x, (&start, &ahead)), astray) in positions.iter().zip(foreseen()).zip(&mut self.astray[range.clone()]) {
+            *astray = !(stray(x, start, ahead).length_squared() <= limit * limit);
+            any |= *astray;
+        }
+        any
+    }
+
+    /// Finds the particles around which all normals lie within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
+    fn find_flat(&mut self, surface: &Surface, positions: &[Vec4]) {
+        let Self { normals, sums, flat, .. } = self;
+        sums.fill(Vec3A::ZERO);
+        flat.fill(true);
+        for (t, normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
+            let [a, b, c] = t.map(|v| Vec3A::from_vec4(positions[v as usize]));
+            *normal = (b - a).cross(c - a).normalize_or_zero();
+            t.iter().for_each(|&v| sums[v as usize] += *normal);
+        }
+        for (t, normal) in surface.topology.faces.iter().zip(normals.iter()) {
+            for &v in t {
+                let (sum, along) = (sums[v as usize], normal.dot(sums[v as usize]));
+                flat[v as usize] &= along > 0.0 && along * along > 0.5 * sum.length_squared();
+            }
+        }
+    }
+
+    /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
+    fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
+        let &Moment { positions, previous, substep, .. } = moment;
+        self.astray.fill(false);
+        let mut mean = Vec3A::ZERO;
+        for (part, &h) in surface.parts.iter().zip(substep) {
+            let scale = if h > 0.0 { dt / h } else { 0.0 };
+            for v in part.particles.start as usize..part.particles.end as usize {
+                let motion = Vec3A::from_vec4(positions[v] - previous[v]) * scale;
+                self.start[v] = Vec3A::from_vec4(positions[v]);
+                self.ahead[v] = self.start[v] + motion;
+                mean += motion;
+            }
+        }
+        mean /= surface.len().max(1) as f32;
+        for ahead in &mut self.ahead {
+            *ahead -= mean;
+        }
+        self.shared = mean;
+    }
+}
+
+/// Where a particle is, and where it is foreseen to be [m].
+#[derive(Clone, Copy)]
+struct Path {
+    now: Vec3A,
+    ahead: Vec3A,
+}
+
+impl Path {
+    #[inline]
+    fn bounds(self) -> Bounds {
+        Bounds { min: self.now.min(self.ahead), max: self.now.max(self.ahead) }
+    }
+}
+
+/// Whether two faces are more than `reach` [m] apart along the line between their centres, now and ahead.
+#[inline]
+fn are_apart(f: &[Path; 3], g: &[Path; 3], reach: f32) -> bool {
+    let axis = (f[0].now + f[1].now + f[2].now) - (g[0].now + g[1].now + g[2].now);
+    let apart = |of: fn(&Path) -> Vec3A| {
+        let origin = of(&g[0]);
+        let along = |p: &Path| (of(p) - origin).dot(axis);
+        along(&f[0]).min(along(&f[1])).min(along(&f[2])) - along(&g[1]).max(along(&g[2])).max(0.0)
+    };
+    let (now, ahead) = (apart(|p| p.now), apart(|p| p.ahead));
+    let least = now.min(ahead);
+    least > 0.0 && least * least > reach * reach * axis.length_squared()
+}
+
+/// Whether the lines of two edges come closest inside both, or may do so soon. Where they never do, a particle is closer.
+fn may_pass([p, q]: [Path; 2], [r, s]: [Path; 2]) -> bool {
+    let (u, v, w) = (q.now - p.now, s.now - r.now, p.now - r.now);
+    let (a, b, c, d, e) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
+    let det = a * c - b * b;
+    let motion = 0.5 * ((p.ahead - p.now) + (q.ahead - q.now) - (r.ahead - r.now) - (s.ahead - s.now));
+    let slack = SLACK + (motion.length_squared() / a.min(c)).sqrt();
+    let inside = |x: f32| (x - 0.5 * det).abs() <= (0.5 + slack) * det;
+    // Edges that are almost parallel may pass anywhere.
+    !(det > 1.0e-3 * a * c) || (inside(b * e - c * d) && inside(a * e - b * d))
+}

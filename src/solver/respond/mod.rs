@@ -1,0 +1,168 @@
+//! Respond: cloth rests on cloth, and folds on itself.
+//!
+//! ```text
+//! once a frame   Contacts::find    boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
+//! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction
+//! ```
+//!
+//! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to the
+//! front. So one look a frame is enough, as long as it sees everything that can be met before the next. Pairs of a tangle have no right side; they are left to
+//! [`resolve`](crate::solver::resolve).
+//!
+//! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.
+
+mod contact;
+mod find;
+
+use core::ops::Range;
+
+use glam::Vec4;
+
+use crate::solver::body::Touch;
+use crate::solver::detect::ProximityKind;
+use crate::solver::rest::NONE;
+use contact::{Contact, Particles};
+pub use find::{Finder, Moment};
+
+/// Pairs that may touch before the next frame, and the particles they are made of.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    pairs: Vec<Contact>,
+    /// Particle of each slot, in the order in which pairs ask for them.
+    particles: Vec<u32>,
+    /// Slot of each particle, or [`NONE`].
+    slots: Vec<u32>,
+    /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
+    now: Vec<Vec4>,
+    old: Vec<Vec4>,
+    /// By particle: 0 where it lies on a body, 1 where on cloth that does, and so on.
+    levels: Vec<u8>,
+    /// Pairs that were kept at the last look since they are on the wrong side.
+    behind: Vec<(u8, [u32; 4])>,
+    /// Pairs that touched in the last [`Self::solve`].
+    touching: u32,
+}
+
+/// Level of a particle that lies on nothing.
+const FREE: u8 = u8::MAX;
+
+impl Contacts {
+    /// Forgets all pairs.
+    pub fn clear(&mut self) {
+        for &p in &self.particles {
+            self.slots[p as usize] = NONE;
+        }
+        self.particles.clear();
+        self.pairs.clear();
+        self.behind.clear();
+    }
+
+    /// Forgets all pairs but those on the wrong side, which would take it for the right one.
+    fn begin(&mut self) {
+        let Self { pairs, particles, .. } = self;
+        pairs.retain(|pair| pair.behind);
+        for pair in pairs.iter_mut() {
+            pair.slots = pair.slots.map(|s| particles[s as usize]);
+        }
+        let mut kept = core::mem::take(&mut self.pairs);
+        self.clear();
+        for pair in &mut kept {
+            pair.slots = pair.slots.map(|v| self.slot(v));
+        }
+        self.pairs = kept;
+        self.note_behind();
+    }
+
+    /// Number of pairs that may touch.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Whether nothing can touch.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Pairs that touched in the last [`Self::solve`].
+    #[must_use]
+    pub fn touching(&self) -> u32 {
+        self.touching
+    }
+
+    /// Makes room for the particles of a surface.
+    fn fit(&mut self, particles: usize) {
+        self.slots.resize(particles, NONE);
+        self.levels.resize(particles, FREE);
+    }
+
+    /// Lists the pairs that are on the other side than they belong: a new look would take the wrong side for theirs.
+    fn note_behind(&mut self) {
+        self.behind.clear();
+        let Self { pairs, particles, behind, .. } = self;
+        behind.extend(pairs.iter().filter(|p| p.behind).map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]))));
+        behind.sort_unstable();
+    }
+
+    fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
+        !self.behind.is_empty() && self.behind.binary_search(&(kind as u8, particles)).is_ok()
+    }
+
+    /// Lets particles that lie on nothing any more rise.
+    fn lift(&mut self) {
+        for level in &mut self.levels {
+            *level = level.saturating_add(1);
+        }
+    }
+
+    /// Says that a particle lies on a body: cloth on top of it gives way.
+    pub fn ground(&mut self, particle: u32) {
+        if let Some(level) = self.levels.get_mut(particle as usize) {
+            *level = 0;
+        }
+    }
+
+    fn slot(&mut self, particle: u32) -> u32 {
+        let slot = &mut self.slots[particle as usize];
+        if *slot == NONE {
+            *slot = self.particles.len() as u32;
+            self.particles.push(particle);
+        }
+        *slot
+    }
+
+    /// Makes room for what [`Self::gather`] takes in.
+    pub fn begin_gather(&mut self) {
+        self.now.resize(self.particles.len(), Vec4::ZERO);
+        self.old.resize(self.particles.len(), Vec4::ZERO);
+    }
+
+    /// Takes in those particles of pairs that are in `range`, one cloth: `read` gives the position ([m], `w` inverse mass) and the position at the start of the
+    /// substep [m] of the `i`-th of the range.
+    pub fn gather(&mut self, range: Range<u32>, read: impl Fn(usize) -> (Vec4, Vec4)) {
+        for (&p, (now, old)) in self.particles.iter().zip(self.now.iter_mut().zip(&mut self.old)) {
+            if range.contains(&p) {
+                (*now, *old) = read((p - range.start) as usize);
+            }
+        }
+    }
+
+    /// Keeps all pairs apart at the end of a substep of `h` [s].
+    pub fn solve(&mut self, h: f32) {
+        self.touching = 0;
+        let mut particles = Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
+        for pair in &mut self.pairs {
+            self.touching += u32::from(pair.solve(h, &mut particles));
+        }
+    }
+
+    /// Gives back what [`Self::gather`] took.
+    pub fn scatter(&self, range: Range<u32>, mut write: impl FnMut(usize, Vec4, Vec4)) {
+        for (&p, (&now, &old)) in self.particles.iter().zip(self.now.iter().zip(&self.old)) {
+            if range.contains(&p) {
+                write((p - range.start) as usize, now, old);
+            }
+        }
+    }
+}
