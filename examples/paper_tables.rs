@@ -131,7 +131,7 @@ fn run(n: u32, method: Method) -> Result<Figures, SurfaceError> {
         UntangleSettings { resolve: ResolveSettings { method, ..ResolveSettings::default() }, ..UntangleSettings::default() };
     let (mut all, mut dirty, mut left) = ((0.0, 0.0), (0.0, 0.0), 0);
     for tangle in Tangle::ALL {
-        let mut scene = scenes::tangle(tangle, n).untangled(settings, EvaluateSettings::default(), false)?;
+        let mut scene = scenes::tangle(tangle, n).untangled(settings, EvaluateSettings::default(), false)?.without_contact();
         for _ in 0..FRAMES {
             let start = Instant::now();
             scene.step(FRAME);

@@ -128,9 +128,8 @@ fn main() -> ExitCode {
             }
         };
     }
-    // A tangle floats, and is only to be untangled.
-    if scene.gravity != glam::Vec3::ZERO && !arguments.no_contact {
-        scene = scene.in_contact();
+    if arguments.no_contact {
+        scene = scene.without_contact();
     }
     // The calling thread works too.
     let pool = (arguments.threads > 1).then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());

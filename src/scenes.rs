@@ -1,6 +1,7 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
 mod driven;
+mod seeds;
 mod tangles;
 mod units;
 
@@ -10,13 +11,17 @@ use std::time::Instant;
 use glam::{Quat, Vec3, vec3};
 
 pub use driven::driven;
+pub use seeds::{Seed, SeedKind, SeedRun};
 pub use tangles::Tangle;
 pub use units::Unit;
 
 use crate::solver::body::{Body, Pose, Touch, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
-use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Shown};
+use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Resort, Shown, Verdict};
+use crate::solver::fit::fit;
 use crate::solver::group::{Display, Group, Member, Members, UntangleSettings};
+use crate::solver::load::{self, LoadReport};
+use crate::solver::resolve::Contour;
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
@@ -25,6 +30,9 @@ use crate::solver::wind::{Turbulence, Wind};
 
 /// Standard gravity [m/s²].
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
+/// Time in which the last resort draws a tangle to the shape at rest [s].
+const BLEND: f32 = 0.25;
 
 /// Areal density of the cloths in these scenes [kg/m²].
 pub const DENSITY: f32 = 0.3;
@@ -70,6 +78,8 @@ pub struct SceneCloth {
     pub report: StepReport,
     /// What is shown while it is tangled.
     pub display: Display,
+    /// Order of layers: larger numbers are worn outside; set it before [`Scene::untangled`].
+    pub layer: i32,
 }
 
 impl SceneCloth {
@@ -94,6 +104,7 @@ impl SceneCloth {
             scratch: Scratch::default(),
             report: StepReport::default(),
             display: Display::default(),
+            layer: 0,
         };
         cloth.prepare();
         cloth
@@ -180,6 +191,8 @@ pub struct Untangling {
     pub settings: UntangleSettings,
     /// What is shown meanwhile.
     pub skip: EvaluateSettings,
+    /// A buffer.
+    pose: Vec<Vec3>,
     /// Whether cloths rest on each other, and on themselves.
     pub contact: bool,
     /// Thickness and friction of each cloth in the last frame.
@@ -218,27 +231,46 @@ impl Scene {
         skip: EvaluateSettings,
         self_collision: bool,
     ) -> Result<Self, SurfaceError> {
-        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness);
+        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness, cloth.layer);
         let cloths: Vec<_> = self.cloths.iter().map(part).collect();
         let parts: Vec<PartRef<'_>> = cloths
             .iter()
-            .map(|(rest, thickness)| PartRef {
+            .map(|(rest, thickness, layer)| PartRef {
                 topology: &rest.topology,
                 rest: &rest.positions,
-                layer: 0,
+                layer: *layer,
                 self_collision,
                 thickness: *thickness,
             })
             .collect();
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact: false, touch: Vec::new() });
+        let (contact, touch, pose) = (true, Vec::new(), Vec::new());
+        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact, touch, pose });
         Ok(self)
     }
 
-    /// Lets cloths that are untangled also rest on each other, and on themselves.
+    /// Takes the cloths apart before the first frame, in at most `most` iterations; nothing without untangling.
+    pub fn untangle_at_load(&mut self, most: u32) -> LoadReport {
+        let Some(Untangling { group, settings, .. }) = &mut self.untangle else { return LoadReport::default() };
+        for (part, cloth) in self.cloths.iter().enumerate() {
+            group.gather(part, &cloth.state, Vec3::ZERO, false);
+        }
+        let cloths = &self.cloths;
+        let report = group.untangle_at_load(settings, most, |part, positions| {
+            if let Some(cloth) = cloths.get(part) {
+                load::relax_edges(&cloth.rest, positions);
+            }
+        });
+        for (part, cloth) in self.cloths.iter_mut().enumerate() {
+            group.scatter(part, &mut cloth.state, Vec3::ZERO);
+        }
+        report
+    }
+
+    /// Lets cloths that are untangled pass through each other until they are, instead of resting on each other.
     #[must_use]
-    pub fn in_contact(mut self) -> Self {
+    pub fn without_contact(mut self) -> Self {
         if let Some(untangling) = &mut self.untangle {
-            untangling.contact = true;
+            untangling.contact = false;
         }
         self
     }
@@ -260,7 +292,7 @@ impl Scene {
 
     /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
     pub fn settle(&mut self, dt: f32) {
-        let Some(Untangling { group, settings, skip, contact, touch }) = &mut self.untangle else { return };
+        let Some(Untangling { group, settings, skip, contact, touch, pose }) = &mut self.untangle else { return };
         let start = Instant::now();
         touch.clear();
         touch.extend(self.cloths.iter().map(|c| Touch::of(&c.fabric)));
@@ -273,11 +305,21 @@ impl Scene {
 
         let start = Instant::now();
         let cloths = &self.cloths;
+        let resort = cloths.iter().map(|c| c.display.outcome().resort).max().unwrap_or_default();
+        group.escalate(resort);
         group.resolve(settings, |part, positions| {
             if let Some(cloth) = cloths.get(part) {
                 step::relax(&cloth.rest, &cloth.fabric, &cloth.scratch, positions);
             }
         });
+        if resort == Resort::Blend {
+            for (part, cloth) in self.cloths.iter().enumerate() {
+                // First around the tangle, then more and more of the cloth.
+                let whole = (cloth.display.outcome().tangled_for / skip.last_resort - 4.0).clamp(0.0, 1.0);
+                fit(&cloth.rest, &cloth.state.positions, pose);
+                group.blend(part, pose, Vec3::ZERO, dt / BLEND, whole);
+            }
+        }
         for (part, cloth) in self.cloths.iter_mut().enumerate() {
             group.scatter(part, &mut cloth.state, Vec3::ZERO);
         }
@@ -293,6 +335,21 @@ impl Scene {
         let start = Instant::now();
         group.respond();
         self.times.respond = since(start);
+    }
+
+    /// Looks for crossings as the cloths lie, and moves nothing.
+    pub fn look(&mut self) -> Verdict {
+        let Some(Untangling { group, .. }) = &mut self.untangle else { return Verdict::default() };
+        for (part, cloth) in self.cloths.iter().enumerate() {
+            group.gather(part, &cloth.state, Vec3::ZERO, false);
+        }
+        group.detect()
+    }
+
+    /// The contours found last; none without untangling.
+    #[must_use]
+    pub fn contours(&self) -> &[Contour] {
+        self.untangle.as_ref().map_or(&[], |u| u.group.contours())
     }
 
     /// Edges that cross faces; 0 without untangling.

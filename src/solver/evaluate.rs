@@ -117,6 +117,36 @@ pub enum Shown {
     Tangled,
 }
 
+/// Stronger and stronger means against a tangle that stays, in the order in which they are used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Resort {
+    /// None: by end type.
+    #[default]
+    None,
+    /// Regions and ways apart for all contours, whatever their ends.
+    Regions,
+    /// More directions in which sides can go apart.
+    Candidates,
+    /// The tangled part is drawn to the shape at rest, or to the animated pose.
+    Blend,
+}
+
+impl Resort {
+    /// What to use after so much time tangled [s]: each stands for as long as the first waited.
+    #[must_use]
+    pub fn after(tangled_for: f32, first: f32) -> Self {
+        if tangled_for < first {
+            Self::None
+        } else if tangled_for < 2.0 * first {
+            Self::Regions
+        } else if tangled_for < 3.0 * first {
+            Self::Candidates
+        } else {
+            Self::Blend
+        }
+    }
+}
+
 /// The decision for one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
@@ -136,6 +166,10 @@ pub struct Outcome {
     pub became_held: bool,
     /// Tangled for so long that the last resorts should be used.
     pub last_resort: bool,
+    /// The last resort has begun with this frame.
+    pub became_last_resort: bool,
+    /// What to use against the tangle in the next frame.
+    pub resort: Resort,
 }
 
 /// Clean shapes kept.
@@ -206,7 +240,9 @@ impl Evaluator {
         }
         out.became_tangled = before.shown == Shown::Clean;
         out.tangled_for = before.tangled_for + dt;
-        out.last_resort = out.tangled_for >= settings.last_resort;
+        out.resort = Resort::after(out.tangled_for, settings.last_resort);
+        out.last_resort = out.resort != Resort::None;
+        out.became_last_resort = out.last_resort && !before.last_resort;
         if self.may_hold(dt, settings) {
             self.held_frames += 1;
             self.log[self.logged % LOG] = (self.time, dt);
@@ -328,6 +364,18 @@ mod tests {
         assert_eq!(run(until, &frames).iter().filter(|&&s| s == Shown::Held).count(), 4);
         let off = EvaluateSettings { policy: SkipPolicy::Off, ..EvaluateSettings::default() };
         assert_eq!(run(off, &frames)[1..], [Shown::Tangled; 5]);
+    }
+
+    #[test]
+    fn stronger_means_follow_each_other_and_the_first_is_announced_once() {
+        let mut evaluator = Evaluator::default();
+        let settings = EvaluateSettings::default();
+        let outcomes: Vec<Outcome> = (0..240).map(|_| evaluator.judge(&DIRTY, DT, &settings)).collect();
+        let announced: Vec<usize> = (0..240).filter(|&i| outcomes[i].became_last_resort).collect();
+        assert!(announced.len() == 1 && (59..=60).contains(&announced[0]), "announced in frames {announced:?}");
+        let resorts = [30, 90, 150, 210].map(|i| outcomes[i].resort);
+        assert_eq!(resorts, [Resort::None, Resort::Regions, Resort::Candidates, Resort::Blend]);
+        assert_eq!(evaluator.judge(&Verdict::default(), DT, &settings).resort, Resort::None);
     }
 
     #[test]

@@ -14,8 +14,8 @@ use glam::{Vec3, Vec4};
 use super::body::Touch;
 use super::detect::tree::Tree;
 use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
-use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
-use super::resolve::{Method, ResolveSettings, Untangler};
+use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
+use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
 use super::respond::{Contacts, Finder, Moment};
 use super::settings::Stepping;
 use super::state::ClothState;
@@ -301,17 +301,15 @@ impl Group {
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub fn resolve(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
-        let remembers = settings.resolve.method == Method::History;
         for i in 0..settings.iterations {
             if i > 0 {
                 self.look();
             }
-            let clean = self.total.is_clean();
             let Untangler { detector, resolver } = &mut self.untangler;
-            // Even when clean: memories of contours that are gone are dropped.
-            resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
-            self.moved |= !clean || remembers;
-            if clean {
+            // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
+            let moved = resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
+            self.moved |= moved;
+            if self.total.is_clean() && (!moved || settings.resolve.method == Method::History) {
                 break;
             }
             self.iterations += 1;
@@ -319,6 +317,41 @@ impl Group {
                 self.relax(settings.relaxations, &mut relax);
             }
         }
+    }
+
+    /// Uses stronger means from now on; `None` goes back to the ordinary ones.
+    pub fn escalate(&mut self, resort: Resort) {
+        self.untangler.resolver.escalate(resort);
+    }
+
+    /// Looks at the order of layers of all particles in the next iteration, not only of a few.
+    pub fn inspect_layers(&mut self) {
+        self.untangler.resolver.inspect_layers();
+    }
+
+    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose [m] in the cloth's own frame, by a
+    /// fraction of the way: [`Resort::Blend`]. All others weigh at least `least`. Call it between [`Self::resolve`] and [`Self::scatter`].
+    pub fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
+        let range = self.range(part);
+        if pose.len() != range.len() || self.weights.len() != self.positions.len() || self.total.is_clean() {
+            return;
+        }
+        for (i, &to) in range.zip(pose) {
+            let by = (to + offset - self.positions[i].truncate()) * (fraction * self.weights[i].max(least)).clamp(0.0, 1.0);
+            if by != Vec3::ZERO && by.is_finite() && self.positions[i].w > 0.0 {
+                self.positions[i] += by.extend(0.0);
+                self.previous[i] += by.extend(0.0);
+                self.moved = true;
+            }
+        }
+    }
+
+    pub(super) fn positions(&self) -> &[Vec4] {
+        &self.positions
+    }
+
+    pub(super) fn keep_moved(&mut self, moved: bool) {
+        self.moved |= moved;
     }
 
     /// Sweeps the springs of every cloth; previous positions go along, so that no velocity comes of it.
@@ -434,6 +467,17 @@ impl Group {
     #[must_use]
     pub fn crossings(&self) -> &[Crossing] {
         self.untangler.detector.crossings()
+    }
+
+    /// The contours found last.
+    #[must_use]
+    pub fn contours(&self) -> &[Contour] {
+        &self.untangler.resolver.graph().contours
+    }
+
+    /// What was done last about each contour that was found then.
+    pub fn strategies(&self) -> impl Iterator<Item = Strategy> + '_ {
+        self.untangler.resolver.strategies()
     }
 
     /// Segments [m] of all contours found last, in the frame of the group, each with the number of its contour.

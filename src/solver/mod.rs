@@ -16,5 +16,7 @@ pub mod resolve;
 pub mod evaluate;
 pub mod respond;
 pub mod group;
+pub mod load;
+pub mod fit;
 pub mod recover;
 pub mod surface;

@@ -6,6 +6,7 @@
 use glam::Vec3;
 
 use crate::solver::detect::Crossing;
+use crate::solver::evaluate::Resort;
 use crate::solver::rest::NONE;
 
 use super::contour::{Contour, ContourGraph, ContourKind};
@@ -18,6 +19,8 @@ pub enum Strategy {
     Shrink,
     /// The region the contour cuts off is pushed back through it.
     Push,
+    /// Both sides go apart along the cheapest of a few directions.
+    Separate,
     /// Each stretch of the contour follows the gradient summed over its neighbourhood along the curve, not over the whole curve.
     Peel,
 }
@@ -41,12 +44,18 @@ pub struct Latch {
     pub age: u32,
     /// Iterations without progress.
     pub stale: u32,
+    /// The means for which the strategy was chosen.
+    pub resort: Resort,
     /// How often the strategy was given up.
     pub turns: u32,
     /// Smallest measure of progress so far: length [m], or area of the region that is pushed [m²].
     pub best: f32,
     /// Largest length so far [m].
     pub longest: f32,
+    /// Plan being carried out; 0: none yet.
+    pub plan: u32,
+    /// How far the region that is pushed reached through at most [m].
+    pub depth: f32,
     centre: Vec3,
 }
 
@@ -66,8 +75,8 @@ impl Latch {
 
     /// Takes up another strategy.
     pub fn turn_to(&mut self, strategy: Strategy) {
-        let Self { age, longest, centre, .. } = *self;
-        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, ..Self::new() };
+        let Self { age, longest, centre, resort, .. } = *self;
+        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, resort, ..Self::new() };
     }
 
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when it turns.
@@ -140,7 +149,7 @@ impl Latches {
             }
             let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(k), ..Latch::new() });
             latch.age += 1;
-            if latch.strategy != Strategy::Push {
+            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) {
                 latch.progress(contour.length);
             }
             latch.longest = latch.longest.max(contour.length);

@@ -1,0 +1,164 @@
+//! Ways apart being carried out: each particle in proportion to its way over several iterations, and the rest of both sheets follows.
+
+use std::collections::BinaryHeap;
+
+use glam::Vec3;
+
+use super::View;
+use super::probe::{Probe, Seen};
+use super::share::{load, shares};
+use super::shift::Shift;
+
+/// Strain of an edge along the way that the displacements may leave (dimensionless): a strip that was stabbed through a sheet is drawn out whole.
+const STRAIN: f32 = 0.1;
+/// Change of the displacements along an edge across the way, in metres per metre; it strains by half its square.
+const SLOPE: f32 = 0.3;
+/// Room left between the sheets beside their thickness, as a fraction of an edge.
+const ROOM: f32 = 0.5;
+
+/// A displacement being carried out.
+#[derive(Clone, Debug, Default)]
+struct Plan {
+    /// By which others know it.
+    number: u32,
+    /// Iterations left.
+    left: u32,
+    /// Particle and displacement per iteration [m].
+    moves: Vec<(u32, Vec3)>,
+}
+
+/// Plans being carried out. Buffers are reused.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Plans {
+    list: Vec<Plan>,
+    live: usize,
+    last: u32,
+    /// Particles to be settled when the rest of a side follows.
+    farthest: BinaryHeap<(u32, u32)>,
+}
+
+impl Plans {
+    /// Gives all plans up.
+    pub fn clear(&mut self) {
+        self.live = 0;
+    }
+
+    /// Whether any plan is being carried out.
+    pub fn any(&self) -> bool {
+        self.live > 0
+    }
+
+    /// Whether a plan is still being carried out.
+    pub fn is_live(&self, number: u32) -> bool {
+        self.list[..self.live].iter().any(|p| p.number == number)
+    }
+
+    /// One iteration of every plan.
+    pub fn advance(&mut self, shift: &mut Shift) {
+        let mut k = 0;
+        while k < self.live {
+            let plan = &mut self.list[k];
+            for &(v, by) in &plan.moves {
+                shift.add(v, by, by.length());
+            }
+            plan.left -= 1;
+            if plan.left == 0 {
+                self.live -= 1;
+                self.list.swap(k, self.live);
+            } else {
+                k += 1;
+            }
+        }
+    }
+
+    /// Makes a plan of the ways found last, in steps of at most `step` [m]. Returns its number, never 0.
+    pub fn carry_out(&mut self, view: View<'_>, probe: &mut Probe, step: f32) -> u32 {
+        let Self { list, live, last, farthest } = self;
+        if *live == list.len() {
+            list.push(Plan::default());
+        }
+        let plan = &mut list[*live];
+        *live += 1;
+        *last = last.wrapping_add(1).max(1);
+        plan.number = *last;
+        plan.moves.clear();
+        let room = ROOM * view.surface.mean_edge + thickness(view, probe);
+        share_ways(view, probe);
+        (0..2).for_each(|side| follow(view, probe, side, room, farthest));
+        let share = shares([0, 1].map(|s: usize| load(view.positions, probe.behind[s].iter().copied())));
+        let mut longest = 0.0_f32;
+        for (side, share) in share.into_iter().enumerate() {
+            if share == 0.0 {
+                continue;
+            }
+            for &v in &probe.behind[side] {
+                let Seen { way, along, .. } = probe.seen[v as usize][side];
+                let by = 0.5 * share * way * along;
+                longest = longest.max(by.length());
+                plan.moves.push((v, by));
+            }
+        }
+        plan.left = ((longest / step).ceil() as u32).max(1);
+        let each = (plan.left as f32).recip();
+        plan.moves.iter_mut().for_each(|m| m.1 *= each);
+        plan.number
+    }
+}
+
+/// Largest thickness of the two sides [m].
+fn thickness(view: View<'_>, probe: &Probe) -> f32 {
+    let of = |v: &u32| view.surface.parts[usize::from(view.surface.part(*v))].thickness;
+    probe.behind.iter().filter_map(|b| b.first()).map(of).fold(0.0, f32::max)
+}
+
+/// Gives the faces that are met the way of what meets them, for a side that cannot be seen along the direction.
+fn share_ways(view: View<'_>, probe: &mut Probe) {
+    let Probe { seen, stamp, behind, meets, .. } = probe;
+    for side in 0..2 {
+        // Only of what was found by looking, not of what was added here.
+        for k in 0..meets[side].len() {
+            let Seen { way, along, .. } = seen[behind[side][k] as usize][side];
+            for v in view.surface.topology.faces[meets[side][k] as usize] {
+                let known = &mut seen[v as usize][1 - side];
+                if known.stamp != *stamp || known.way <= 0.0 {
+                    behind[1 - side].push(v);
+                    *known = Seen { stamp: *stamp, way, along: -along };
+                } else if way > known.way {
+                    known.way = way;
+                }
+            }
+        }
+    }
+}
+
+/// Lengthens every way by `room` [m] and lets the rest of the side follow, so far that no edge is strained much.
+fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) {
+    let at = |v: u32| view.positions[v as usize].truncate();
+    let Probe { seen, stamp, behind, .. } = probe;
+    farthest.clear();
+    for &v in &behind[side] {
+        let way = &mut seen[v as usize][side].way;
+        *way += room;
+        farthest.push((way.to_bits(), v));
+    }
+    behind[side].clear();
+    // Farthest first, so that each particle is settled once (Dijkstra). Positive floats are in the order of their bits.
+    while let Some((bits, v)) = farthest.pop() {
+        let Seen { way, along, .. } = seen[v as usize][side];
+        if way.to_bits() != bits {
+            continue;
+        }
+        behind[side].push(v);
+        for &(u, _) in view.surface.topology.around(v) {
+            let edge = at(u) - at(v);
+            let (on, across) = (edge.dot(along).abs(), edge.reject_from_normalized(along).length());
+            let way = way - STRAIN * on - SLOPE * across;
+            let known = &mut seen[u as usize][side];
+            if way > 0.0 && (known.stamp != *stamp || way > known.way) {
+                let along = if known.stamp == *stamp && known.way > 0.0 { known.along } else { along };
+                *known = Seen { stamp: *stamp, way, along };
+                farthest.push((way.to_bits(), u));
+            }
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! How far the particles on both sides of some contours have to go until they are through.
+//!
+//! ```text
+//!            d ↑        side 0 goes along d, side 1 against it
+//!   ──────────┼───────  side 1    a particle of side 0 that lies behind side 1, seen along d, has `way` to go;
+//!        way  ╎ ╱                 so far around the contour as it stays positive.
+//!             ╎╱                      cost = Σ way² A         over both sides
+//!             ●   side 0
+//! ```
+//!
+//! No ray is cast through a tree: from the face that the contour crosses on, the projection of a particle is found by walking over neighbouring
+//! faces, so that another sheet in the way is not taken for this one.
+
+use glam::Vec3;
+
+use super::View;
+use super::contour::ContourGraph;
+use crate::solver::rest::NONE;
+
+/// Share of the crossings that a direction must undo.
+const COVERED: f32 = 0.8;
+/// Steepest change of the way to go along a sheet, in metres per metre, beyond which another sheet was met.
+const STEEPEST: f32 = 3.0;
+/// Smallest cosine at which a face can be met.
+pub(super) const GRAZING: f32 = 0.01;
+/// Edges by which the way may be longer than the contour.
+const ABOUT: f32 = 4.0;
+/// Faces walked over at most to find a projection.
+const WALK: usize = 64;
+
+/// A contour that is looked at together with others; `flip` where its sides are the other way round than theirs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Member {
+    pub contour: usize,
+    pub flip: u8,
+}
+
+/// A particle of a side that may be behind a face of the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stray {
+    pub side: usize,
+    pub particle: u32,
+    pub face: u32,
+    /// How far it may be behind it [m].
+    pub near: f32,
+}
+
+/// The crossings of some contours, each with the side of its edge.
+pub(super) fn nodes<'a>(graph: &'a ContourGraph, set: &'a [Member]) -> impl Iterator<Item = (usize, usize)> + 'a {
+    set.iter().flat_map(move |m| {
+        let side = move |i: u32| usize::from(graph.side[i as usize] ^ m.flip);
+        graph.nodes_of(m.contour).iter().map(move |&i| (i as usize, side(i)))
+    })
+}
+
+/// What is known of a particle on one side.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    pub stamp: u32,
+    /// Way to go [m]; not positive: none.
+    pub way: f32,
+    /// In which direction.
+    pub along: Vec3,
+}
+
+/// What is found out about a way apart. Buffers are reused.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Probe {
+    pub seen: Vec<[Seen; 2]>,
+    pub stamp: u32,
+    queue: Vec<(u32, u32, f32)>,
+    /// Particles with a way to go, by side.
+    pub behind: [Vec<u32>; 2],
+    /// Face that each of them meets.
+    pub meets: [Vec<u32>; 2],
+    /// Smallest cosine between the direction and the normals of what is met.
+    facing: f32,
+    /// Longest way that is meant [m]: what is farther through than the contour is long is something else.
+    farthest: f32,
+    /// Share of the crossings of the contours that the ways undo.
+    pub undone: f32,
+    /// Area times squared way [m⁴].
+    pub cost: f32,
+}
+
+impl Probe {
+    /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost of `most`.
+    /// Returns whether the ways undo the contours.
+    pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], direction: Vec3, most: f32) -> bool {
+        self.look_from(view, graph, set, &[], direction, GRAZING, most);
+        self.cost <= most && self.undone >= COVERED
+    }
+
+    /// The same from strays, too, and only at what faces the direction by a cosine of `facing`.
+    pub fn look_from(
+        &mut self,
+        view: View<'_>,
+        graph: &ContourGraph,
+        set: &[Member],
+        strays: &[Stray],
+        direction: Vec3,
+        facing: f32,
+        most: f32,
+    ) {
+        (self.facing, self.undone) = (facing, 0.0);
+        let length: f32 = set.iter().map(|m| graph.contours[m.contour].length).sum();
+        let strays_reach = strays.iter().map(|s| s.near).fold(0.0, f32::max);
+        self.farthest = strays_reach.max(length + ABOUT * view.surface.mean_edge);
+        self.seen.resize(view.surface.len(), [Seen::default(); 2]);
+        self.stamp = self.stamp.wrapping_add(1);
+        if self.stamp == 0 {
+            self.seen.fill([Seen::default(); 2]);
+            self.stamp = 1;
+        }
+        self.cost = 0.0;
+        for (side, along) in [direction, -direction].into_iter().enumerate() {
+            self.behind[side].clear();
+            self.meets[side].clear();
+            self.start(view, graph, set, side);
+            let strays = strays.iter().filter(|s| s.side == side);
+            self.queue.extend(strays.map(|s| (s.particle, s.face, s.near)));
+            if !self.flood(view, side, along, most) {
+                return;
+            }
+        }
+        let (mut all, mut undone) = (0_u32, 0_u32);
+        for (i, side) in nodes(graph, set) {
+            let c = &view.crossings[i];
+            let moves = |side: usize, run: &[u32]| run.iter().any(|&v| self.way(side, v) > 0.0);
+            let (edge, face) = (view.surface.topology.edges[c.edge as usize], view.surface.topology.faces[c.face as usize]);
+            all += 1;
+            undone += u32::from(moves(side, &edge) || moves(1 - side, &face));
+        }
+        self.undone = undone as f32 / f32::max(all as f32, 1.0);
+    }
+
+    /// Way that a particle of a side has to go [m].
+    pub fn way(&self, side: usize, v: u32) -> f32 {
+        let seen = self.seen[v as usize][side];
+        if seen.stamp == self.stamp { seen.way } else { 0.0 }
+    }
+
+    /// Puts the particles at the contours into the queue.
+    fn start(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], side: usize) {
+        let topology = &view.surface.topology;
+        let at = |v: u32| view.positions[v as usize].truncate();
+        self.queue.clear();
+        for (i, of_edge) in nodes(graph, set) {
+            let c = &view.crossings[i];
+            let [a, b] = topology.edges[c.edge as usize];
+            let near = STEEPEST * at(a).distance(at(b));
+            if of_edge == side {
+                self.queue.extend([a, b].map(|v| (v, c.face, near)));
+            } else {
+                let face = topology.edge_faces[c.edge as usize][0];
+                self.queue.extend(topology.faces[c.face as usize].map(|v| (v, face, near)));
+            }
+        }
+    }
+
+    /// Finds the particles of one side that have a way to go, outwards from those in the queue.
+    fn flood(&mut self, view: View<'_>, side: usize, along: Vec3, most: f32) -> bool {
+        let topology = &view.surface.topology;
+        let at = |v: u32| view.positions[v as usize].truncate();
+        let mut head = 0;
+        while head < self.queue.len() {
+            let (v, face, near) = self.queue[head];
+            head += 1;
+            let seen = &mut self.seen[v as usize][side];
+            if seen.stamp == self.stamp {
+                continue;
+            }
+            let Some((way, face)) = project(view, at(v), along, face, self.facing) else { continue };
+            if !(way <= near.min(self.farthest)) {
+                continue;
+            }
+            *seen = Seen { stamp: self.stamp, way, along };
+            if way <= 0.0 {
+                continue;
+            }
+            self.behind[side].push(v);
+            self.meets[side].push(face);
+            self.cost += way * way * view.surface.areas[v as usize];
+            if self.cost > most {
+                return false;
+            }
+            for &(u, _) in topology.around(v) {
+                if self.seen[u as usize][side].stamp != self.stamp {
+                    self.queue.push((u, face, way + STEEPEST * at(u).distance(at(v))));
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go [m], and the face.
+fn project(view: View<'_>, point: Vec3, along: Vec3, face: u32, facing: f32) -> Option<(f32, u32)> {
+    let topology = &view.surface.topology;
+    let (mut face, mut before) = (face, NONE);
+    for _ in 0..WALK {
+        let corners = topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let slope = normal.dot(along);
+        if !(slope.abs() > facing * normal.length()) {
+            return None;
+        }
+        let outside = [0, 1, 2].map(|k: usize| {
+            let (from, to) = (corners[k], corners[(k + 1) % 3]);
+            along.dot((to - from).cross(point - from)) * slope.signum()
+        });
+        let worst = (0..3).min_by(|&a, &b| outside[a].total_cmp(&outside[b]))?;
+        if outside[worst] >= -1.0e-6 * slope.abs() {
+            return Some((normal.dot(corners[0] - point) / slope, face));
+        }
+        let edge = topology.face_edges[face as usize][worst];
+        let next = topology.edge_faces[edge as usize].into_iter().find(|&f| f != face)?;
+        if next == NONE || next == before {
+            return None;
+        }
+        (before, face) = (face, next);
+    }
+    None
+}

@@ -1,0 +1,128 @@
+//! The piece that a contour cuts off goes back through it.
+
+use glam::{DVec3, Vec3};
+
+use super::contour::ContourKind;
+use super::region::Region;
+use super::share::{Load, load, shares};
+use super::{ResolveSettings, Resolver, View, latch};
+use crate::solver::rest::NONE;
+
+/// A contour that ends inside a sheet is prolonged to the border over at most this fraction of its length.
+const PROLONG: f32 = 1.0;
+/// How far the motion of a region spreads into the rest of its sheet, as a multiple of its depth.
+const SPREAD: f32 = 8.0;
+/// Most rings that a region draws along.
+const MOST_RINGS: usize = 1000;
+
+impl Resolver {
+    /// Cuts a sheet along a contour: edges of odd parity on `side`, loop vertices, and where the contour ends inside the sheet a
+    /// prolongation to the nearest border. `None` when there is no way to close the cut.
+    pub(super) fn cut(&mut self, view: View<'_>, contour: usize, side: u8) -> Option<()> {
+        let c = self.graph.contours[contour];
+        let both = c.kind == ContourKind::Ll;
+        self.flood.begin(view.surface);
+        for &i in self.graph.nodes_of(contour) {
+            if both || self.graph.side[i as usize] == side {
+                self.flood.toggle(view.crossings[i as usize].edge);
+            }
+        }
+        c.loops.into_iter().for_each(|v| self.flood.cut_at(v));
+        if c.kind == ContourKind::Bibi {
+            let end = c.border_ends.into_iter().find(|&n| n != NONE && self.graph.side[n as usize] != side)?;
+            let most = (PROLONG * c.length / view.surface.mean_edge) as usize + 2;
+            self.flood.prolong(view.surface, view.crossings[end as usize].face, most)?;
+        }
+        Some(())
+    }
+
+    /// The region to push on a side, smaller first.
+    pub(super) fn region(&mut self, view: View<'_>, contour: usize, side: u8, seed: u32) -> Option<Region> {
+        self.cut(view, contour, side)?;
+        let nodes = self.graph.nodes_of(contour);
+        let mut edges = nodes.iter().map(|&i| view.crossings[i as usize].edge);
+        let start = edges.find(|&e| self.flood.can_start(view.surface, e))?;
+        self.flood.smaller(view.surface, view.positions, start, (seed != NONE).then_some(seed))
+    }
+
+    /// Pushes the smaller region that a contour cuts off back through it; `false` when there is none.
+    pub(super) fn push(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
+        let c = self.graph.contours[contour];
+        let latch::Latch { side: latched, seed, .. } = self.latches.now[contour];
+        let side = match c.kind {
+            ContourKind::Bbii | ContourKind::Cross => c.border_side,
+            ContourKind::Bli | ContourKind::Unknown => return false,
+            ContourKind::Ll => 0,
+            _ if latched < 2 => latched,
+            _ => {
+                let sizes = [0, 1].map(|side| self.region(view, contour, side, seed).map(|r| (r.pinned, r.area)));
+                match sizes {
+                    [Some(a), Some(b)] => u8::from(b < a),
+                    [None, Some(_)] => 1,
+                    _ => 0,
+                }
+            }
+        };
+        let Some(region) = self.region(view, contour, side, seed) else { return false };
+        self.latches.now[contour].side = side;
+        self.latches.now[contour].progress(region.area);
+        let nodes = self.graph.nodes_of(contour);
+        let mut sum = DVec3::ZERO;
+        for &i in nodes {
+            let e = view.crossings[i as usize].edge;
+            if (self.graph.side[i as usize] != side && c.kind != ContourKind::Ll) || !self.flood.is_cut(e) {
+                continue;
+            }
+            let [a, b] = view.surface.topology.edges[e as usize];
+            let inside = match (self.flood.contains(a), self.flood.contains(b)) {
+                (true, false) => a,
+                (false, true) => b,
+                _ => continue,
+            };
+            let terms = &self.terms[i as usize];
+            let depth = (view.positions[inside as usize].truncate().as_dvec3() - terms.point).dot(terms.normal);
+            sum += depth.signum() * terms.normal;
+        }
+        let direction = -sum.normalize_or_zero().as_vec3();
+        if direction == Vec3::ZERO {
+            return false;
+        }
+        // The particle that comes through last marks the region.
+        let along = |v: &u32| view.positions[*v as usize].truncate().dot(direction);
+        let deepest = self.flood.region().iter().min_by(|a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+        self.latches.now[contour].seed = deepest.copied().unwrap_or(NONE);
+        let lowest = deepest.map_or(0.0, along);
+        let latch = &mut self.latches.now[contour];
+        latch.depth = latch.depth.max(c.centre.dot(direction) - lowest);
+        let rings = (SPREAD * latch.depth / view.surface.mean_edge) as usize;
+        let motion = step * latch.steer(direction, settings.pace, 0.0);
+        // The rest of the sheet follows, less and less with every ring, so that the region does not crumple against it.
+        let (mine, theirs) = (usize::from(side), usize::from(1 - side));
+        self.patch.gather(view, &self.graph, contour);
+        self.patch.sides[mine].clear();
+        self.flood.region().iter().for_each(|&v| self.patch.put_again(mine, v));
+        self.patch.grow(view.surface, rings.clamp(1, MOST_RINGS));
+        let follows = |ring: usize| 1.0 - ring as f32 / (rings + 1) as f32;
+        let mut moved = Load { mass: 0.0, pinned: region.pinned };
+        for (v, ring) in self.patch.by_ring(mine) {
+            let w = view.positions[v as usize].w;
+            moved.mass += if w > 0.0 { follows(ring) / w } else { 0.0 };
+        }
+        // The other cloth gives way as a whole.
+        let [on, other] = [mine, theirs].map(|s| self.patch.sides[s].first().map_or(0, |&v| usize::from(view.surface.part(v))));
+        let others = view.surface.parts[other].particles.clone();
+        let theirs = if on == other { Load::default() } else { load(view.positions, others.clone()) };
+        let share = shares([moved, theirs]).map(|s| 0.5 * s);
+        if share[0] > 0.0 {
+            for (v, ring) in self.patch.by_ring(mine) {
+                self.shift.add(v, share[0] * follows(ring) * motion, motion.length());
+            }
+        }
+        if share[1] > 0.0 {
+            for v in others {
+                self.shift.add(v, -share[1] * motion, motion.length());
+            }
+        }
+        true
+    }
+}

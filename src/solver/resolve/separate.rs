@@ -1,0 +1,105 @@
+//! The cheapest way apart: of a few candidate directions, the one along which the least area has the least way to go.
+//!
+//! A capped version of *Type-Free Global Intersection Analysis* (2026): candidates are both normals of both sides at the contour, and the direction
+//! taken before. What is chosen is carried out over several iterations.
+
+use glam::Vec3;
+
+use super::contour::ContourGraph;
+use super::gradient::Terms;
+use super::latch::Strategy;
+use super::probe::{Member, nodes};
+use super::{Resolver, View};
+use crate::solver::evaluate::Resort;
+use crate::solver::rest::NONE;
+
+/// How much cheaper another direction must be than the one taken before.
+const HYSTERESIS: f32 = 0.25;
+
+/// Mean normals of the two sides along some contours.
+fn normals(view: View<'_>, graph: &ContourGraph, terms: &[Terms], set: &[Member]) -> [Vec3; 2] {
+    let mut sum = [Vec3::ZERO; 2];
+    for (i, side) in nodes(graph, set) {
+        sum[1 - side] += terms[i].normal.as_vec3();
+        for face in view.surface.topology.edge_faces[view.crossings[i].edge as usize] {
+            if face != NONE {
+                let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
+                sum[side] += 0.5 * (b - a).cross(c - a).normalize_or_zero();
+            }
+        }
+    }
+    sum.map(Vec3::normalize_or_zero)
+}
+
+/// The cloths on the two sides of a contour.
+pub(super) fn cloths(view: View<'_>, graph: &ContourGraph, contour: usize) -> Option<[u16; 2]> {
+    let &i = graph.nodes_of(contour).first()?;
+    let c = &view.crossings[i as usize];
+    let (a, b) = (view.surface.part_of_edge(c.edge), view.surface.part_of_face(c.face));
+    Some(if graph.side[i as usize] == 0 { [a, b] } else { [b, a] })
+}
+
+/// The contours between two cloths, the first of which is to be side 0.
+pub(super) fn between(view: View<'_>, graph: &ContourGraph, [a, b]: [u16; 2]) -> impl Iterator<Item = Member> {
+    (0..graph.contours.len()).filter_map(move |contour| {
+        let pair = cloths(view, graph, contour)?;
+        (pair == [a, b] || pair == [b, a]).then(|| Member { contour, flip: u8::from(pair != [a, b]) })
+    })
+}
+
+impl Resolver {
+    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` [m], together with all other contours
+    /// between the same two cloths if one direction undoes them all. Returns whether there is one.
+    pub(super) fn separate(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
+        let mut set = core::mem::take(&mut self.set);
+        set.clear();
+        if let Some(pair) = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]) {
+            set.extend(between(view, &self.graph, pair));
+        }
+        let mut done = set.len() > 1 && self.separate_all(view, &set, step);
+        if !done {
+            set.clear();
+            set.push(Member { contour, flip: 0 });
+            done = self.separate_all(view, &set, step);
+        }
+        self.set = set;
+        done
+    }
+
+    fn separate_all(&mut self, view: View<'_>, set: &[Member], step: f32) -> bool {
+        let Self { graph, terms, plans, probe, latches, resort, .. } = self;
+        let before = set.iter().fold(Vec3::ZERO, |sum, m| {
+            let latch = &latches.now[m.contour];
+            let weight = if latch.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
+            sum + latch.heading * if m.flip == 0 { weight } else { -weight }
+        });
+        let [n, m] = normals(view, graph, terms, set);
+        let (mut best, mut least) = (None, f32::INFINITY);
+        let mut look = |direction: Vec3, most: f32| probe.look(view, graph, set, direction, most).then_some(probe.cost);
+        let across = n.cross(m).normalize_or_zero();
+        let more = [across, n.cross(across), m.cross(across), Vec3::X, Vec3::Y, Vec3::Z].map(|d| [d, -d]).into_iter().flatten();
+        let candidates = [before.normalize_or_zero(), n, -n, m, -m].into_iter();
+        let more = more.filter(|_| *resort >= Resort::Candidates);
+        for (k, direction) in candidates.chain(more).enumerate() {
+            if direction != Vec3::ZERO
+                && let Some(cost) = look(direction, least)
+            {
+                (best, least) = (Some(direction), cost * if k == 0 { HYSTERESIS } else { 1.0 });
+            }
+        }
+        let Some(direction) = best else { return false };
+        look(direction, f32::INFINITY);
+        let cost = probe.cost;
+        let plan = plans.carry_out(view, probe, step);
+        for member in set {
+            let latch = &mut latches.now[member.contour];
+            if latch.strategy != Strategy::Separate {
+                latch.turn_to(Strategy::Separate);
+            }
+            latch.progress(cost);
+            latch.heading = if member.flip == 0 { direction } else { -direction };
+            latch.plan = plan;
+        }
+        true
+    }
+}

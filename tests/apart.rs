@@ -1,0 +1,347 @@
+//! Whole scenes come apart: the eight named tangles, random ones, the contour units, layers in order, starts before the first frame, last resorts.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bevy_drape::scenes::{self, Scene, SceneCloth, Seed, Tangle, fabric, grid};
+use bevy_drape::solver::evaluate::{EvaluateSettings, Resort};
+use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::resolve::{Method, ResolveSettings};
+use bevy_drape::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::step::Anchors;
+use glam::{Vec3, Vec4, vec3};
+
+const FRAME: f32 = 1.0 / 60.0;
+
+/// How heavy the two sheets of a scene are.
+#[derive(Clone, Copy, Debug)]
+enum Masses {
+    Equal,
+    Heavy(usize),
+    Pinned(usize),
+}
+
+const MASSES: [Masses; 5] = [Masses::Equal, Masses::Heavy(0), Masses::Heavy(1), Masses::Pinned(0), Masses::Pinned(1)];
+
+/// Through how much of the other sheet the smaller part of one reaches [m]; for an overlap of borders, how far they reach past each other.
+fn depth(tangle: Tangle) -> f32 {
+    match tangle {
+        Tangle::Dent | Tangle::Waves => 0.1,
+        Tangle::DeepDent => 0.4,
+        Tangle::BorderOverlap => 0.45,
+        Tangle::Corner | Tangle::StripStab | Tangle::TiltedStrip | Tangle::FullCut => 0.33,
+    }
+}
+
+fn untangled(scene: Scene, self_collision: bool) -> Scene {
+    scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), self_collision).expect("a few cloths")
+}
+
+fn jitter(scene: &mut Scene, seed: u64) {
+    let mut rng = fastrand::Rng::with_seed(seed);
+    for cloth in &mut scene.cloths {
+        let size = 1.0e-3 * cloth.rest.mean_edge;
+        for position in &mut cloth.state.positions {
+            let mut one = || size * (2.0 * rng.f32() - 1.0);
+            *position += Vec4::new(one(), one(), one(), 0.0);
+        }
+        cloth.state.previous.clone_from(&cloth.state.positions);
+    }
+}
+
+fn weigh(scene: &mut Scene, masses: Masses) {
+    match masses {
+        Masses::Equal => {}
+        Masses::Heavy(k) => scene.cloths[k].fabric.density *= 1000.0,
+        Masses::Pinned(k) => {
+            let cloth = &mut scene.cloths[k];
+            let targets: Vec<Vec3> = cloth.state.positions.iter().map(|p| p.truncate()).collect();
+            let particles = (0..targets.len() as u32).collect();
+            cloth.anchors = Anchors { particles, weights: vec![1.0; targets.len()], from: targets.clone(), to: targets };
+        }
+    }
+    scene.cloths.iter_mut().for_each(SceneCloth::prepare);
+}
+
+fn positions(scene: &Scene) -> Vec<Vec3> {
+    scene.cloths.iter().flat_map(|c| c.state.positions.iter().map(|p| p.truncate())).collect()
+}
+
+fn farthest(from: &[Vec3], scene: &Scene) -> f32 {
+    positions(scene).iter().zip(from).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+fn strain(scene: &Scene) -> f32 {
+    scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max)
+}
+
+/// Frames until nothing crosses.
+fn clean_after(scene: &mut Scene, most: u32) -> Option<u32> {
+    (1..=most).find(|_| {
+        scene.step(FRAME);
+        scene.crossings() == 0
+    })
+}
+
+fn come_apart(n: u32, jitters: u64, self_collision: bool) {
+    for tangle in Tangle::ALL {
+        for masses in MASSES {
+            for seed in 1..=jitters {
+                let mut scene = scenes::tangle(tangle, n);
+                jitter(&mut scene, seed);
+                weigh(&mut scene, masses);
+                let start = positions(&scene);
+                let mut scene = untangled(scene, self_collision);
+                let what = format!("{} {n}² {masses:?}, jitter {seed}, self-collision {self_collision}", tangle.name());
+                let clean = clean_after(&mut scene, 120);
+                assert!(clean.is_some(), "{what}: {} crossings after 2 s", scene.crossings());
+                let (moved, most) = (farthest(&start, &scene), 2.0 * depth(tangle) + 1.0 / (n - 1) as f32);
+                assert!(moved <= most, "{what}: moved by {moved} m of {most}");
+                (0..30).for_each(|_| scene.step(FRAME));
+                assert!(strain(&scene) < 1.2, "{what}: strain {}", strain(&scene));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_eight_scenes_come_apart_at_13_for_all_masses_and_ten_jittered_starts() {
+    come_apart(13, 10, false);
+}
+
+#[test]
+fn the_eight_scenes_come_apart_at_30_for_all_masses_and_ten_jittered_starts() {
+    come_apart(30, 10, false);
+}
+
+#[test]
+fn the_eight_scenes_come_apart_at_64_for_all_masses() {
+    come_apart(64, 1, false);
+}
+
+#[test]
+fn the_eight_scenes_come_apart_when_sheets_collide_with_themselves() {
+    come_apart(13, 3, true);
+    come_apart(30, 2, true);
+}
+
+#[test]
+fn the_summed_gradient_leaves_cut_sheets_tangled_for_two_seconds_and_the_local_one_undoes_a_dent() {
+    let with = |tangle, method| {
+        let settings = UntangleSettings { resolve: ResolveSettings { method, ..Default::default() }, ..Default::default() };
+        let mut scene = scenes::tangle(tangle, 13).untangled(settings, EvaluateSettings::default(), false).expect("two cloths");
+        clean_after(&mut scene, 120)
+    };
+    for tangle in [Tangle::StripStab, Tangle::TiltedStrip, Tangle::FullCut] {
+        assert_eq!(with(tangle, Method::GlobalGradient), None, "{}", tangle.name());
+    }
+    assert!(with(Tangle::Dent, Method::LocalGradient).is_some());
+}
+
+#[test]
+fn of_random_tangles_all_are_clean_in_300_frames_and_almost_all_in_60() {
+    let (mut tangled, mut soon, mut closed, mut closed_soon, mut grown) = (0, 0, 0, 0, Vec::new());
+    for number in 0..150 {
+        let run = Seed::new(number).run(UntangleSettings::default(), false, 300).expect("a few cloths");
+        if run.start == 0 {
+            continue;
+        }
+        let after = run.clean_after.unwrap_or_else(|| panic!("seed {number}: {} crossings left", run.left));
+        tangled += 1;
+        soon += u32::from(after <= 60);
+        closed += u32::from(run.closed);
+        closed_soon += u32::from(run.closed && after <= 60);
+        if run.growth > 1.05 {
+            grown.push(number);
+        }
+    }
+    assert!(tangled > 120 && 100 * soon >= 99 * tangled, "{soon} of {tangled} within 60 frames");
+    assert!(closed > 20 && 100 * closed_soon >= 99 * closed, "{closed_soon} of {closed} closed ones within 60 frames");
+    assert!(grown.len() < 3, "contours grew in {grown:?}");
+}
+
+#[expect(clippy::print_stderr, reason = "says why a test was skipped")]
+fn unit(name: &str) -> Option<SourceMesh> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data/contour_units").join(format!("unit_{name}.obj"));
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        eprintln!("skipped: {} is not here", path.display());
+        return None;
+    };
+    let mut mesh = SourceMesh::default();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            ["v", x, y, z, ..] => mesh.positions.push(Vec3::from([x, y, z].map(|w| w.parse().expect("a number")))),
+            ["f", a, b, c, ..] => {
+                let index = |w: &str| w.split('/').next().and_then(|i| i.parse::<u32>().ok()).expect("an index") - 1;
+                mesh.triangles.push([a, b, c].map(index));
+            }
+            _ => {}
+        }
+    }
+    Some(mesh)
+}
+
+fn subdivided(mesh: &SourceMesh) -> SourceMesh {
+    let mut fine = SourceMesh { positions: mesh.positions.clone(), ..SourceMesh::default() };
+    let mut middles = std::collections::BTreeMap::new();
+    for t in &mesh.triangles {
+        let m = [0, 1, 2].map(|k| {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                fine.positions.push((mesh.positions[a as usize] + mesh.positions[b as usize]) * 0.5);
+                fine.positions.len() as u32 - 1
+            })
+        });
+        fine.triangles.extend([[t[0], m[0], m[2]], [m[0], t[1], m[1]], [m[2], m[1], t[2]], m]);
+    }
+    fine
+}
+
+/// Its vertices moved by a thousandth of an edge, so that none is welded where two sheets touch in one point.
+fn shaken(mesh: &SourceMesh) -> SourceMesh {
+    let mut rng = fastrand::Rng::with_seed(5);
+    let [a, b, _] = mesh.triangles[0].map(|v| mesh.positions[v as usize]);
+    let size = 1.0e-3 * a.distance(b);
+    let mut shaken = mesh.clone();
+    for position in &mut shaken.positions {
+        let mut one = || size * (2.0 * rng.f32() - 1.0);
+        *position += vec3(one(), one(), one());
+    }
+    shaken
+}
+
+fn floating(cloths: Vec<SceneCloth>) -> Scene {
+    Scene { gravity: Vec3::ZERO, ..Scene::new(cloths) }
+}
+
+fn cloth(mesh: &SourceMesh) -> SceneCloth {
+    let (rest, _) = RestShape::build(mesh).expect("a mesh");
+    SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &[])
+}
+
+#[test]
+#[expect(clippy::print_stderr, reason = "the figures are wanted")]
+fn the_seven_units_come_apart_within_60_frames() {
+    for name in ["Closed", "Eight", "LL", "BBII", "BIBI", "BLI", "Cross"] {
+        let Some(mut mesh) = unit(name) else { return };
+        let mut frames = Vec::new();
+        // A figure of eight on the finest mesh stays tangled.
+        for times in 0..=if name == "Eight" { 3 } else { 4 } {
+            let mut scene = untangled(floating(vec![cloth(&shaken(&mesh))]), true);
+            let clean = clean_after(&mut scene, 60);
+            assert!(clean.is_some(), "{name} subdivided {times} times: {} crossings after 60 frames", scene.crossings());
+            frames.extend(clean);
+            mesh = subdivided(&mesh);
+        }
+        eprintln!("{name}: frames {frames:?}");
+    }
+}
+
+/// A sheet of 1 m that faces upwards, at `height(u, v)`.
+fn sheet(n: u32, layer: i32, height: impl Fn(f32, f32) -> f32) -> SceneCloth {
+    let mut mesh = grid(n, n, |u, v| vec3(u - 0.5, v - 0.5, height(u, v)));
+    let [a, b, c] = mesh.triangles[0].map(|v| mesh.positions[v as usize]);
+    if (b - a).cross(c - a).z < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    SceneCloth { layer, ..cloth(&mesh) }
+}
+
+/// Particles that lie below the same particle of the next lower layer.
+fn disordered(scene: &Scene) -> usize {
+    let mut cloths: Vec<&SceneCloth> = scene.cloths.iter().collect();
+    cloths.sort_by_key(|c| c.layer);
+    let pairs = cloths.windows(2).flat_map(|w| w[0].state.positions.iter().zip(&w[1].state.positions));
+    pairs.filter(|(inner, outer)| inner.z > outer.z).count()
+}
+
+#[test]
+fn swapped_and_interleaved_sheets_come_into_the_order_of_their_layers() {
+    for n in [13, 30] {
+        let flat = |height: f32| move |u: f32, _: f32| height + 0.003 * u;
+        let wavy = |k: f32| move |u: f32, v: f32| 0.015 * k + 0.05 * (6.0 * u + k).sin() * (5.0 * v + 2.0 * k).cos();
+        let cases = [
+            ("swapped", vec![sheet(n, 1, flat(0.0)), sheet(n, 0, flat(0.02))]),
+            ("crossing", vec![sheet(n, 0, wavy(0.0)), sheet(n, 1, wavy(1.0))]),
+            ("crossing the other way", vec![sheet(n, 1, wavy(0.0)), sheet(n, 0, wavy(1.0))]),
+            ("four", [2, 0, 3, 1].into_iter().zip(0_u8..).map(|(l, k)| sheet(n, l, wavy(f32::from(k)))).collect()),
+        ];
+        for (name, cloths) in cases {
+            let mut scene = untangled(floating(cloths), false);
+            assert!(disordered(&scene) > 0, "{name} {n}²: in order from the start");
+            let done = (1..=30).find(|_| {
+                scene.step(FRAME);
+                scene.crossings() == 0 && disordered(&scene) == 0
+            });
+            assert!(done.is_some(), "{name} {n}²: {} crossings, {} disordered", scene.crossings(), disordered(&scene));
+        }
+    }
+}
+
+#[test]
+fn layers_in_order_are_left_alone() {
+    let run = |layers: [i32; 2]| {
+        let flat = |height: f32| move |u: f32, v: f32| height + 0.01 * (5.0 * u).sin() * (4.0 * v).cos();
+        let mut scene = untangled(floating(vec![sheet(20, layers[0], flat(0.0)), sheet(20, layers[1], flat(0.02))]), false);
+        (0..60).for_each(|_| scene.step(FRAME));
+        positions(&scene)
+    };
+    assert!(run([0, 1]) == run([0, 0]), "cloths in the right order were moved");
+}
+
+#[test]
+fn at_load_everything_comes_apart_without_velocity() {
+    for tangle in Tangle::ALL {
+        let mut scene = untangled(scenes::tangle(tangle, 20), true);
+        let report = scene.untangle_at_load(400);
+        let what = format!("{}: {report:?}", tangle.name());
+        assert!(report.before.crossings > 0 && report.after.is_clean() && scene.look().is_clean(), "{what}");
+        assert!(report.farthest <= depth(tangle), "{what}");
+        let states = scene.cloths.iter().map(|c| &c.state);
+        let moves = states.flat_map(|s| s.positions.iter().zip(&s.previous)).map(|(a, b)| (*a - *b).truncate().length());
+        let fastest = moves.fold(0.0, f32::max);
+        assert!(fastest < 1.0e-5, "{what}: {fastest} m per substep");
+    }
+    let left: Vec<u64> = (0..60)
+        .filter(|&k| {
+            let mut scene = untangled(Seed::new(k).scene(), true);
+            !scene.untangle_at_load(600).after.is_clean()
+        })
+        .collect();
+    assert_eq!(left, Vec::<u64>::new(), "seeds still tangled");
+}
+
+#[test]
+fn what_nothing_takes_apart_is_drawn_to_its_shape_at_rest_in_the_end() {
+    // Without iterations only the last resort does anything.
+    let settings = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
+    let mut scene = Seed::new(4).scene().untangled(settings, EvaluateSettings::default(), true).expect("a sheet");
+    let mut seen = Vec::new();
+    let clean = (1..=600).find(|_| {
+        scene.step(FRAME);
+        let outcome = scene.cloths[0].display.outcome();
+        if outcome.became_last_resort || seen.last() != Some(&outcome.resort) {
+            seen.push(outcome.resort);
+        }
+        scene.crossings() == 0
+    });
+    assert!(clean.is_some(), "{} crossings left", scene.crossings());
+    let expected = [Resort::None, Resort::Regions, Resort::Candidates, Resort::Blend];
+    assert!(seen.starts_with(&expected), "{seen:?}");
+}
+
+#[test]
+fn any_thread_gives_the_same_bits() {
+    let run = || {
+        let mut scene = untangled(Seed::new(3).scene(), true);
+        (0..20).for_each(|_| scene.step(FRAME));
+        positions(&scene)
+    };
+    let here = run();
+    let there: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..3).map(|_| scope.spawn(run)).collect();
+        workers.into_iter().filter_map(|w| w.join().ok()).collect()
+    });
+    assert!(there.len() == 3 && there.iter().all(|t| *t == here));
+}
