@@ -16,10 +16,10 @@ pub mod scenes;
 
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothHeld,
-    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothTangled,
-    ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderPart, ColliderShape, ColorChannel, GlobalWind,
-    MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
-    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
+    ClothLastResort, ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus,
+    ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderPart, ColliderShape, ColorChannel,
+    GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame,
+    SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
 pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
@@ -28,10 +28,10 @@ pub use simulation::{ClothParticles, ClothRest};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothCollision, ClothError, ClothFailed, ClothGravity, ClothHeld, ClothLayers, ClothMaterial,
-        ClothParticles, ClothPins, ClothPlugin, ClothRecovered, ClothReport, ClothSolver, ClothStatus, ClothSystems,
-        ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderShape, ColorChannel, GlobalWind,
-        MeshFit, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone,
-        WindZoneShape,
+        Cloth, ClothCollider, ClothCollision, ClothError, ClothFailed, ClothGravity, ClothHeld, ClothLastResort, ClothLayers,
+        ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothRecovered, ClothReport, ClothSolver, ClothStatus,
+        ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderShape, ColorChannel,
+        GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod,
+        WindZone, WindZoneShape,
     };
 }

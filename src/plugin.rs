@@ -129,7 +129,7 @@ impl Plugin for ClothPlugin {
                     .in_set(ClothSystems::Prepare),
                 integrate::integrate.run_if(time_flows).in_set(ClothSystems::Integrate),
                 (detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
-                resolve::resolve.run_if(time_flows).in_set(ClothSystems::Resolve),
+                (resolve::resolve, resolve::scatter).chain().run_if(time_flows).in_set(ClothSystems::Resolve),
                 ((evaluate::look, evaluate::judge, evaluate::tell).chain().run_if(time_flows), evaluate::recoveries)
                     .chain()
                     .in_set(ClothSystems::Evaluate),

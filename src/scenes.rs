@@ -19,7 +19,7 @@ use crate::solver::body::{Body, Pose, Touch, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
 use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Resort, Shown, Verdict};
 use crate::solver::fit::fit;
-use crate::solver::group::{Display, Group, Member, Members, UntangleSettings};
+use crate::solver::group::{BLEND_TIME, Display, Group, Member, Members, UntangleSettings};
 use crate::solver::load::{self, LoadReport};
 use crate::solver::resolve::Contour;
 use crate::solver::rest::{RestShape, SourceMesh};
@@ -30,9 +30,6 @@ use crate::solver::wind::{Turbulence, Wind};
 
 /// Standard gravity [m/s²].
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
-
-/// Time in which the last resort draws a tangle to the shape at rest [s].
-const BLEND: f32 = 0.25;
 
 /// Areal density of the cloths in these scenes [kg/m²].
 pub const DENSITY: f32 = 0.3;
@@ -317,7 +314,7 @@ impl Scene {
                 // First around the tangle, then more and more of the cloth.
                 let whole = (cloth.display.outcome().tangled_for / skip.last_resort - 4.0).clamp(0.0, 1.0);
                 fit(&cloth.rest, &cloth.state.positions, pose);
-                group.blend(part, pose, Vec3::ZERO, dt / BLEND, whole);
+                group.blend(part, pose, Vec3::ZERO, dt / BLEND_TIME, whole);
             }
         }
         for (part, cloth) in self.cloths.iter_mut().enumerate() {

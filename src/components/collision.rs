@@ -12,7 +12,7 @@ pub struct ClothCollision {
     /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths pass through each other and are
     /// untangled afterwards.
     pub contact: bool,
-    /// Order of layers of clothing: higher lies outside. Default 0. Reserved: has no effect yet.
+    /// Order of layers of clothing: of two cloths that cross, the one with the higher number is brought outside. Default 0; equal numbers have no order.
     pub layer: i32,
 }
 

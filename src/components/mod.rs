@@ -27,8 +27,8 @@ pub use shape::{ColliderPart, ColliderShape, MeshFit};
 pub use skip::{SkipFrame, SkipPolicy};
 pub use solver::{ClothGravity, ClothSolver, TeleportMode};
 pub use status::{
-    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
-    ClothTeleported, ClothUntangled, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothStatus, ClothTangled,
+    ClothTargetLost, ClothTeleported, ClothUntangled, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 pub use untangle::{Untangle, UntangleMethod};
 pub use wind::{ClothWind, GlobalWind, WindZone, WindZoneShape};

@@ -24,6 +24,9 @@ use super::step::{self, Scratch, StepReport, Stepped};
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
 
+/// Time in which [`Group::blend`] should draw a tangle to a pose [s].
+pub const BLEND_TIME: f32 = 0.25;
+
 /// How a group is untangled in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UntangleSettings {
@@ -82,6 +85,8 @@ pub struct Group {
     finder: Finder,
     contacts: Contacts,
     substep: Vec<f32>,
+    /// Cloths that are not to be moved.
+    fixed: Vec<bool>,
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
     /// Time for which pairs were looked for, and the share of it that has passed.
@@ -102,6 +107,7 @@ impl Group {
             untangler: Untangler::new(&surface),
             finder: Finder::new(&surface),
             substep: vec![0.0; surface.parts.len()],
+            fixed: vec![false; surface.parts.len()],
             positions: vec![Vec4::ZERO; n],
             previous: vec![Vec4::ZERO; n],
             verdicts: vec![Verdict::default(); surface.parts.len()],
@@ -117,6 +123,7 @@ impl Group {
             return;
         }
         self.substep[part] = state.substep;
+        self.fixed[part] = fixed;
         let offset = offset.extend(0.0);
         for (to, from) in self.positions[range.clone()].iter_mut().zip(&state.positions) {
             *to = *from + offset;
@@ -357,7 +364,7 @@ impl Group {
     /// Sweeps the springs of every cloth; previous positions go along, so that no velocity comes of it.
     fn relax(&mut self, sweeps: u32, relax: &mut impl FnMut(usize, &mut [Vec4])) {
         self.before.clone_from(&self.positions);
-        for part in 0..self.surface.parts.len() {
+        for part in (0..self.surface.parts.len()).filter(|&part| !self.fixed[part]) {
             let range = self.range(part);
             for _ in 0..sweeps {
                 relax(part, &mut self.positions[range.clone()]);
@@ -495,6 +502,7 @@ impl Group {
 #[derive(Clone, Debug, Default)]
 pub struct Display {
     evaluator: Evaluator,
+    decided: bool,
     /// Positions to show [m]; empty while the live ones are shown.
     shown: Vec<Vec3>,
 }
@@ -503,6 +511,7 @@ impl Display {
     /// Forgets clean shapes and history; for a cloth that starts anew.
     pub fn reset(&mut self) {
         self.evaluator.reset();
+        self.decided = false;
         self.shown.clear();
     }
 
@@ -518,6 +527,7 @@ impl Display {
         settings: &EvaluateSettings,
     ) -> Outcome {
         let outcome = self.evaluator.judge(verdict, dt, settings);
+        self.decided = true;
         self.shown.clear();
         if outcome.shown == Shown::Clean {
             self.evaluator.keep(&state.positions, pose);
@@ -525,6 +535,12 @@ impl Display {
             self.evaluator.present(&state.positions, weights, pose, settings, &mut self.shown);
         }
         outcome
+    }
+
+    /// Whether no frame was decided yet, or none since a reset.
+    #[must_use]
+    pub fn is_new(&self) -> bool {
+        !self.decided
     }
 
     /// The decision of the last frame.

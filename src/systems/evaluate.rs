@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use super::detect::each;
 use super::stopwatch;
 use crate::components::{
-    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
-    ClothUntangled, RecoveryLevel,
+    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothReport, ClothStatus,
+    ClothTangled, ClothUntangled, RecoveryLevel,
 };
 use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
@@ -75,6 +75,9 @@ pub(crate) fn tell(mut commands: Commands, mut cloths: Query<(Entity, &ClothPart
         }
         if outcome.became_held {
             commands.trigger(ClothHeld { entity });
+        }
+        if outcome.became_last_resort {
+            commands.trigger(ClothLastResort { entity, crossings: report.crossings });
         }
         if outcome.became_clean {
             commands.trigger(ClothUntangled { entity, after: report.tangled_for });

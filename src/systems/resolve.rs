@@ -1,32 +1,53 @@
 //! Resolve: takes crossing cloths apart.
 
+use bevy::math::Vec3;
 use bevy::prelude::*;
 
 use super::detect::each;
 use super::stopwatch;
-use crate::components::Cloth;
-use crate::groups::ClothGroups;
+use crate::components::{Cloth, Untangle};
+use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::solver::evaluate::Resort;
+use crate::solver::fit::fit;
+use crate::solver::group::BLEND_TIME;
+use crate::solver::load::relax_edges;
 use crate::solver::step::relax;
 
-/// Untangles, in parallel over groups, and gives back what moved.
-pub(crate) fn resolve(
-    mut groups: ResMut<ClothGroups>,
-    springs: Query<(&ClothRest, &ClothInputs, &ClothScratch), With<Cloth>>,
-    mut cloths: Query<&mut ClothParticles, With<Cloth>>,
-) {
+type Springs<'w, 's, 'q> =
+    Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q Untangle, &'q ClothParticles), With<Cloth>>;
+
+/// Iterations at load, at most.
+const AT_LOAD: u32 = 300;
+
+/// Untangles, in parallel over groups.
+pub(crate) fn resolve(time: Res<Time>, mut groups: ResMut<ClothGroups>, cloths: Springs) {
+    let dt = time.delta_secs();
     each(&mut groups.list, |group| {
         let clock = stopwatch();
+        if !group.group.total().is_clean() && group.members.iter().any(|m| is_new(m, &cloths)) {
+            at_load(group, &cloths);
+        }
+        let outcome = |m: &Member| cloths.get(m.entity).map(|cloth| cloth.4.display.outcome()).unwrap_or_default();
+        let resort = group.members.iter().map(|m| outcome(m).resort).max().unwrap_or_default();
+        group.group.escalate(resort);
         let (members, settings) = (&group.members, group.settings);
         group.group.resolve(&settings, |part, positions| {
             if let Some(member) = members.get(part)
-                && let Ok((rest, inputs, scratch)) = springs.get(member.entity)
+                && let Ok((rest, inputs, scratch, ..)) = cloths.get(member.entity)
             {
                 relax(&rest.0, &inputs.fabric, &scratch.solver, positions);
             }
         });
+        if resort == Resort::Blend {
+            blend(group, &cloths, dt);
+        }
         group.times[1] = clock();
     });
+}
+
+/// Gives what moved back to the cloths.
+pub(crate) fn scatter(groups: Res<ClothGroups>, mut cloths: Query<&mut ClothParticles, With<Cloth>>) {
     for group in groups.list.iter().filter(|g| g.group.has_moved()) {
         for (part, member) in group.members.iter().enumerate() {
             if let Ok(mut particles) = cloths.get_mut(member.entity) {
@@ -34,5 +55,41 @@ pub(crate) fn resolve(
                 group.group.scatter(part, &mut particles.state, offset);
             }
         }
+    }
+}
+
+/// Whether a cloth asks for being untangled at load, and this is its first frame.
+fn is_new(member: &Member, cloths: &Springs) -> bool {
+    cloths
+        .get(member.entity)
+        .is_ok_and(|(_, _, _, untangle, particles)| untangle.enabled && untangle.at_load && particles.display.is_new())
+}
+
+fn at_load(group: &mut ClothGroup, cloths: &Springs) {
+    let (members, settings) = (&group.members, group.settings);
+    group.group.untangle_at_load(&settings, AT_LOAD, |part, positions| {
+        if let Some(Ok((rest, ..))) = members.get(part).map(|member| cloths.get(member.entity)) {
+            relax_edges(&rest.0, positions);
+        }
+    });
+}
+
+/// Draws what nothing could take apart to the animated pose, or to the shape at rest where it is.
+#[cold]
+fn blend(group: &mut ClothGroup, cloths: &Springs, dt: f32) {
+    let mut pose: Vec<Vec3> = Vec::new();
+    for part in 0..group.members.len() {
+        let Ok((rest, inputs, _, _, particles)) = cloths.get(group.members[part].entity) else { continue };
+        match &inputs.skin {
+            Some(_) => {
+                pose.clear();
+                pose.extend(inputs.pose(&rest.0, particles.origin));
+            }
+            None => fit(&rest.0, &particles.state.positions, &mut pose),
+        }
+        // First around the tangle, then more and more of the cloth.
+        let whole = (particles.display.outcome().tangled_for / inputs.evaluate.last_resort - 4.0).clamp(0.0, 1.0);
+        let offset = group.offset(particles.origin);
+        group.group.blend(part, &pose, offset, dt / BLEND_TIME, whole);
     }
 }

@@ -5,6 +5,7 @@ mod common;
 
 mod bind;
 mod bodies;
+mod contact;
 mod frame;
 #[cfg(feature = "gltf")]
 mod gltf;

@@ -4,7 +4,7 @@ use bevy::app::{TaskPoolOptions, TaskPoolPlugin};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::scenes::Tangle;
-use bevy_drape::{ClothHeld, ClothParticles, ClothTangled, ClothUntangled};
+use bevy_drape::{ClothHeld, ClothLastResort, ClothParticles, ClothTangled, ClothUntangled};
 
 use crate::common::*;
 
@@ -26,11 +26,19 @@ fn two_sheets_spawned_tangled_come_apart_within_two_seconds_and_say_so() {
     record::<ClothTangled>(&mut app);
     record::<ClothUntangled>(&mut app);
     let cloths = tangled(&mut app, Tangle::StripStab, 13, Vec3::Y);
+    // One frame is enough for this one: it may only look at first.
+    let only = |app: &mut App, iterations: u32| {
+        for cloth in cloths {
+            app.world_mut().entity_mut(cloth).insert(Untangle { iterations, ..default() });
+        }
+    };
+    only(&mut app, 0);
     run(&mut app, 2);
     let first = report(&app, cloths[0]).clone();
     assert!(first.crossings > 0 && first.contours == 1 && first.contour_length > 0.1, "{first:?}");
     assert!(!first.held, "there is no clean shape to hold");
     assert_eq!(seen::<ClothTangled>(&app).len(), 2);
+    only(&mut app, Untangle::default().iterations);
     run(&mut app, TWO_SECONDS);
     assert_eq!(crossings(&app, &cloths), 0, "{:?}", report(&app, cloths[0]));
     // Without contacts they may touch again on their way apart.
@@ -72,8 +80,10 @@ fn clean_cloths_have_the_same_bits_with_and_without_untangling() {
 
 /// Which of `frames` frames held each of two cloths, while one hanging sheet is driven through the other back and forth.
 fn driven(app: &mut App, skip: SkipFrame, frames: usize) -> Vec<[bool; 2]> {
-    let wall = spawn(app, sheet(14), (border(), Transform::from_xyz(0.0, 2.0, 0.0), skip));
-    let moving = spawn(app, sheet(14), (border(), Transform::from_xyz(0.07, 2.2, -0.5), skip));
+    // With contacts they would not cross.
+    let through = ClothCollision { contact: false, ..default() };
+    let wall = spawn(app, sheet(14), (border(), Transform::from_xyz(0.0, 2.0, 0.0), skip, through));
+    let moving = spawn(app, sheet(14), (border(), Transform::from_xyz(0.07, 2.2, -0.5), skip, through));
     let mut held = Vec::new();
     for frame in 0..frames {
         let along = (frame as f32 * FRAME * 3.0).sin();
@@ -182,4 +192,31 @@ fn the_bits_are_the_same_for_one_two_and_four_threads() {
     let one = run(1);
     assert!(one.is_some(), "the other process prints nothing");
     assert_eq!([run(2), run(4)], [one.clone(), one]);
+}
+
+#[test]
+fn cloths_that_start_tangled_are_apart_when_first_shown_if_asked() {
+    for tangle in [Tangle::StripStab, Tangle::FullCut, Tangle::Waves] {
+        let mut app = app();
+        record::<ClothTangled>(&mut app);
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let ask = Untangle { at_load: true, ..default() };
+        let cloths = tangle.meshes(13).map(|mesh| spawn(&mut app, mesh_of(&mesh), (Transform::default(), ask)));
+        run(&mut app, 5);
+        assert_eq!((crossings(&app, &cloths), seen::<ClothTangled>(&app).len()), (0, 0), "{tangle:?}");
+    }
+}
+
+#[test]
+fn the_game_is_told_of_last_resorts() {
+    let mut app = app();
+    record::<ClothLastResort>(&mut app);
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let idle = Untangle { iterations: 0, ..default() };
+    let cloths = Tangle::DeepDent.meshes(13).map(|mesh| spawn(&mut app, mesh_of(&mesh), (Transform::default(), idle)));
+    run(&mut app, 50);
+    assert!(seen::<ClothLastResort>(&app).is_empty(), "not before a second");
+    run(&mut app, 20);
+    let told: Vec<Entity> = seen::<ClothLastResort>(&app).iter().map(|e| e.entity).collect();
+    assert!(cloths.iter().all(|c| told.contains(c)) && told.len() == 2, "{told:?}");
 }
