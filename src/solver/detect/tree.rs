@@ -13,7 +13,7 @@
 //! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits and holes, so it is drawn
 //! only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at rest.
 //!
-//! Two nodes that share particles always meet, and are most of all that does. They are known from the start ([`Joint`]) and are one piece
+//! Two nodes that share particles always meet, and are most of all that does. They are known from the start and are one piece
 //! of cloth: the same test on the normals of both dismisses them, where borders run along the sides of the box of the whole cloth only.
 //!
 //! A cloth with a particle that is not finite or absurdly far is *quarantined*: its leaves get the empty box, which meets nothing,

@@ -119,11 +119,9 @@ impl Contact {
         };
         let step = (self.normal * pushed - rubbed).extend(0.0) / mobility;
         let lift = (self.normal * lift).extend(0.0) / mobility;
-        for i in 0..4 {
-            let share = self.weights[i] * x[i].w;
-            let (now, old) = (&mut particles.now[self.slots[i] as usize], &mut particles.old[self.slots[i] as usize]);
-            *now += step * share;
-            *old += lift * share;
+        for (&slot, (weight, x)) in self.slots.iter().zip(self.weights.iter().zip(&x)) {
+            particles.now[slot as usize] += step * (weight * x.w);
+            particles.old[slot as usize] += lift * (weight * x.w);
         }
         true
     }
