@@ -85,8 +85,10 @@ pub(crate) struct Member {
     pub rest: Arc<RestShape>,
     pub collision: ClothCollision,
     pub thickness: f32,
-    /// Whether it is not moved.
+    /// Whether untangling does not move it.
     pub fixed: bool,
+    /// Whether nothing does: it is paused or was stopped.
+    pub still: bool,
 }
 
 impl Member {
@@ -174,7 +176,7 @@ impl ClothGroups {
         let mut old = 0;
         for run in order.chunk_by(|&a, &b| root[a as usize] == root[b as usize]) {
             let of = |i: &u32| &candidates[*i as usize];
-            let free = run.iter().map(of).any(|c| !c.member.fixed);
+            let free = run.iter().map(|i| &of(i).member).any(|m| !m.fixed || (!m.still && m.collision.contact));
             let Some(first) = run.first().map(of) else { continue };
             if !free || (run.len() == 1 && !first.member.collision.self_collision) {
                 continue;

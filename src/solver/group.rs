@@ -143,6 +143,7 @@ impl Group {
         self.touch.clear();
         self.touch.extend_from_slice(touch);
         (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
+        self.contacts.lift();
     }
 
     /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle are left out.
@@ -207,31 +208,40 @@ impl Group {
                 self.look_where_strayed(cloths);
             }
         }
+        let mut shortened = false;
         for part in 0..parts {
             if let Some(m) = cloths.member(part)
                 && let Some(report) = m.cloth.finish(m.state, m.scratch)
             {
+                shortened |= m.scratch.has_shortened();
                 cloths.done(part, report);
             }
         }
-        // Edges were shortened, which pays no heed to what is between them.
-        self.keep_apart(cloths);
+        // That pays no heed to what is between the edges.
+        if shortened {
+            self.keep_apart(cloths);
+        }
     }
 
     /// Keeps apart what touches at the end of a substep.
     fn keep_apart(&mut self, cloths: &mut impl Members) {
         if self.contacts.is_empty() {
+            self.contacts.rest();
             return;
         }
         let mut h = 0.0f32;
         self.contacts.begin_gather();
         for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
             let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
-            h = h.max(state.substep);
-            let (offset, mobility) = (offset.extend(0.0), Vec4::new(1.0, 1.0, 1.0, if moves { 1.0 } else { 0.0 }));
+            if moves {
+                h = h.max(state.substep);
+            }
+            let offset = offset.extend(0.0);
             self.contacts.gather(particles.clone(), |i| match (state.positions.get(i), state.previous.get(i)) {
-                (Some(&now), Some(&old)) => (now * mobility + offset, old + offset),
-                _ => Default::default(),
+                (Some(&now), Some(&old)) if moves => (now + offset, old + offset),
+                // What stays has no speed, whatever it had.
+                (Some(&now), _) if !moves => (now.truncate().extend(0.0) + offset, now + offset),
+                _ => (Vec4::NAN, Vec4::NAN),
             });
         }
         self.contacts.solve(h);
@@ -240,8 +250,13 @@ impl Group {
             let offset = offset.extend(0.0);
             self.contacts.scatter(particles.clone(), |i, now, old| {
                 if let (Some(x), Some(was)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
-                    *x = now - offset;
-                    *was = old - offset;
+                    // What nothing touched keeps every bit.
+                    if *x + offset != now {
+                        *x = now - offset;
+                    }
+                    if *was + offset != old {
+                        *was = old - offset;
+                    }
                 }
             });
         }
@@ -277,6 +292,11 @@ impl Group {
     #[must_use]
     pub fn contacts(&self) -> &Contacts {
         &self.contacts
+    }
+
+    /// Says that cloth `part`, as gathered, stays where it is, whatever speed it had when it was stopped.
+    pub fn hold(&mut self, part: usize) {
+        self.substep[part] = 0.0;
     }
 
     /// Looks for crossings in what was gathered.
@@ -511,7 +531,6 @@ impl Display {
     /// Forgets clean shapes and history; for a cloth that starts anew.
     pub fn reset(&mut self) {
         self.evaluator.reset();
-        self.decided = false;
         self.shown.clear();
     }
 
@@ -537,7 +556,7 @@ impl Display {
         outcome
     }
 
-    /// Whether no frame was decided yet, or none since a reset.
+    /// Whether no frame was decided yet.
     #[must_use]
     pub fn is_new(&self) -> bool {
         !self.decided

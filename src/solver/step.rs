@@ -77,11 +77,19 @@ pub struct Scratch {
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
     frame: Option<Frame>,
+    /// Whether the last frame ended with overlong edges shortened.
+    shortened: bool,
     /// Substep the factors were computed for [s]; 0: none yet.
     factors_for: f32,
 }
 
 impl Scratch {
+    /// Whether the last frame ended with overlong edges shortened.
+    #[must_use]
+    pub fn has_shortened(&self) -> bool {
+        self.shortened
+    }
+
     /// Particles that touched a body in the last substep.
     pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
         self.contacts.touching()
@@ -315,7 +323,8 @@ impl Stepped<'_> {
         state.time += f64::from(frame.dt);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
-        if scratch.strain() > STRAINED * fabric.strain_limit {
+        scratch.shortened = scratch.strain() > STRAINED * fabric.strain_limit;
+        if scratch.shortened {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }

@@ -33,8 +33,10 @@ pub(crate) fn group(
         if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
             continue;
         }
-        let fixed = !untangle.enabled || particles.recovery.is_frozen() || inputs.time_scale == 0.0;
-        let member = Member { entity, rest: rest.0.clone(), collision: *collision, thickness: inputs.fabric.thickness, fixed };
+        let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
+        let fixed = still || !untangle.enabled;
+        let member =
+            Member { entity, rest: rest.0.clone(), collision: *collision, thickness: inputs.fabric.thickness, fixed, still };
         let layers = layers.copied().unwrap_or_default();
         scratch.bounds = groups.add(member, inputs, particles, layers, last_box, last);
     }
@@ -56,10 +58,13 @@ pub(crate) fn detect(
         let clock = stopwatch();
         group.touch.clear();
         for part in 0..group.members.len() {
-            let Member { entity, fixed, .. } = group.members[part];
+            let Member { entity, fixed, still, .. } = group.members[part];
             let Ok((particles, inputs)) = cloths.get(entity) else { continue };
             let offset = group.offset(particles.origin);
             group.group.gather(part, &particles.state, offset, fixed);
+            if still {
+                group.group.hold(part);
+            }
             group.touch.push(Touch::of(&inputs.fabric));
         }
         group.group.expect(dt, &group.touch, |part| group.members[part].collision.contact);

@@ -91,3 +91,15 @@ fn what_is_not_a_number_in_one_cloth_stays_there() {
     };
     assert!(run_with(true) == run_with(false));
 }
+
+#[test]
+fn cloths_that_are_not_untangled_still_rest_on_each_other() {
+    let mut app = app();
+    let cloths = pile(&mut app, 16, Untangle { enabled: false, ..default() });
+    run(&mut app, 60);
+    assert!(cloths.iter().all(|&c| report(&app, c).contacts > 10 || report(&app, c).crossings == 0));
+    let lowest_over_ball = |cloth: Entity| {
+        world_positions(&app, cloth).into_iter().filter(|p| p.xz().length() < 0.1).map(|p| p.y).fold(f32::INFINITY, f32::min)
+    };
+    assert!(cloths.iter().all(|&c| lowest_over_ball(c) > 0.25), "a sheet fell through");
+}

@@ -30,6 +30,8 @@ const LEAF: usize = 4;
 const IS_LEAF: u32 = 1 << 31;
 /// Cosine of 45°.
 const COS: f32 = core::f32::consts::FRAC_1_SQRT_2;
+/// Most edges at a particle that joins nodes.
+const HUB: usize = 64;
 /// First of a pair on the stack whose second is a [`Joint`].
 const JOINT: u32 = NONE;
 /// [`Node::part`] of a node that holds more than one cloth.
@@ -214,6 +216,8 @@ impl Tree {
             let mut shared: Vec<u32> = below.filter(|&v| belongs(v, node.right)).collect();
             shared.sort_unstable();
             shared.dedup();
+            // Through the hub of a fan of thousands every node would be joined to every other; boxes do for it.
+            shared.retain(|&v| topology.around(v).len() <= HUB);
             if !shared.is_empty() {
                 self.nodes[i as usize].joint = self.joints.len() as u32;
                 self.joints.push(Joint { nodes: [i + 1, node.right], first: 0, count: 0 });

@@ -7,7 +7,7 @@
 //!  ---o-------     C* = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
 //! ```
 //!
-//! `Σ wᵢ = 0`, hence no momentum is made. Friction as for bodies (Macklin et al. 2014, eq. 24): the tangential part of `Σ wᵢ (xᵢ - oldᵢ)` is taken away while it is
+//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the difference. Friction as for bodies (Macklin et al. 2014, eq. 24): the tangential part of `Σ wᵢ (xᵢ - oldᵢ)` is taken away while it is
 //! below `μs` times the mean push, and shortened by `μd` times that beyond.
 
 use core::cmp::Ordering;
@@ -65,6 +65,7 @@ impl Contact {
         let mut x = self.slots.map(|s| particles.now[s as usize]);
         let along = self.normal.dot(sum(&self.weights, &x));
         if along > FAR * self.thickness {
+            (self.behind, self.load) = (false, 0.0);
             return false;
         }
         let was = self.slots.map(|s| particles.old[s as usize]);
@@ -83,7 +84,9 @@ impl Contact {
             let before = self.normal.dot(sum(&near.weights, &was)).max(0.0);
             let t = before / (before + distance);
             let midway = at(&std::array::from_fn(|i| was[i].lerp(x[i], t)));
-            midway.distance < 0.25 * self.thickness.max(distance)
+            // Who was through at the end of the last substep still is, unless clearly not. A particle that was flung away passed nothing.
+            let near = if self.behind { 1.0 } else { 0.25 };
+            midway.distance < near * self.thickness.max(distance.min(4.0 * self.thickness))
         } {
             distance = -distance;
         }
@@ -98,7 +101,8 @@ impl Contact {
             self.support(particles, &mut x);
         }
         let mobility: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
-        if gap >= 0.0 || mobility <= 0.0 {
+        // NaN passes no comparison.
+        if !(gap < 0.0 && mobility > 0.0) {
             self.load = 0.0;
             return false;
         }
@@ -119,6 +123,9 @@ impl Contact {
         };
         let step = (self.normal * pushed - rubbed).extend(0.0) / mobility;
         let lift = (self.normal * lift).extend(0.0) / mobility;
+        if !(step.is_finite() && lift.is_finite()) {
+            return false;
+        }
         for (&slot, (weight, x)) in self.slots.iter().zip(self.weights.iter().zip(&x)) {
             particles.now[slot as usize] += step * (weight * x.w);
             particles.old[slot as usize] += lift * (weight * x.w);

@@ -9,6 +9,7 @@ use super::contact::Contact;
 use super::{Contacts, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
+use crate::solver::detect::surface::FARTHEST;
 use crate::solver::detect::tree::{Bounds, Tree};
 use crate::solver::detect::{Proximity, Surface};
 
@@ -43,9 +44,6 @@ pub struct Moment<'a> {
     /// Thickness and friction of each cloth.
     pub touch: &'a [Touch],
 }
-
-/// Edges are kept this share of the thickness apart: particles carry the cloth, edges only keep it from slipping through between them.
-const EDGE_SHARE: f32 = 1.0;
 
 impl Moment<'_> {
     fn thickest(&self) -> f32 {
@@ -109,7 +107,6 @@ impl Finder {
     pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
         contacts.begin();
         contacts.fit(surface.len());
-        contacts.lift();
         self.foresee(surface, moment, dt);
         self.find_flat(surface, moment.positions);
     }
@@ -202,13 +199,10 @@ impl Finder {
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
             let mut thickness = 0.5 * (mine.thickness + other.thickness);
             let margin = MARGIN * thickness;
-            if first == 2 {
-                thickness *= EDGE_SHARE;
-            }
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
             let normal = delta / pair.distance;
             // Exactly in touch, there is no side to be on.
-            if !normal.is_finite() || ids.iter().all(|&v| positions[v as usize].w == 0.0) || ids.iter().any(|&v| left_out(v)) {
+            if !normal.is_finite() || ids.iter().any(|&v| left_out(v)) {
                 return;
             }
             let far = |thickness: f32| {
@@ -249,7 +243,10 @@ impl Finder {
                 behind: false,
             });
         };
-        let wide = Vec3A::splat(reach);
+        let reach_of = |u: u32, v: u32| {
+            let [a, b] = [u, v].map(|v| touch[usize::from(surface.part(v))].thickness);
+            (1.0 + MARGIN) * 0.5 * (a + b)
+        };
         move |f: u32, g: u32| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             // Faces of a fan that hardly bends are hardly closer than at rest.
@@ -257,6 +254,9 @@ impl Finder {
                 return;
             }
             let (pf, pg) = (tf.map(path), tg.map(path));
+            // A thick cloth does not make the others look farther.
+            let reach = if touch.len() == 1 { reach } else { reach_of(tf[0], tg[0]) };
+            let wide = Vec3A::splat(reach);
             if are_apart(&pf, &pg, reach) {
                 return;
             }
@@ -338,7 +338,7 @@ impl Finder {
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
-                let motion = Vec3A::from_vec4(positions[v] - previous[v]) * scale;
+                let motion = limited(Vec3A::from_vec4(positions[v] - previous[v]) * scale, FARTHEST);
                 self.start[v] = Vec3A::from_vec4(positions[v]);
                 self.ahead[v] = self.start[v] + motion;
                 mean += motion;

@@ -109,8 +109,13 @@ impl Contacts {
         !self.behind.is_empty() && self.behind.binary_search(&(kind as u8, particles)).is_ok()
     }
 
-    /// Lets particles that lie on nothing any more rise.
-    fn lift(&mut self) {
+    /// Says that nothing touches.
+    pub(crate) fn rest(&mut self) {
+        self.touching = 0;
+    }
+
+    /// Lets particles that lie on nothing any more rise; once a frame.
+    pub(crate) fn lift(&mut self) {
         for level in &mut self.levels {
             *level = level.saturating_add(1);
         }
@@ -134,8 +139,11 @@ impl Contacts {
 
     /// Makes room for what [`Self::gather`] takes in.
     pub fn begin_gather(&mut self) {
-        self.now.resize(self.particles.len(), Vec4::ZERO);
-        self.old.resize(self.particles.len(), Vec4::ZERO);
+        // Of what nobody gives, nothing is known, and nothing touches it.
+        self.now.clear();
+        self.old.clear();
+        self.now.resize(self.particles.len(), Vec4::NAN);
+        self.old.resize(self.particles.len(), Vec4::NAN);
     }
 
     /// Takes in those particles of pairs that are in `range`, one cloth: `read` gives the position ([m], `w` inverse mass) and the position at the start of the
