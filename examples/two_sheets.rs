@@ -100,7 +100,9 @@ fn sheets(
     let subdivisions = SIZES[choice.size] - 2;
     let flat = Plane3d::default().mesh().size(1.0, 1.0).subdivisions(subdivisions).build().with_generated_tangents()?;
     let hanging = Plane3d::new(Vec3::Z, Vec2::new(0.3, 0.4)).mesh().subdivisions(subdivisions).build();
-    let untangle = Untangle::default().with_method(choice.method);
+    // As in the paper, nothing keeps the sheets from crossing: they are only taken apart.
+    let untangle =
+        (Untangle::default().with_method(choice.method), ClothCollision { self_collision: false, contact: false, ..default() });
     commands.spawn((
         Most::default(),
         Mesh3d(meshes.add(flat)),

@@ -54,7 +54,9 @@ pub fn spawn(commands: &mut Commands, meshes: &mut Assets<Mesh>, materials: [Han
             // The first is only measured.
             let untangle = if column == 0 { Untangle { iterations: 0, ..untangle } } else { untangle };
             let pair = [0, 1].map(|k| {
-                let cloth = (Cloth, ClothMaterial::COTTON, untangle, SkipFrame::OFF);
+                // As in the paper, nothing keeps the sheets from crossing.
+                let only = ClothCollision { self_collision: false, contact: false, ..default() };
+                let cloth = (Cloth, ClothMaterial::COTTON, untangle, only, SkipFrame::OFF);
                 let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.45) * upright());
                 let pins = if k == 0 { ClothPins::where_position(|p| p.x.abs().min(p.y.abs()) > 0.499) } else { default() };
                 commands.spawn((cloth, Mesh3d(sheets[k].clone()), MeshMaterial3d(materials[k].clone()), place, pins)).id()
