@@ -132,7 +132,8 @@ fn a_curtain_and_its_weather_come_out_of_the_file() {
         &[
             node("Curtain", r#"{"cloth": {"material": "silk", "pin": "_PIN", "substep_rate": 600}, "other_tool": 7}"#),
             node("Rug", r#"{"cloth": {"material": "heavy.cloth.ron", "pin": [0, 4], "thickness": 0.02}}"#),
-            node("Free", r#"{"cloth": true}"#),
+            // Beside the others, or it would lie on them.
+            r#"{"name": "Free", "mesh": 0, "translation": [5, 0, 0], "extras": {"cloth": true}}"#.into(),
             node("Ball", r#"{"collider": {"shape": "cuboid", "friction": 0.25}}"#),
             r#"{"name": "Floor", "translation": [0, -5, 0], "extras": {"collider": "plane"}}"#.into(),
         ],
