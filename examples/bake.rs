@@ -39,7 +39,7 @@ struct Arguments {
     #[arg(long, default_value_t = 60.0, value_parser = rate)]
     fps: f64,
     /// Substeps per second [Hz] of cloths that have the default rate; more than in a game, since nobody waits.
-    #[arg(long, default_value_t = 1440.0, value_parser = substeps)]
+    #[arg(long, default_value_t = 2400.0, value_parser = substeps)]
     substep_rate: f32,
     /// How crossing cloths are taken apart; the default is what each cloth asks for.
     #[arg(long, value_parser = cli::method)]
