@@ -44,8 +44,8 @@ pub(crate) struct ClothGroup {
     pub settings: UntangleSettings,
     /// Origin of the frame of the group in the world [m].
     pub origin: DVec3,
-    /// Time spent on detecting, resolving, evaluating and responding [ms].
-    pub times: [f32; 4],
+    /// Time spent on detecting, resolving, evaluating, responding and stepping side by side [ms].
+    pub times: [f32; 5],
     /// What members are stepped with while they are stepped side by side.
     pub work: Vec<Work>,
     /// Thickness and friction of each member.
@@ -199,7 +199,7 @@ impl ClothGroups {
                 let Some(built) = build(members) else { continue };
                 (group.group, group.members) = (built, members.clone());
             }
-            (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 4]);
+            (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 5]);
             for (part, member) in group.members.iter().enumerate() {
                 place(member.entity, list.len() as u32, part as u32);
             }

@@ -12,7 +12,6 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use super::body::Touch;
-use super::detect::tree::Tree;
 use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
 use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
@@ -276,6 +275,9 @@ impl Group {
             for part in 0..self.surface.parts.len() {
                 if let Some(m) = cloths.member(part) {
                     self.gather(part, m.state, m.offset, !m.moves);
+                    if !m.moves {
+                        self.hold(part);
+                    }
                 }
             }
             self.find(true);
@@ -307,6 +309,7 @@ impl Group {
             self.look_and_find();
         } else {
             self.contacts.clear();
+            self.contacts.rest();
             self.look();
         }
         self.total
@@ -319,8 +322,7 @@ impl Group {
         finder.begin(surface, &moment, self.horizon, contacts);
         let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
         let ask = finder.ask(surface, &moment, left_out, contacts);
-        let sweep = |tree: &mut Tree| finder.sweep(surface, tree);
-        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), sweep, ask);
+        let crossings = untangler.detector.detect_and(surface, positions, Some(finder.ahead()), Finder::reach(&moment), ask);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.sum_up();

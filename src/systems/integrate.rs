@@ -87,12 +87,12 @@ fn together(groups: &mut ClothGroups, dt: f32, cloths: &mut Stepping) {
             let clock = stopwatch();
             let ClothGroup { group: solver, members, work, origin, .. } = group;
             solver.step(&mut Together { members, work, inputs: &inputs, origin: *origin, dt });
-            group.times[3] = clock();
+            group.times[4] = clock();
         }
     });
     for group in &mut groups.list {
         for part in 0..group.work.len() {
-            let share = group.share(part) * group.times[3];
+            let share = group.share(part) * group.times[4];
             let work = &mut group.work[part];
             if let Ok((.., mut particles, mut scratch, mut report)) = cloths.get_mut(group.members[part].entity) {
                 core::mem::swap(&mut work.state, &mut particles.state);

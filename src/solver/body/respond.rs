@@ -48,9 +48,9 @@ impl Friction {
 
 /// The contact plane `n · q = c`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plane {
-    pub(super) normal: Vec3A,
-    pub(super) offset: f32,
+pub(crate) struct Plane {
+    pub(crate) normal: Vec3A,
+    pub(crate) offset: f32,
 }
 
 impl Plane {
@@ -63,15 +63,15 @@ impl Plane {
 
 /// Where the particle and its previous position go, in body space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Response {
-    pub(super) end: Vec3A,
-    pub(super) shift: Vec3A,
-    pub(super) load: f32,
+pub(crate) struct Response {
+    pub(crate) end: Vec3A,
+    pub(crate) shift: Vec3A,
+    pub(crate) load: f32,
 }
 
 /// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one).
 #[inline]
-pub(super) fn respond(
+pub(crate) fn respond(
     plane: Plane,
     start: Vec3A,
     wanted: Vec3A,

@@ -73,24 +73,23 @@ impl Detector {
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
-        self.detect_and(surface, positions, 0.0, |_| {}, |_, _| {})
+        self.detect_and(surface, positions, None, 0.0, |_, _| {})
     }
 
-    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes come within `margin` [m] after `widen`.
+    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes, widened to where particles are `ahead` [m], come within `margin` [m].
     pub fn detect_and(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
+        ahead: Option<&[Vec3A]>,
         margin: f32,
-        widen: impl FnOnce(&mut Tree),
         also: impl FnMut(u32, u32),
     ) -> &[Crossing] {
         if positions.len() != surface.len() {
             self.crossings.clear();
             return &self.crossings;
         }
-        self.tree.refit(surface, positions);
-        widen(&mut self.tree);
+        self.tree.refit(surface, positions, ahead);
         for (part, out) in surface.parts.iter().zip(&mut self.kinematic) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = positions[range].iter().all(|p| p.w == 0.0);

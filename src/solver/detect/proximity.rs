@@ -65,7 +65,7 @@ impl Detector {
         if positions.len() != surface.len() {
             return;
         }
-        self.tree.refit(surface, positions);
+        self.tree.refit(surface, positions, None);
         let topology = &surface.topology;
         let at = |v: u32| positions[v as usize].truncate();
         let mut near = |pair: Proximity| {
@@ -109,28 +109,14 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 fn is_excluded(surface: &Surface, pair: &Proximity, settings: &ProximitySettings) -> bool {
-    surface.part(pair.particles[0]) == surface.part(pair.particles[3])
-        && is_near_at_rest(surface, pair, settings.distance, settings.exclude_rings, f32::INFINITY)
-}
-
-/// Whether a pair of one cloth is closer at rest than `distance` [m] or within `rings` edges, none of which is longer than `longest` [m].
-pub(crate) fn is_near_at_rest(surface: &Surface, pair: &Proximity, distance: f32, rings: u32, longest: f32) -> bool {
     let [a, b, c, d] = pair.particles;
-    let at = |v: u32| surface.rest[v as usize];
     let (first, second): (&[u32], &[u32]) = match pair.kind {
         ProximityKind::VertexFace => (&[a], &[b, c, d]),
         ProximityKind::EdgeEdge => (&[a, b], &[c, d]),
     };
-    // Ends of edges farther apart than the rings reach settle almost all pairs.
-    let reach = distance + (rings + 2) as f32 * longest;
-    if at(a).distance_squared(at(d)) > reach * reach {
-        return false;
-    }
-    let rest = match pair.kind {
-        ProximityKind::VertexFace => vertex_face(pair.particles, at),
-        ProximityKind::EdgeEdge => edge_edge(pair.particles, at),
-    };
-    rest.distance < distance || first.iter().any(|&v| within(surface, v, second, rings))
+    surface.part(a) == surface.part(d)
+        && (distance_at_rest(surface, pair) < settings.distance
+            || first.iter().any(|&v| within(surface, v, second, settings.exclude_rings)))
 }
 
 /// Closest points of two edges, ends included (Ericson 2005, section 5.1.9).

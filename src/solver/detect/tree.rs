@@ -319,7 +319,9 @@ impl Tree {
     }
 
     /// Fits the boxes to the positions [m] and finds the cloths to leave out.
-    pub fn refit(&mut self, surface: &Surface, positions: &[Vec4]) {
+    ///
+    /// With `ahead` [m], one per particle, boxes also hold where particles will be; normals do not.
+    pub fn refit(&mut self, surface: &Surface, positions: &[Vec4], ahead: Option<&[Vec3A]>) {
         for (part, out) in surface.parts.iter().zip(&mut self.quarantined) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = !positions[range].iter().all(|&p| is_sane(p));
@@ -329,19 +331,12 @@ impl Tree {
             *bounds = Bounds { min: a.min(b).min(c), max: a.max(b).max(c) };
             *normal = (b - a).cross(c - a).normalize_or_zero();
         }
-        self.refit_nodes();
-    }
-
-    /// Widens the boxes of the last [`Self::refit`] to where the particles are `ahead` [m]; normals stay.
-    pub fn sweep(&mut self, surface: &Surface, ahead: &[Vec3A]) {
-        for (bounds, &f) in self.boxes.iter_mut().zip(&self.faces) {
-            let [a, b, c] = surface.topology.faces[f as usize].map(|v| ahead[v as usize]);
-            *bounds = bounds.union(Bounds { min: a.min(b).min(c), max: a.max(b).max(c) });
+        if let Some(ahead) = ahead {
+            for (bounds, &f) in self.boxes.iter_mut().zip(&self.faces) {
+                let [a, b, c] = surface.topology.faces[f as usize].map(|v| ahead[v as usize]);
+                *bounds = bounds.union(Bounds { min: a.min(b).min(c), max: a.max(b).max(c) });
+            }
         }
-        self.refit_nodes();
-    }
-
-    fn refit_nodes(&mut self) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             let (bounds, normals) = if node.right & IS_LEAF == 0 {

@@ -11,6 +11,7 @@
 
 use glam::Vec4;
 
+use super::share::{Load, load};
 use crate::solver::detect::Surface;
 use crate::solver::rest::NONE;
 
@@ -215,16 +216,7 @@ impl Flood {
     }
 
     fn summary(&self, positions: &[Vec4], k: usize) -> Region {
-        let run = &self.queue[k];
-        let mut region = Region { area: self.area[k], mass: 0.0, pinned: false };
-        for &v in run {
-            let w = positions[v as usize].w;
-            if w > 0.0 {
-                region.mass += w.recip();
-            } else {
-                region.pinned = true;
-            }
-        }
-        region
+        let Load { mass, pinned } = load(positions, self.queue[k].iter().copied());
+        Region { area: self.area[k], mass, pinned }
     }
 }

@@ -7,23 +7,20 @@
 //!  ---o-------     C* = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
 //! ```
 //!
-//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the difference. Friction as for bodies (Macklin et al. 2014, eq. 24): the tangential part of `Σ wᵢ (xᵢ - oldᵢ)` is taken away while it is
-//! below `μs` times the mean push, and shortened by `μd` times that beyond.
+//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
+//! difference. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
 
 use core::cmp::Ordering;
 
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 use super::FREE;
-
-use crate::solver::body::Friction;
+use crate::solver::body::{Friction, Plane, respond};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
 /// Speed at which pairs that are closer than their thickness are taken apart [m/s].
 const RECOVERY_SPEED: f32 = 0.5;
-/// Share of the newest push in the running mean of the load (dimensionless).
-const LOAD_SHARE: f32 = 0.25;
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
 const SUPPORT: f32 = 0.1;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
@@ -85,8 +82,8 @@ impl Contact {
             let t = before / (before + distance);
             let midway = at(&std::array::from_fn(|i| was[i].lerp(x[i], t)));
             // Who was through at the end of the last substep still is, unless clearly not. A particle that was flung away passed nothing.
-            let near = if self.behind { 1.0 } else { 0.25 };
-            midway.distance < near * self.thickness.max(distance.min(4.0 * self.thickness))
+            let share = if self.behind { 1.0 } else { 0.25 };
+            midway.distance < share * self.thickness.max(distance.min(4.0 * self.thickness))
         } {
             distance = -distance;
         }
@@ -106,23 +103,13 @@ impl Contact {
             self.load = 0.0;
             return false;
         }
-        let gap_before = self.normal.dot(sum(&self.weights, &was)) - self.thickness;
-        let target = if gap_before < 0.0 { (gap_before + RECOVERY_SPEED * h).min(0.0) } else { 0.0 };
-        let pushed = (target - gap).max(0.0);
-        let lift = if gap_before < 0.0 { (target - gap_before).clamp(0.0, pushed) } else { 0.0 };
-        let push = pushed - lift;
-        self.load = if self.load > 0.0 { self.load + LOAD_SHARE * (push - self.load) } else { push };
-
-        let moved = sum(&self.weights, &x) - sum(&self.weights, &was);
-        let slip = moved - self.normal * self.normal.dot(moved);
-        let length = slip.length();
-        let rubbed = if length <= self.friction.fixed * self.load {
-            slip
-        } else {
-            slip * (self.friction.sliding * self.load / length).min(1.0)
-        };
-        let step = (self.normal * pushed - rubbed).extend(0.0) / mobility;
-        let lift = (self.normal * lift).extend(0.0) / mobility;
+        // The vector between the closest points is pushed out as a particle is out of a body, and shared out by mass.
+        let plane = Plane { normal: self.normal.into(), offset: self.thickness };
+        let (start, end) = (Vec3A::from(sum(&self.weights, &was)), Vec3A::from(sum(&self.weights, &x)));
+        let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction);
+        self.load = out.load;
+        let step = Vec3::from(out.end - end).extend(0.0) / mobility;
+        let lift = Vec3::from(out.shift).extend(0.0) / mobility;
         if !(step.is_finite() && lift.is_finite()) {
             return false;
         }
@@ -133,7 +120,8 @@ impl Contact {
         true
     }
 
-    /// Makes the side heavier that is closer to a body, which would only push it back, and passes on how close that is (mass scaling as in Macklin et al. 2014, section 5.2).
+    /// Makes the side heavier that is closer to a body, which would only push it back, and passes on how close that is (mass scaling as in
+    /// Macklin et al. 2014, section 5.2).
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
         let ids = self.slots.map(|s| particles.ids[s as usize] as usize);

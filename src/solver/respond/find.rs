@@ -103,7 +103,7 @@ impl Finder {
     }
 
     /// Prepares for looking at all pairs that may touch within `dt` [s]: with [`Self::ask`], in whatever order [`Tree::pairs`] finds faces within
-    /// [`Self::reach`] once the tree was [swept](Self::sweep).
+    /// [`Self::reach`] in a tree fitted to where particles are and [will be](Self::ahead).
     pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
         contacts.begin();
         contacts.fit(surface.len());
@@ -122,14 +122,14 @@ impl Finder {
         contacts: &mut Contacts,
     ) {
         self.begin(surface, moment, dt, contacts);
-        tree.refit(surface, moment.positions);
-        self.sweep(surface, tree);
+        tree.refit(surface, moment.positions, Some(&self.ahead));
         tree.pairs(surface, Self::reach(moment), self.ask(surface, moment, left_out, contacts));
     }
 
-    /// Widens the boxes of a tree to where particles are foreseen to be.
-    pub fn sweep(&self, surface: &Surface, tree: &mut Tree) {
-        tree.sweep(surface, &self.ahead);
+    /// Where each particle is foreseen to be [m], less the motion that all cloths share.
+    #[must_use]
+    pub fn ahead(&self) -> &[Vec3A] {
+        &self.ahead
     }
 
     /// How close boxes must come for their faces to be asked [m].
@@ -168,8 +168,7 @@ impl Finder {
             }
         }
         self.find_flat(surface, moment.positions);
-        tree.refit(surface, moment.positions);
-        self.sweep(surface, tree);
+        tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
         tree.pairs_with(surface, Self::reach(moment), &marked, self.ask(surface, moment, left_out, contacts));
         self.marked = marked;

@@ -1,7 +1,7 @@
 //! Respond: cloth rests on cloth, and folds on itself.
 //!
 //! ```text
-//! once a frame   Contacts::find    boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
+//! once a frame   Finder::find      boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
 //! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction
 //! ```
 //!
