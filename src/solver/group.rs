@@ -193,6 +193,7 @@ impl Group {
             }
         }
         for n in 1..=count {
+            self.note_start(cloths);
             for part in 0..parts {
                 let Some(m) = cloths.member(part) else { continue };
                 if m.cloth.constrain(m.state, m.scratch) {
@@ -208,6 +209,7 @@ impl Group {
             }
         }
         let mut shortened = false;
+        self.note_start(cloths);
         for part in 0..parts {
             if let Some(m) = cloths.member(part)
                 && let Some(report) = m.cloth.finish(m.state, m.scratch)
@@ -219,6 +221,18 @@ impl Group {
         // That pays no heed to what is between the edges.
         if shortened {
             self.keep_apart(cloths);
+        }
+    }
+
+    /// Notes where everything is that may touch.
+    fn note_start(&mut self, cloths: &mut impl Members) {
+        if self.contacts.is_empty() {
+            return;
+        }
+        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+            let Some(Member { state, offset, .. }) = cloths.member(part) else { continue };
+            let offset = offset.extend(0.0);
+            self.contacts.note_start(particles.clone(), |i| state.positions.get(i).map_or(Vec4::NAN, |&x| x + offset));
         }
     }
 
@@ -244,6 +258,7 @@ impl Group {
             });
         }
         self.contacts.solve(h);
+        self.contacts.guard();
         for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
             let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);

@@ -13,6 +13,7 @@
 
 mod contact;
 mod find;
+mod guard;
 
 use core::ops::Range;
 
@@ -35,6 +36,8 @@ pub struct Contacts {
     /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
     now: Vec<Vec4>,
     old: Vec<Vec4>,
+    /// Positions at the start of the substep, whatever was done to velocities since [m].
+    start: Vec<Vec4>,
     /// By particle: 0 where it lies on a body, 1 where on cloth that does, and so on.
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
@@ -144,6 +147,16 @@ impl Contacts {
         self.old.clear();
         self.now.resize(self.particles.len(), Vec4::NAN);
         self.old.resize(self.particles.len(), Vec4::NAN);
+    }
+
+    /// Notes where the particles of pairs that are in `range`, one cloth, are before they move: `read` gives the position of the `i`-th [m].
+    pub fn note_start(&mut self, range: Range<u32>, read: impl Fn(usize) -> Vec4) {
+        self.start.resize(self.particles.len(), Vec4::NAN);
+        for (&p, start) in self.particles.iter().zip(&mut self.start) {
+            if range.contains(&p) {
+                *start = read((p - range.start) as usize);
+            }
+        }
     }
 
     /// Takes in those particles of pairs that are in `range`, one cloth: `read` gives the position ([m], `w` inverse mass) and the position at the start of the
