@@ -43,8 +43,9 @@ pub(super) struct Contact {
     pub friction: Friction,
     /// Mean push [m].
     pub load: f32,
-    /// Whether it is on the other side than it belongs.
+    /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
     pub behind: bool,
+    pub was_behind: bool,
 }
 
 /// The particles that pairs are made of, by slot; levels by particle.
@@ -59,6 +60,7 @@ impl Contact {
     /// Keeps the pair apart; whether it touched.
     #[inline]
     pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
+        self.was_behind = self.behind;
         let mut x = self.slots.map(|s| particles.now[s as usize]);
         let along = self.normal.dot(sum(&self.weights, &x));
         if along > FAR * self.thickness {

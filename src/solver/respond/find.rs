@@ -240,6 +240,7 @@ impl Finder {
                 friction,
                 load: 0.0,
                 behind: false,
+                was_behind: false,
             });
         };
         let reach_of = |u: u32, v: u32| {

@@ -18,8 +18,8 @@ use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
 
 /// Passes in which pairs keep their mean motion, and all passes.
-const SHARED_PASSES: u32 = 6;
-const MOST_PASSES: u32 = 12;
+const SHARED_PASSES: u8 = 6;
+const MOST_PASSES: u8 = 12;
 
 /// Share of the distance at the start that is kept, at least.
 const KEPT: f32 = 0.2;
@@ -27,12 +27,20 @@ const KEPT: f32 = 0.2;
 impl Contacts {
     /// Shortens the motion of pairs that would pass through each other; after [`Self::solve`].
     pub fn guard(&mut self) {
-        for pass in 0..MOST_PASSES {
+        let Self { pairs, start, now, cut, .. } = self;
+        cut.clear();
+        cut.resize(now.len(), 0);
+        for pass in 1..=MOST_PASSES {
             let mut any = false;
-            for pair in &self.pairs {
-                any |= pair.guard(&self.start, &mut self.now, pass < SHARED_PASSES);
+            for pair in &*pairs {
+                // Only what was moved since it was asked can have changed its mind.
+                if pass == 1 || pair.slots.iter().any(|&s| cut[s as usize] + 1 >= pass) {
+                    any |= pair.guard(start, now, cut, pass);
+                }
             }
             if !any {
+                // Nothing went through.
+                pairs.iter_mut().for_each(|pair| pair.behind &= pair.was_behind);
                 return;
             }
         }
@@ -42,19 +50,19 @@ impl Contacts {
 impl Contact {
     /// Whether something had to be shortened.
     #[inline]
-    fn guard(&self, start: &[Vec4], now: &mut [Vec4], keep_mean: bool) -> bool {
-        if self.behind {
+    fn guard(&self, start: &[Vec4], now: &mut [Vec4], cut: &mut [u8], pass: u8) -> bool {
+        if self.was_behind {
             return false;
         }
         let from = self.slots.map(|s| start[s as usize].truncate());
         let to = self.slots.map(|s| now[s as usize]);
         let split = if self.kind == ProximityKind::VertexFace { 1 } else { 2 };
         let apart = |n: Vec3| separation(n, &from, split) > 0.0 && separation(n, &to.map(Vec4::truncate), split) > 0.0;
-        !apart(self.normal) && self.shorten(&from, &to, split, now, keep_mean)
+        !apart(self.normal) && self.shorten(&from, &to, split, now, cut, pass)
     }
 
     #[cold]
-    fn shorten(&self, from: &[Vec3; 4], to: &[Vec4; 4], split: usize, now: &mut [Vec4], keep_mean: bool) -> bool {
+    fn shorten(&self, from: &[Vec3; 4], to: &[Vec4; 4], split: usize, now: &mut [Vec4], cut: &mut [u8], pass: u8) -> bool {
         let near = match self.kind {
             ProximityKind::VertexFace => vertex_face([0, 1, 2, 3], |i| from[i as usize]),
             ProximityKind::EdgeEdge => closest_edges([0, 1, 2, 3], |i| from[i as usize]),
@@ -67,7 +75,7 @@ impl Contact {
             return false;
         }
         let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i]);
-        let mean = if keep_mean { mean_motion(&motion, to) } else { Vec3::ZERO };
+        let mean = if pass <= SHARED_PASSES { mean_motion(&motion, to) } else { Vec3::ZERO };
         let way: [f32; 4] = std::array::from_fn(|i| n.dot(motion[i] - mean));
         // The gap is shared out by how fast each side closes it.
         let closing = |i: usize| if i < split { -way[i] } else { way[i] };
@@ -81,8 +89,11 @@ impl Contact {
         for (i, &slot) in self.slots.iter().enumerate() {
             if to[i].w > 0.0 && share < 1.0 {
                 let end = from[i] + mean + (motion[i] - mean) * share;
-                any |= end != to[i].truncate();
-                now[slot as usize] = end.extend(to[i].w);
+                if end != to[i].truncate() {
+                    now[slot as usize] = end.extend(to[i].w);
+                    cut[slot as usize] = pass;
+                    any = true;
+                }
             }
         }
         any

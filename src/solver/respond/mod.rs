@@ -38,6 +38,8 @@ pub struct Contacts {
     old: Vec<Vec4>,
     /// Positions at the start of the substep, whatever was done to velocities since [m].
     start: Vec<Vec4>,
+    /// Pass of the guard in which the particle was last stopped, by slot.
+    cut: Vec<u8>,
     /// By particle: 0 where it lies on a body, 1 where on cloth that does, and so on.
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
