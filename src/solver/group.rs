@@ -12,7 +12,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec4};
 
 use super::body::Touch;
-use super::detect::{Crossing, Part, PartRef, Surface, SurfaceError};
+use super::detect::{Crossing, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
 use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
 use super::respond::{Contacts, Finder, Moment};
@@ -195,33 +195,34 @@ impl Group {
         for n in 1..=count {
             self.note_start(cloths);
             for part in 0..parts {
-                let Some(m) = cloths.member(part) else { continue };
-                if m.cloth.constrain(m.state, m.scratch) {
+                if let Some(m) = cloths.member(part) {
+                    m.cloth.constrain(m.state, m.scratch);
+                }
+            }
+            self.keep_apart(cloths);
+            for part in 0..parts {
+                if let Some(m) = cloths.member(part) {
                     m.cloth.project(m.state, m.scratch);
                     let first = self.surface.parts[part].particles.start;
                     m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
                 }
             }
-            self.keep_apart(cloths);
+            self.guard(cloths);
             self.share = n as f32 / count as f32;
             if n < count {
                 self.look_where_strayed(cloths);
             }
         }
-        let mut shortened = false;
         self.note_start(cloths);
         for part in 0..parts {
             if let Some(m) = cloths.member(part)
                 && let Some(report) = m.cloth.finish(m.state, m.scratch)
             {
-                shortened |= m.scratch.has_shortened();
                 cloths.done(part, report);
             }
         }
-        // That pays no heed to what is between the edges.
-        if shortened {
-            self.keep_apart(cloths);
-        }
+        // Overlong edges were shortened without heed to what is between them.
+        self.guard(cloths);
     }
 
     /// Notes where everything is that may touch.
@@ -229,10 +230,11 @@ impl Group {
         if self.contacts.is_empty() {
             return;
         }
-        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+        self.contacts.begin_start();
+        for part in 0..self.surface.parts.len() {
             let Some(Member { state, offset, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);
-            self.contacts.note_start(particles.clone(), |i| state.positions.get(i).map_or(Vec4::NAN, |&x| x + offset));
+            self.contacts.note_start(part, |i| state.positions.get(i).map_or(Vec4::NAN, |&x| x + offset));
         }
     }
 
@@ -242,15 +244,16 @@ impl Group {
             self.contacts.rest();
             return;
         }
+        let parts = self.surface.parts.len();
         let mut h = 0.0f32;
         self.contacts.begin_gather();
-        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+        for part in 0..parts {
             let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
             if moves {
                 h = h.max(state.substep);
             }
             let offset = offset.extend(0.0);
-            self.contacts.gather(particles.clone(), |i| match (state.positions.get(i), state.previous.get(i)) {
+            self.contacts.gather(part, |i| match (state.positions.get(i), state.previous.get(i)) {
                 (Some(&now), Some(&old)) if moves => (now + offset, old + offset),
                 // What stays has no speed, whatever it had.
                 (Some(&now), _) if !moves => (now.truncate().extend(0.0) + offset, now + offset),
@@ -258,11 +261,10 @@ impl Group {
             });
         }
         self.contacts.solve(h);
-        self.contacts.guard();
-        for (part, Part { particles, .. }) in self.surface.parts.iter().enumerate() {
+        for part in 0..parts {
             let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);
-            self.contacts.scatter(particles.clone(), |i, now, old| {
+            self.contacts.scatter(part, |i, now, old| {
                 if let (Some(x), Some(was)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
                     // What nothing touched keeps every bit.
                     if *x + offset != now {
@@ -271,6 +273,35 @@ impl Group {
                     if *was + offset != old {
                         *was = old - offset;
                     }
+                }
+            });
+        }
+    }
+
+    /// Stops on its way what would have passed through since [`Self::note_start`].
+    fn guard(&mut self, cloths: &mut impl Members) {
+        if self.contacts.is_empty() {
+            return;
+        }
+        let parts = self.surface.parts.len();
+        for part in 0..parts {
+            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+            let offset = offset.extend(0.0);
+            self.contacts.gather_end(part, |i| match state.positions.get(i) {
+                Some(&now) if moves => now + offset,
+                Some(&now) => now.truncate().extend(0.0) + offset,
+                None => Vec4::NAN,
+            });
+        }
+        if !self.contacts.guard() {
+            return;
+        }
+        for part in 0..parts {
+            let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
+            let offset = offset.extend(0.0);
+            self.contacts.scatter_cut(part, |i, now| {
+                if let Some(x) = state.positions.get_mut(i) {
+                    *x = now - offset;
                 }
             });
         }

@@ -57,6 +57,12 @@ pub(super) struct Particles<'a> {
 }
 
 impl Contact {
+    /// How many of the slots make up the first primitive.
+    #[inline]
+    pub fn first(&self) -> usize {
+        if self.kind == ProximityKind::VertexFace { 1 } else { 2 }
+    }
+
     /// Keeps the pair apart; whether it touched.
     #[inline]
     pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
@@ -127,7 +133,7 @@ impl Contact {
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
         let ids = self.slots.map(|s| particles.ids[s as usize] as usize);
-        let split = if self.kind == ProximityKind::VertexFace { 1 } else { 2 };
+        let split = self.first();
         let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
         let (first, second) = (lowest(&ids[..split]), lowest(&ids[split..]));
         let (heavy, above, level) = match first.cmp(&second) {

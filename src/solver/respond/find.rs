@@ -106,7 +106,7 @@ impl Finder {
     /// [`Self::reach`] in a tree fitted to where particles are and [will be](Self::ahead).
     pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
         contacts.begin();
-        contacts.fit(surface.len());
+        contacts.fit(surface);
         self.foresee(surface, moment, dt);
         self.find_flat(surface, moment.positions);
     }

@@ -3,6 +3,7 @@
 //! ```text
 //! once a frame   Finder::find      boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
 //! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction
+//!                Contacts::guard   what would still pass through is stopped on its way
 //! ```
 //!
 //! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to the
@@ -15,12 +16,10 @@ mod contact;
 mod find;
 mod guard;
 
-use core::ops::Range;
-
 use glam::Vec4;
 
 use crate::solver::body::Touch;
-use crate::solver::detect::ProximityKind;
+use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::rest::NONE;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
@@ -33,6 +32,9 @@ pub struct Contacts {
     particles: Vec<u32>,
     /// Slot of each particle, or [`NONE`].
     slots: Vec<u32>,
+    /// First particle of each cloth, and the slots of its particles.
+    firsts: Vec<u32>,
+    slots_of: Vec<Vec<u32>>,
     /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
     now: Vec<Vec4>,
     old: Vec<Vec4>,
@@ -58,6 +60,7 @@ impl Contacts {
             self.slots[p as usize] = NONE;
         }
         self.particles.clear();
+        self.slots_of.iter_mut().for_each(Vec::clear);
         self.pairs.clear();
         self.behind.clear();
     }
@@ -97,9 +100,16 @@ impl Contacts {
     }
 
     /// Makes room for the particles of a surface.
-    fn fit(&mut self, particles: usize) {
-        self.slots.resize(particles, NONE);
-        self.levels.resize(particles, FREE);
+    fn fit(&mut self, surface: &Surface) {
+        self.slots.resize(surface.len(), NONE);
+        self.levels.resize(surface.len(), FREE);
+        self.firsts.clear();
+        self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
+        self.slots_of.resize_with(surface.parts.len(), Vec::new);
+    }
+
+    fn slots_of(&self, part: usize) -> &[u32] {
+        self.slots_of.get(part).map_or(&[], Vec::as_slice)
     }
 
     /// Lists the pairs that are on the other side than they belong: a new look would take the wrong side for theirs.
@@ -138,8 +148,24 @@ impl Contacts {
         if *slot == NONE {
             *slot = self.particles.len() as u32;
             self.particles.push(particle);
+            let part = self.firsts.partition_point(|&first| first <= particle) - 1;
+            self.slots_of[part].push(*slot);
         }
         *slot
+    }
+
+    /// Makes room for what [`Self::note_start`] takes in.
+    pub fn begin_start(&mut self) {
+        self.start.clear();
+        self.start.resize(self.particles.len(), Vec4::NAN);
+    }
+
+    /// Notes where the particles of pairs in cloth `part` are before a substep: `read` gives the position of its `i`-th [m].
+    pub fn note_start(&mut self, part: usize, read: impl Fn(usize) -> Vec4) {
+        let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
+        for &s in slots {
+            self.start[s as usize] = read((self.particles[s as usize] - first) as usize);
+        }
     }
 
     /// Makes room for what [`Self::gather`] takes in.
@@ -151,23 +177,12 @@ impl Contacts {
         self.old.resize(self.particles.len(), Vec4::NAN);
     }
 
-    /// Notes where the particles of pairs that are in `range`, one cloth, are before they move: `read` gives the position of the `i`-th [m].
-    pub fn note_start(&mut self, range: Range<u32>, read: impl Fn(usize) -> Vec4) {
-        self.start.resize(self.particles.len(), Vec4::NAN);
-        for (&p, start) in self.particles.iter().zip(&mut self.start) {
-            if range.contains(&p) {
-                *start = read((p - range.start) as usize);
-            }
-        }
-    }
-
-    /// Takes in those particles of pairs that are in `range`, one cloth: `read` gives the position ([m], `w` inverse mass) and the position at the start of the
-    /// substep [m] of the `i`-th of the range.
-    pub fn gather(&mut self, range: Range<u32>, read: impl Fn(usize) -> (Vec4, Vec4)) {
-        for (&p, (now, old)) in self.particles.iter().zip(self.now.iter_mut().zip(&mut self.old)) {
-            if range.contains(&p) {
-                (*now, *old) = read((p - range.start) as usize);
-            }
+    /// Takes in the particles of pairs in cloth `part`: `read` gives the position ([m], `w` inverse mass) and the position at the start of the substep [m] of
+    /// its `i`-th.
+    pub fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
+        let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
+        for &s in slots {
+            (self.now[s as usize], self.old[s as usize]) = read((self.particles[s as usize] - first) as usize);
         }
     }
 
@@ -182,11 +197,11 @@ impl Contacts {
     }
 
     /// Gives back what [`Self::gather`] took.
-    pub fn scatter(&self, range: Range<u32>, mut write: impl FnMut(usize, Vec4, Vec4)) {
-        for (&p, (&now, &old)) in self.particles.iter().zip(self.now.iter().zip(&self.old)) {
-            if range.contains(&p) {
-                write((p - range.start) as usize, now, old);
-            }
+    pub fn scatter(&self, part: usize, mut write: impl FnMut(usize, Vec4, Vec4)) {
+        let first = self.firsts.get(part).copied().unwrap_or_default();
+        for &s in self.slots_of(part) {
+            let s = s as usize;
+            write((self.particles[s] - first) as usize, self.now[s], self.old[s]);
         }
     }
 }
