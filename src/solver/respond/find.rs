@@ -312,13 +312,20 @@ impl Finder {
         any
     }
 
-    /// Finds the particles around which all normals lie within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
+    /// Finds the particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
     fn find_flat(&mut self, surface: &Surface, positions: &[Vec4]) {
+        self.flat.fill(true);
+        self.keep_flat(surface, |v| Vec3A::from_vec4(positions[v as usize]));
+        let ahead = core::mem::take(&mut self.ahead);
+        self.keep_flat(surface, |v| ahead[v as usize]);
+        self.ahead = ahead;
+    }
+
+    fn keep_flat(&mut self, surface: &Surface, at: impl Fn(u32) -> Vec3A) {
         let Self { normals, sums, flat, .. } = self;
         sums.fill(Vec3A::ZERO);
-        flat.fill(true);
         for (t, normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
-            let [a, b, c] = t.map(|v| Vec3A::from_vec4(positions[v as usize]));
+            let [a, b, c] = t.map(&at);
             *normal = (b - a).cross(c - a).normalize_or_zero();
             t.iter().for_each(|&v| sums[v as usize] += *normal);
         }
