@@ -16,12 +16,16 @@ use super::detect::{Crossing, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
 use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
 use super::respond::{Contacts, Finder, Moment};
+use super::retreat::Retreat;
 use super::settings::Stepping;
 use super::state::ClothState;
 use super::step::{self, Scratch, StepReport, Stepped};
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
+
+/// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
+const MOST_RETREATS: u32 = 8;
 
 /// Time in which [`Group::blend`] should draw a tangle to a pose [s].
 pub const BLEND_TIME: f32 = 0.25;
@@ -86,6 +90,7 @@ pub struct Group {
     substep: Vec<f32>,
     /// Cloths that are not to be moved.
     fixed: Vec<bool>,
+    retreat: Retreat,
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
     /// Time for which pairs were looked for, and the share of it that has passed.
@@ -210,7 +215,7 @@ impl Group {
             self.guard(cloths);
             self.share = n as f32 / count as f32;
             if n < count {
-                self.look_where_strayed(cloths);
+                self.look_where_strayed(cloths, (n + 1) as f32 / count as f32);
             }
         }
         self.note_start(cloths);
@@ -307,14 +312,15 @@ impl Group {
         }
     }
 
-    /// Looks for pairs again where cloth went where it was not foreseen to be.
-    fn look_where_strayed(&mut self, cloths: &mut impl Members) {
+    /// Looks for pairs again where cloth will be, at the share `next` of the frame, where it was not foreseen to be.
+    fn look_where_strayed(&mut self, cloths: &mut impl Members, next: f32) {
         let mut strayed = false;
         for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch) {
             let Some(m) = cloths.member(i) else { continue };
             if m.state.positions.len() == part.particles.len() {
                 let first = part.particles.start as usize;
-                strayed |= self.finder.strayed(first, &m.state.positions, m.offset, self.share, touch.thickness);
+                let ClothState { positions, previous, .. } = &*m.state;
+                strayed |= self.finder.strayed(first, positions, previous, m.offset, next, touch.thickness);
             }
         }
         if strayed {
@@ -376,6 +382,9 @@ impl Group {
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub fn resolve(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
+        if settings.iterations > 0 {
+            self.take_back();
+        }
         for i in 0..settings.iterations {
             if i > 0 {
                 self.look();
@@ -391,6 +400,22 @@ impl Group {
             if settings.relaxations > 0 {
                 self.relax(settings.relaxations, &mut relax);
             }
+        }
+    }
+
+    /// Takes back what crosses since the last frame, if that ended clean and cloth is to be kept apart.
+    fn take_back(&mut self) {
+        let touches = self.takes_part.contains(&true);
+        if !touches || self.total.is_clean() || !self.retreat.begin(&self.positions) {
+            return;
+        }
+        for _ in 0..MOST_RETREATS {
+            let Self { surface, untangler, retreat, positions, previous, .. } = self;
+            if !retreat.take(surface, untangler.detector.crossings(), positions, previous) {
+                return;
+            }
+            self.moved = true;
+            self.look();
         }
     }
 
@@ -471,6 +496,7 @@ impl Group {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
+        self.retreat.note(&self.positions, self.total.is_clean());
         self.total
     }
 

@@ -15,6 +15,7 @@ pub mod detect;
 pub mod resolve;
 pub mod evaluate;
 pub mod respond;
+pub mod retreat;
 pub mod group;
 pub mod load;
 pub mod fit;

@@ -287,17 +287,27 @@ impl Finder {
         }
     }
 
-    /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found, when `share` (0 to 1) of the time looked ahead
-    /// has passed. `positions` and `offset` [m] as gathered, `thickness` [m] of the cloth. Whether there are any.
-    pub fn strayed(&mut self, first: usize, positions: &[Vec4], offset: Vec3, share: f32, thickness: f32) -> bool {
+    /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found before the next substep ends, when `share` (0 to 1) of
+    /// the time looked ahead will have passed. `positions` and `previous` and `offset` [m] as gathered, `thickness` [m] of the cloth. Whether there are any.
+    pub fn strayed(
+        &mut self,
+        first: usize,
+        positions: &[Vec4],
+        previous: &[Vec4],
+        offset: Vec3,
+        share: f32,
+        thickness: f32,
+    ) -> bool {
         let common = Vec3A::from(offset) - self.shared * share;
         let limit = STRAY * (1.0 + MARGIN) * thickness;
         let range = first..first + positions.len();
-        let stray = |x: Vec4, start: Vec3A, ahead: Vec3A| Vec3A::from_vec4(x) + common - start - (ahead - start) * share;
-        let foreseen = || self.start[range.clone()].iter().zip(&self.ahead[range.clone()]);
+        let stray = |(x, old): (&Vec4, &Vec4), (start, ahead): (&Vec3A, &Vec3A)| {
+            Vec3A::from_vec4(*x * 2.0 - *old) + common - *start - (*ahead - *start) * share
+        };
+        let known = || positions.iter().zip(previous).zip(self.start[range.clone()].iter().zip(&self.ahead[range.clone()]));
         let mut far = Vec3A::ZERO;
-        for (&x, (&start, &ahead)) in positions.iter().zip(foreseen()) {
-            let stray = stray(x, start, ahead);
+        for (now, foreseen) in known() {
+            let stray = stray(now, foreseen);
             far = far.max(stray * stray);
         }
         // The largest of each axis: no less than the farthest particle's.
@@ -305,8 +315,8 @@ impl Finder {
             return false;
         }
         let mut any = false;
-        for ((&x, (&start, &ahead)), astray) in positions.iter().zip(foreseen()).zip(&mut self.astray[range.clone()]) {
-            *astray = !(stray(x, start, ahead).length_squared() <= limit * limit);
+        for ((now, foreseen), astray) in known().zip(&mut self.astray[range.clone()]) {
+            *astray = !(stray(now, foreseen).length_squared() <= limit * limit);
             any |= *astray;
         }
         any

@@ -1,0 +1,110 @@
+//! A tangle that came up within one frame is taken back: its particles go where they were when nothing crossed.
+//!
+//! ```text
+//!   x ─► x0 + u     x0: where it was when the last frame ended clean; u: mean motion of all since; velocity is kept
+//! ```
+//!
+//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their guard know the
+//! pairs in the next frame. Tangles that were there before, that are held, or that came from far are left to [`resolve`](super::resolve).
+
+use glam::{Vec3A, Vec4};
+
+use super::detect::{Crossing, Surface};
+
+/// How far a particle may have gone in the frame, relative to the mean, in mean edges: what was moved farther, by a teleport, is not taken back.
+const FARTHEST_EDGES: f32 = 4.0;
+
+/// Where everything was when nothing crossed.
+#[derive(Clone, Debug, Default)]
+pub struct Retreat {
+    /// Positions [m] at the end of the last frame; empty when it did not end clean.
+    clean: Vec<Vec4>,
+    taken: Vec<bool>,
+    mean: Vec3A,
+}
+
+impl Retreat {
+    /// Notes how a frame ended; nothing is known of one that was not clean.
+    pub fn note(&mut self, positions: &[Vec4], is_clean: bool) {
+        self.clean.clear();
+        if is_clean {
+            self.clean.extend_from_slice(positions);
+        }
+    }
+
+    /// Begins with nothing taken back; whether anything can be.
+    pub fn begin(&mut self, positions: &[Vec4]) -> bool {
+        if self.clean.len() != positions.len() {
+            return false;
+        }
+        self.taken.clear();
+        self.taken.resize(positions.len(), false);
+        let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
+        for (now, then) in positions.iter().zip(&self.clean) {
+            let way = Vec3A::from_vec4(*now - *then);
+            if now.w > 0.0 && way.is_finite() {
+                (sum, count) = (sum + way, count + 1.0);
+            }
+        }
+        self.mean = sum / f32::max(count, 1.0);
+        true
+    }
+
+    /// Takes the particles that cross back; whether there were any that had not been.
+    pub fn take(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        let topology = &surface.topology;
+        let farthest = FARTHEST_EDGES * surface.mean_edge;
+        let mut any = false;
+        for crossing in crossings {
+            let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
+            for v in e.into_iter().chain(f).map(|v| v as usize) {
+                let by = self.mean - Vec3A::from_vec4(positions[v] - self.clean[v]);
+                if positions[v].w > 0.0
+                    && by.length_squared() < farthest * farthest
+                    && !std::mem::replace(&mut self.taken[v], true)
+                {
+                    let by = by.extend(0.0);
+                    positions[v] += by;
+                    previous[v] += by;
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3Swizzles, Vec4};
+
+    use crate::scenes;
+    use crate::solver::detect::SurfaceError;
+    use crate::solver::evaluate::EvaluateSettings;
+    use crate::solver::group::UntangleSettings;
+
+    #[test]
+    fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() -> Result<(), SurfaceError> {
+        let mut scene = scenes::sheets(12).untangled(UntangleSettings::default(), EvaluateSettings::default(), true)?;
+        scene.step(1.0 / 60.0);
+        assert_eq!(scene.crossings(), 0);
+        let [first, second] = [0, 1].map(|k| scene.cloths[k].state.positions[0].y);
+        let (upper, gap) = if first > second { (0, first - second) } else { (1, second - first) };
+        // The particle over the middle of both goes through the other sheet, as a whole.
+        let middle = |x: &Vec4| x.truncate().xz().length();
+        let positions = &scene.cloths[upper].state.positions;
+        let v =
+            (0..positions.len()).min_by(|&a, &b| middle(&positions[a]).total_cmp(&middle(&positions[b]))).unwrap_or_default();
+        let (before, velocity) = (positions[v], scene.cloths[upper].state.velocity(v));
+        let state = &mut scene.cloths[upper].state;
+        for x in [&mut state.positions[v], &mut state.previous[v]] {
+            x.y -= 2.0 * gap;
+        }
+        assert!(scene.look().crossings > 0);
+        scene.settle(1.0 / 60.0);
+        assert_eq!(scene.crossings(), 0);
+        let state = &scene.cloths[upper].state;
+        assert!(state.positions[v].distance(before) < 0.01 * gap && state.velocity(v).distance(velocity) < 1e-3);
+        Ok(())
+    }
+}
