@@ -369,6 +369,26 @@ fn all_eight_scenes_come_apart_for_equal_and_unequal_masses_and_with_one_side_pi
 }
 
 #[test]
+fn edges_that_cross_between_their_particles_go_back_the_short_way() {
+    // A border across a shallow ridge: no particle is on the wrong side of the other sheet, and all of a sheet is close to the other.
+    let n = 13;
+    let edge = 2.0 / (n - 1) as f64;
+    let height = |x: f64| 0.05 * (x / edge).round().abs() * edge;
+    for depth in [5.0e-4, 1.0e-3, 2.0e-3] {
+        let at = |a: f64| 2.0 * a - 1.0;
+        let border = grid(n, n, |a, b| DVec3::new(at(a) + 0.4 * edge, at(b), 0.1 * b - depth));
+        let ridge = grid(n, n, |a, b| DVec3::new(at(a), at(b) - 0.4 * edge, -height(at(a))));
+        let mut world = World::new(&[border, ridge], &[1.0, 1.0], false);
+        let done = world.untangle(&ResolveSettings::default(), 20);
+        let (above, below) = world.now.split_at(n * n);
+        let gap = above.iter().map(|p| p.z).sum::<f32>() - below.iter().map(|p| p.z).sum::<f32>();
+        let moved = world.moved(0).max(world.moved(1));
+        assert!(gap > 0.0 && moved < edge as f32, "{depth} m deep: {done:?} iterations, moved by {moved} m");
+        assert!(done.is_some_and(|i| i <= 4), "{depth} m deep: {done:?} iterations");
+    }
+}
+
+#[test]
 fn the_summed_gradient_alone_fails_where_a_sheet_is_cut_through() {
     for tangle in [Tangle::StripStab, Tangle::TiltedStrip, Tangle::FullCut] {
         let settings = ResolveSettings { method: Method::GlobalGradient, ..ResolveSettings::default() };

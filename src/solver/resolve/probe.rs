@@ -129,9 +129,29 @@ impl Probe {
             let moves = |side: usize, run: &[u32]| run.iter().any(|&v| self.way(side, v) > 0.0);
             let (edge, face) = (view.surface.topology.edges[c.edge as usize], view.surface.topology.faces[c.face as usize]);
             all += 1;
-            undone += u32::from(moves(side, &edge) || moves(1 - side, &face));
+            let along = if side == 0 { direction } else { -direction };
+            let moves = moves(side, &edge) || moves(1 - side, &face) || self.lift(view, side, along, edge, c.face);
+            undone += u32::from(moves);
         }
         self.undone = undone as f32 / f32::max(all as f32, 1.0);
+    }
+
+    /// Gives the ends of an edge that passes an edge of a face, while no particle of either is behind the other, the way until the two edges meet.
+    fn lift(&mut self, view: View<'_>, side: usize, along: Vec3, edge: [u32; 2], face: u32) -> bool {
+        let at = |v: u32| view.positions[v as usize].truncate();
+        let [p, q] = edge.map(at);
+        let corners = view.surface.topology.faces[face as usize].map(at);
+        let way = (0..3).filter_map(|k| pass([p, q], [corners[k], corners[(k + 1) % 3]], along)).fold(0.0, f32::max);
+        if !(way > 0.0 && way <= self.farthest.min(STEEPEST * p.distance(q))) {
+            return false;
+        }
+        for v in edge {
+            self.seen[v as usize][side] = Seen { stamp: self.stamp, way, along };
+            self.behind[side].push(v);
+            self.meets[side].push(face);
+            self.cost += way * way * view.surface.areas[v as usize];
+        }
+        true
     }
 
     /// Way that a particle of a side has to go [m].
@@ -192,6 +212,16 @@ impl Probe {
         }
         true
     }
+}
+
+/// How far an edge has to go along a unit direction until it meets another, if it does [m].
+fn pass([p, q]: [Vec3; 2], [r, s]: [Vec3; 2], along: Vec3) -> Option<f32> {
+    let (u, v, w) = (q - p, s - r, r - p);
+    let across = u.cross(v);
+    let slope = along.dot(across);
+    let (x, y) = (w.dot(v.cross(along)) / slope, w.dot(u.cross(along)) / slope);
+    let meets = |x: f32| (0.0..=1.0).contains(&x);
+    (slope.abs() > GRAZING * across.length() && meets(x) && meets(y)).then(|| w.dot(across) / slope)
 }
 
 /// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go [m], and the face.
