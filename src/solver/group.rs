@@ -84,7 +84,9 @@ pub struct Group {
     verdicts: Vec<Verdict>,
     total: Verdict,
     iterations: u32,
+    /// Whether something moved since it was gathered, and since the last look.
     moved: bool,
+    stale: bool,
     finder: Finder,
     contacts: Contacts,
     substep: Vec<f32>,
@@ -357,17 +359,20 @@ impl Group {
     pub fn detect(&mut self) -> Verdict {
         self.moved = false;
         self.iterations = 0;
-        if self.touch.len() == self.surface.parts.len() && self.takes_part.contains(&true) {
-            self.look_and_find();
-        } else {
+        if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
             self.contacts.clear();
             self.contacts.rest();
+            self.look();
+        } else if self.total.is_clean() {
+            self.look_and_find();
+        } else {
+            // Still tangled, most likely: what may touch is found when nothing moves any more.
             self.look();
         }
         self.total
     }
 
-    /// Looks for crossings and, at the same pairs of faces, for what may touch.
+    /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
         let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
         let moment = Moment { positions, previous, substep, touch };
@@ -377,6 +382,7 @@ impl Group {
         let crossings = untangler.detector.detect_and(surface, positions, Some(finder.ahead()), Finder::reach(&moment), ask);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
+        self.stale = false;
         self.sum_up();
     }
 
@@ -393,6 +399,7 @@ impl Group {
             // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
             let moved = resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
             self.moved |= moved;
+            self.stale |= moved;
             if self.total.is_clean() && (!moved || settings.resolve.method == Method::History) {
                 break;
             }
@@ -441,7 +448,7 @@ impl Group {
             if by != Vec3::ZERO && by.is_finite() && self.positions[i].w > 0.0 {
                 self.positions[i] += by.extend(0.0);
                 self.previous[i] += by.extend(0.0);
-                self.moved = true;
+                (self.moved, self.stale) = (true, true);
             }
         }
     }
@@ -489,7 +496,7 @@ impl Group {
 
     /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
     pub fn evaluate(&mut self) -> Verdict {
-        if self.moved {
+        if self.stale {
             self.look();
         }
         if !self.total.is_clean() {
@@ -501,6 +508,7 @@ impl Group {
     }
 
     fn look(&mut self) {
+        self.stale = false;
         self.total = self.untangler.look(&self.surface, &self.positions);
         self.sum_up();
     }

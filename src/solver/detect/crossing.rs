@@ -76,7 +76,8 @@ impl Detector {
         self.detect_and(surface, positions, None, 0.0, |_, _| {})
     }
 
-    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes, widened to where particles are `ahead` [m], come within `margin` [m].
+    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes, widened to where particles are `ahead` [m], come within `margin` [m];
+    /// no more once something is known to cross.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
@@ -109,7 +110,9 @@ impl Detector {
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
         tree.pairs(surface, margin, |f, g| {
-            also(f, g);
+            if crossings.is_empty() {
+                also(f, g);
+            }
             if fixed {
                 let still = |face: u32| kinematic[usize::from(surface.part_of_face(face))];
                 if still(f) && still(g) {
