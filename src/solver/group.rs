@@ -392,6 +392,15 @@ impl Group {
             self.take_back();
         }
         for i in 0..settings.iterations {
+            let Untangler { detector, resolver } = &mut self.untangler;
+            if i > 0 && resolver.carry_on(&mut self.positions, &mut self.previous) {
+                (self.moved, self.stale) = (true, true);
+                self.iterations += 1;
+                if settings.relaxations > 0 {
+                    self.relax(settings.relaxations, &mut relax);
+                }
+                continue;
+            }
             if i > 0 {
                 self.look();
             }

@@ -215,6 +215,17 @@ impl Resolver {
         true
     }
 
+    /// One more iteration without a look, if plans take care of every contour analysed last; whether they do.
+    pub fn carry_on(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        let planned = |l: &latch::Latch| l.strategy == Strategy::Separate && self.plans.is_live(l.plan);
+        if self.layers.any() || self.latches.now.is_empty() || !self.latches.now.iter().all(planned) {
+            return false;
+        }
+        self.plans.advance(&mut self.shift);
+        self.shift.apply(positions, previous);
+        true
+    }
+
     /// Does to a contour what was decided.
     fn undo(&mut self, view: View<'_>, previous: &[Vec4], contour: usize, step: f32, settings: &ResolveSettings) {
         if self.is_ordered(view, contour) {
