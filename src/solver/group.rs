@@ -392,21 +392,13 @@ impl Group {
             self.take_back();
         }
         for i in 0..settings.iterations {
-            let Untangler { detector, resolver } = &mut self.untangler;
-            if i > 0 && resolver.carry_on(&mut self.positions, &mut self.previous) {
-                (self.moved, self.stale) = (true, true);
-                self.iterations += 1;
-                if settings.relaxations > 0 {
-                    self.relax(settings.relaxations, &mut relax);
-                }
-                continue;
-            }
-            if i > 0 {
+            let underway = i > 0 && self.untangler.resolver.carry_on(&mut self.positions, &mut self.previous);
+            if i > 0 && !underway {
                 self.look();
             }
-            let Untangler { detector, resolver } = &mut self.untangler;
+            let Self { surface, untangler: Untangler { detector, resolver }, positions, previous, .. } = self;
             // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
-            let moved = resolver.advance(&self.surface, detector, &mut self.positions, &mut self.previous, &settings.resolve);
+            let moved = underway || resolver.advance(surface, detector, positions, previous, &settings.resolve);
             self.moved |= moved;
             self.stale |= moved;
             if self.total.is_clean() && (!moved || settings.resolve.method == Method::History) {

@@ -65,6 +65,8 @@ pub struct Contour {
     pub length: f32,
     /// Mean of its crossings [m].
     pub centre: Vec3,
+    /// Mean length at rest of the edges that cross [m].
+    pub edge: f32,
 }
 
 /// No link: the edge has no face there, or the segment cannot be followed.
@@ -120,7 +122,7 @@ impl ContourGraph {
         self.join_at_loops();
         self.group();
         self.classify();
-        self.measure(points, at);
+        self.measure(surface, crossings, points, at);
     }
 
     /// The crossings of a contour.
@@ -376,13 +378,15 @@ impl ContourGraph {
         }
     }
 
-    fn measure(&mut self, points: &[Vec3], at: impl Fn(u32) -> Vec3) {
+    fn measure(&mut self, surface: &Surface, crossings: &[Crossing], points: &[Vec3], at: impl Fn(u32) -> Vec3) {
         for k in 0..self.contours.len() {
             let c = self.contours[k];
-            let (mut length, mut sum) = (0.0, Vec3::ZERO);
+            let (mut length, mut sum, mut edges) = (0.0, Vec3::ZERO, 0.0);
             for &i in &self.nodes[c.first as usize..(c.first + c.count) as usize] {
                 let p = points[i as usize];
                 sum += p;
+                let [a, b] = surface.topology.edges[crossings[i as usize].edge as usize].map(|v| surface.rest[v as usize]);
+                edges += a.distance(b);
                 for (&link, &vertex) in self.links[i as usize].iter().zip(&self.loop_vertex[i as usize]) {
                     if link == LOOP {
                         length += p.distance(at(vertex));
@@ -393,6 +397,7 @@ impl ContourGraph {
             }
             self.contours[k].length = length;
             self.contours[k].centre = sum / c.count.max(1) as f32;
+            self.contours[k].edge = edges / c.count.max(1) as f32;
         }
     }
 }

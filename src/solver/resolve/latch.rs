@@ -96,6 +96,8 @@ impl Latch {
 
 /// Growth of the step per iteration in one direction.
 const GROWTH: f32 = 1.15;
+/// How far a contour can have gone when it is recognized by its centre alone, in edges.
+const REACH: f32 = 2.0;
 /// How much of the former direction a shrinking contour keeps. Without it, contours that leave sideways over a border swing from side
 /// to side for ever.
 pub const INERTIA: f32 = 0.8;
@@ -119,8 +121,8 @@ impl Latches {
         self.keys.clear();
     }
 
-    /// Carries memories over to the contours found now. `fresh` decides for a contour that is new; `reach` [m] bounds matching by centre.
-    pub fn carry(&mut self, crossings: &[Crossing], graph: &ContourGraph, reach: f32, fresh: impl Fn(usize) -> Strategy) {
+    /// Carries memories over to the contours found now. `fresh` decides for a contour that is new.
+    pub fn carry(&mut self, crossings: &[Crossing], graph: &ContourGraph, fresh: impl Fn(usize) -> Strategy) {
         core::mem::swap(&mut self.now, &mut self.before);
         self.vote(crossings, graph);
         self.now.clear();
@@ -136,7 +138,7 @@ impl Latches {
                     best = (sum, old, same);
                 }
             }
-            let mut old = self.before.get(best.1 as usize).copied().or_else(|| self.nearest(contour, reach));
+            let mut old = self.before.get(best.1 as usize).copied().or_else(|| self.nearest(contour));
             if let Some(old) = &mut old
                 && 2 * best.2 < best.0
             {
@@ -178,7 +180,8 @@ impl Latches {
         self.votes.sort_unstable();
     }
 
-    fn nearest(&self, contour: &Contour, reach: f32) -> Option<Latch> {
+    fn nearest(&self, contour: &Contour) -> Option<Latch> {
+        let reach = REACH * contour.edge;
         let distance = |l: &Latch| l.centre.distance_squared(contour.centre);
         let best = self.before.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         (distance(best) < reach * reach).then_some(*best)

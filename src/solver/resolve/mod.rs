@@ -10,10 +10,10 @@
 //!
 //! | end type | first | when that makes no progress |
 //! |---|---|---|
-//! | BBII, BIBI, long LL | separate | push (BIBI: shrink), then in turn |
+//! | BBII, BIBI, Closed, long LL | separate | push (BIBI, Closed: shrink), then in turn |
 //! | short LL | peel | shrink, peel, ... |
 //! | Cross | push | shrink, push, ..., peel |
-//! | Closed, Eight, BLI, unknown | shrink | push, shrink, ..., peel |
+//! | Eight, BLI, unknown | shrink | push, shrink, ..., peel |
 //! | any, between two layers of clothing | into their order | |
 
 pub mod contour;
@@ -200,7 +200,7 @@ impl Resolver {
             self.order(view, settings.pace * settings.step * surface.mean_edge);
         }
         for k in 0..self.graph.contours.len() {
-            let step = settings.step * self.mean_edge(view, k);
+            let step = settings.step * self.graph.contours[k].edge;
             match settings.method {
                 Method::History => {}
                 Method::LocalGradient => self.shrink_each(view, k, step),
@@ -256,7 +256,7 @@ impl Resolver {
             return true;
         }
         let latch = &mut self.latches.now[contour];
-        latch.turn_to(if latch.kind == ContourKind::Bibi { Strategy::Shrink } else { Strategy::Push });
+        latch.turn_to(if matches!(latch.kind, ContourKind::Bibi | ContourKind::Closed) { Strategy::Shrink } else { Strategy::Push });
         false
     }
 
@@ -264,10 +264,10 @@ impl Resolver {
     fn choose(&mut self, view: View<'_>, settings: &ResolveSettings) {
         let by_type = settings.method == Method::ByEndType;
         let graph = &self.graph;
-        self.latches.carry(view.crossings, graph, 2.0 * view.surface.mean_edge, |k| match graph.contours[k].kind {
+        self.latches.carry(view.crossings, graph, |k| match graph.contours[k].kind {
             // Around the loop vertex of a cross both sides are one.
             ContourKind::Cross if by_type => Strategy::Push,
-            ContourKind::Bbii | ContourKind::Bibi if by_type => Strategy::Separate,
+            ContourKind::Bbii | ContourKind::Bibi | ContourKind::Closed if by_type => Strategy::Separate,
             ContourKind::Ll if by_type && graph.contours[k].count >= LONG => Strategy::Separate,
             ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
@@ -280,9 +280,10 @@ impl Resolver {
             });
             latch.resort = self.resort;
         }
-        for latch in self.latches.now.iter_mut().filter(|l| by_type && l.strategy != Strategy::Separate) {
+        let latches = self.latches.now.iter_mut().zip(&graph.contours);
+        for (latch, contour) in latches.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
             // A region needs a while to gather pace, the longer the more edges it hangs on.
-            let edges = if latch.strategy == Strategy::Push { latch.longest / view.surface.mean_edge } else { 0.0 };
+            let edges = if latch.strategy == Strategy::Push { latch.longest / contour.edge } else { 0.0 };
             if latch.stale > (settings.patience + edges as u32 / 4) << latch.turns.min(4) {
                 let pushable =
                     matches!(latch.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
@@ -304,20 +305,6 @@ impl Resolver {
         for &(v, by) in &self.pushes {
             self.shift.add(v, by, step * surface.mean_edge);
         }
-    }
-
-    /// Mean rest length [m] of the edges of a contour.
-    fn mean_edge(&self, view: View<'_>, contour: usize) -> f32 {
-        let View { surface, crossings, .. } = view;
-        let nodes = self.graph.nodes_of(contour);
-        let sum: f32 = nodes
-            .iter()
-            .map(|&i| {
-                let [a, b] = surface.topology.edges[crossings[i as usize].edge as usize].map(|v| v as usize);
-                surface.rest[a].distance(surface.rest[b])
-            })
-            .sum();
-        sum / nodes.len().max(1) as f32
     }
 }
 

@@ -59,7 +59,7 @@ impl Resolver {
                 shift.add(v, share[1 - side] * w * t.s.as_vec3() * step, share[1 - side] * step);
             }
         }
-        let rings = (settings.spread * graph.contours[contour].length / view.surface.mean_edge).min(MOST_RINGS) as usize;
+        let rings = (settings.spread * graph.contours[contour].length / graph.contours[contour].edge).min(MOST_RINGS) as usize;
         patch.grow(view.surface, rings);
         for (side, share) in share.into_iter().enumerate() {
             let ends = &patch.ring_end[side];

@@ -82,7 +82,7 @@ impl Plans {
         *last = last.wrapping_add(1).max(1);
         plan.number = *last;
         plan.moves.clear();
-        let room = ROOM * view.surface.mean_edge + thickness(view, probe);
+        let room = ROOM * probe.edge + thickness(view, probe);
         share_ways(view, probe);
         (0..2).for_each(|side| follow(view, probe, side, room, farthest));
         let share = shares([0, 1].map(|s: usize| load(view.positions, probe.behind[s].iter().copied())));

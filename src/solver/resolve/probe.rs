@@ -75,6 +75,8 @@ pub(super) struct Probe {
     pub meets: [Vec<u32>; 2],
     /// Smallest cosine between the direction and the normals of what is met.
     facing: f32,
+    /// Mean length at rest of the edges that cross [m].
+    pub edge: f32,
     /// Longest way that is meant [m]: what is farther through than the contour is long is something else.
     farthest: f32,
     /// Share of the crossings of the contours that the ways undo.
@@ -103,9 +105,13 @@ impl Probe {
         most: f32,
     ) {
         (self.facing, self.undone) = (facing, 0.0);
-        let length: f32 = set.iter().map(|m| graph.contours[m.contour].length).sum();
+        let contours = || set.iter().map(|m| &graph.contours[m.contour]);
+        let count: u32 = contours().map(|c| c.count).sum();
+        let edges: f32 = contours().map(|c| c.edge * c.count as f32).sum();
+        self.edge = if count > 0 { edges / count as f32 } else { view.surface.mean_edge };
+        let length: f32 = contours().map(|c| c.length).sum();
         let strays_reach = strays.iter().map(|s| s.near).fold(0.0, f32::max);
-        self.farthest = strays_reach.max(length + ABOUT * view.surface.mean_edge);
+        self.farthest = strays_reach.max(length + ABOUT * self.edge);
         self.seen.resize(view.surface.len(), [Seen::default(); 2]);
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {

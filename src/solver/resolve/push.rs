@@ -30,7 +30,7 @@ impl Resolver {
         c.loops.into_iter().for_each(|v| self.flood.cut_at(v));
         if c.kind == ContourKind::Bibi {
             let end = c.border_ends.into_iter().find(|&n| n != NONE && self.graph.side[n as usize] != side)?;
-            let most = (PROLONG * c.length / view.surface.mean_edge) as usize + 2;
+            let most = (PROLONG * c.length / c.edge) as usize + 2;
             self.flood.prolong(view.surface, view.crossings[end as usize].face, most)?;
         }
         Some(())
@@ -94,7 +94,7 @@ impl Resolver {
         let lowest = deepest.map_or(0.0, along);
         let latch = &mut self.latches.now[contour];
         latch.depth = latch.depth.max(c.centre.dot(direction) - lowest);
-        let rings = (SPREAD * latch.depth / view.surface.mean_edge) as usize;
+        let rings = (SPREAD * latch.depth / c.edge) as usize;
         let motion = step * latch.steer(direction, settings.pace, 0.0);
         // The rest of the sheet follows, less and less with every ring, so that the region does not crumple against it.
         let (mine, theirs) = (usize::from(side), usize::from(1 - side));

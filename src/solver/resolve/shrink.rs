@@ -54,8 +54,8 @@ impl Resolver {
             (step, saturate(g, step))
         };
         if exact {
-            let rings =
-                ((settings.spread * self.latches.now[contour].longest / view.surface.mean_edge) as usize).min(MOST_RINGS);
+            let longest = self.latches.now[contour].longest / self.graph.contours[contour].edge;
+            let rings = ((settings.spread * longest) as usize).min(MOST_RINGS);
             self.patch.grow(view.surface, rings);
             for (side, share) in share.into_iter().enumerate() {
                 let along = if side == 0 { d } else { -d };
