@@ -25,6 +25,8 @@ const STEEPEST: f32 = 3.0;
 pub(super) const GRAZING: f32 = 0.01;
 /// Edges by which the way may be longer than the contour.
 const ABOUT: f32 = 4.0;
+/// Edges by which a contour may be longer than it is, in what it can cut off.
+const LONGER: f32 = 2.0;
 /// Faces walked over at most to find a projection.
 const WALK: usize = 64;
 
@@ -53,6 +55,13 @@ pub(super) fn nodes<'a>(graph: &'a ContourGraph, set: &'a [Member]) -> impl Iter
     })
 }
 
+/// Largest area [m²] that belongs to contours of some length [m] in a mesh of such edges [m], where it reaches so far through [m]: a strip as wide
+/// as they are long. What is larger is no flap or dent but a whole sheet that lies close.
+pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
+    let wide = length + LONGER * edge;
+    wide * (wide + depth)
+}
+
 /// What is known of a particle on one side.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
@@ -77,8 +86,13 @@ pub(super) struct Probe {
     facing: f32,
     /// Mean length at rest of the edges that cross [m].
     pub edge: f32,
+    /// Length of the contours [m].
+    length: f32,
     /// Longest way that is meant [m]: what is farther through than the contour is long is something else.
     farthest: f32,
+    /// Area that has a way to go, by side, and the largest that may [m²].
+    area: [f32; 2],
+    largest: f32,
     /// Share of the crossings of the contours that the ways undo.
     pub undone: f32,
     /// Area times squared way [m⁴].
@@ -89,8 +103,11 @@ impl Probe {
     /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost of `most`.
     /// Returns whether the ways undo the contours.
     pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], direction: Vec3, most: f32) -> bool {
-        self.look_from(view, graph, set, &[], direction, GRAZING, most);
-        self.cost <= most && self.undone >= COVERED
+        self.begin(view, graph, set);
+        self.largest = largest_area(self.length, self.edge, self.length + ABOUT * self.edge);
+        self.facing = GRAZING;
+        self.look_along(view, graph, set, &[], direction, most);
+        self.cost <= most && self.undone >= COVERED && self.area.iter().all(|&a| a <= self.largest)
     }
 
     /// The same from strays, too, and only at what faces the direction by a cosine of `facing`.
@@ -104,21 +121,30 @@ impl Probe {
         facing: f32,
         most: f32,
     ) {
-        (self.facing, self.undone) = (facing, 0.0);
+        self.begin(view, graph, set);
+        (self.facing, self.largest) = (facing, f32::INFINITY);
+        self.look_along(view, graph, set, strays, direction, most);
+    }
+
+    /// Measures the contours.
+    fn begin(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member]) {
         let contours = || set.iter().map(|m| &graph.contours[m.contour]);
         let count: u32 = contours().map(|c| c.count).sum();
         let edges: f32 = contours().map(|c| c.edge * c.count as f32).sum();
         self.edge = if count > 0 { edges / count as f32 } else { view.surface.mean_edge };
-        let length: f32 = contours().map(|c| c.length).sum();
+        self.length = contours().map(|c| c.length).sum();
+    }
+
+    fn look_along(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], direction: Vec3, most: f32) {
         let strays_reach = strays.iter().map(|s| s.near).fold(0.0, f32::max);
-        self.farthest = strays_reach.max(length + ABOUT * self.edge);
+        self.farthest = strays_reach.max(self.length + ABOUT * self.edge);
         self.seen.resize(view.surface.len(), [Seen::default(); 2]);
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
             self.seen.fill([Seen::default(); 2]);
             self.stamp = 1;
         }
-        self.cost = 0.0;
+        (self.cost, self.undone, self.area) = (0.0, 0.0, [0.0; 2]);
         for (side, along) in [direction, -direction].into_iter().enumerate() {
             self.behind[side].clear();
             self.meets[side].clear();
@@ -207,7 +233,8 @@ impl Probe {
             self.behind[side].push(v);
             self.meets[side].push(face);
             self.cost += way * way * view.surface.areas[v as usize];
-            if self.cost > most {
+            self.area[side] += view.surface.areas[v as usize];
+            if self.cost > most || self.area[side] > self.largest {
                 return false;
             }
             for &(u, _) in topology.around(v) {

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::contour::ContourKind;
+use super::probe::largest_area;
 use super::region::Region;
 use super::share::{Load, load, shares};
 use super::{ResolveSettings, Resolver, View, latch};
@@ -94,6 +95,9 @@ impl Resolver {
         let lowest = deepest.map_or(0.0, along);
         let latch = &mut self.latches.now[contour];
         latch.depth = latch.depth.max(c.centre.dot(direction) - lowest);
+        if region.area > largest_area(latch.longest, c.edge, latch.depth) {
+            return false;
+        }
         let rings = (SPREAD * latch.depth / c.edge) as usize;
         let motion = step * latch.steer(direction, settings.pace, 0.0);
         // The rest of the sheet follows, less and less with every ring, so that the region does not crumple against it.
