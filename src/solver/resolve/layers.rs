@@ -203,7 +203,7 @@ impl Resolver {
             let (out, one_way) = outward(view, graph, set, of_pair, *turn);
             probe.look_from(view, graph, set, of_pair, out, if one_way { GRAZING } else { AGREE }, f32::INFINITY);
             let undone = set.is_empty() || !one_way || probe.undone >= UNDONE;
-            let plan = if undone && probe.cost > 0.0 { plans.carry_out(view, probe, step) } else { 0 };
+            let plan = if undone && probe.cost > 0.0 { plans.carry_out(view, graph, set, probe, step) } else { 0 };
             pairs.push(Pair { cloths, plan });
         }
     }

@@ -5,7 +5,8 @@ use std::collections::BinaryHeap;
 use glam::Vec3;
 
 use super::View;
-use super::probe::{Probe, Seen};
+use super::contour::ContourGraph;
+use super::probe::{Member, Probe, Seen, nodes};
 use super::share::{load, shares};
 use super::shift::Shift;
 
@@ -15,6 +16,8 @@ const STRAIN: f32 = 0.1;
 const SLOPE: f32 = 0.3;
 /// Room left between the sheets beside their thickness, as a fraction of an edge.
 const ROOM: f32 = 0.5;
+/// Least room, as a fraction of an edge: between sides of one cloth that lie closer at rest, more would push them into the next layer.
+const LEAST_ROOM: f32 = 0.02;
 
 /// A displacement being carried out.
 #[derive(Clone, Debug, Default)]
@@ -71,8 +74,8 @@ impl Plans {
         }
     }
 
-    /// Makes a plan of the ways found last, in steps of at most `step` [m]. Returns its number, never 0.
-    pub fn carry_out(&mut self, view: View<'_>, probe: &mut Probe, step: f32) -> u32 {
+    /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` [m]. Returns its number, never 0.
+    pub fn carry_out(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], probe: &mut Probe, step: f32) -> u32 {
         let Self { list, live, last, farthest } = self;
         if *live == list.len() {
             list.push(Plan::default());
@@ -82,7 +85,7 @@ impl Plans {
         *last = last.wrapping_add(1).max(1);
         plan.number = *last;
         plan.moves.clear();
-        let room = ROOM * probe.edge + thickness(view, probe);
+        let room = (ROOM * probe.edge + thickness(view, probe)).min(apart_at_rest(view, graph, set).max(LEAST_ROOM * probe.edge));
         share_ways(view, probe);
         (0..2).for_each(|side| follow(view, probe, side, room, farthest));
         let share = shares([0, 1].map(|s: usize| load(view.positions, probe.behind[s].iter().copied())));
@@ -103,6 +106,24 @@ impl Plans {
         plan.moves.iter_mut().for_each(|m| m.1 *= each);
         plan.number
     }
+}
+
+/// How far apart the sides of some contours are at rest where they cross [m]; infinitely where they are of two cloths.
+fn apart_at_rest(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
+    let rest = |v: u32| view.surface.rest[v as usize];
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (i, _) in nodes(graph, set) {
+        let c = &view.crossings[i];
+        if view.surface.part_of_edge(c.edge) != view.surface.part_of_face(c.face) {
+            return f32::INFINITY;
+        }
+        let [a, b] = view.surface.topology.edges[c.edge as usize].map(rest);
+        let corners = view.surface.topology.faces[c.face as usize].map(rest);
+        let on_face: Vec3 = corners.into_iter().zip(c.weights).map(|(x, w)| x * w).sum();
+        sum += a.lerp(b, c.t).distance(on_face);
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { f32::INFINITY }
 }
 
 /// Largest thickness of the two sides [m].

@@ -90,7 +90,7 @@ impl Resolver {
         let Some(direction) = best else { return false };
         look(direction, f32::INFINITY);
         let cost = probe.cost;
-        let plan = plans.carry_out(view, probe, step);
+        let plan = plans.carry_out(view, graph, set, probe, step);
         for member in set {
             let latch = &mut latches.now[member.contour];
             if latch.strategy != Strategy::Separate {
