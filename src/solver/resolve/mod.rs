@@ -256,7 +256,11 @@ impl Resolver {
             return true;
         }
         let latch = &mut self.latches.now[contour];
-        latch.turn_to(if matches!(latch.kind, ContourKind::Bibi | ContourKind::Closed) { Strategy::Shrink } else { Strategy::Push });
+        latch.turn_to(if matches!(latch.kind, ContourKind::Bibi | ContourKind::Closed) {
+            Strategy::Shrink
+        } else {
+            Strategy::Push
+        });
         false
     }
 

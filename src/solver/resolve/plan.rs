@@ -85,7 +85,8 @@ impl Plans {
         *last = last.wrapping_add(1).max(1);
         plan.number = *last;
         plan.moves.clear();
-        let room = (ROOM * probe.edge + thickness(view, probe)).min(apart_at_rest(view, graph, set).max(LEAST_ROOM * probe.edge));
+        let room =
+            (ROOM * probe.edge + thickness(view, probe)).min(apart_at_rest(view, graph, set).max(LEAST_ROOM * probe.edge));
         share_ways(view, probe);
         (0..2).for_each(|side| follow(view, probe, side, room, farthest));
         let share = shares([0, 1].map(|s: usize| load(view.positions, probe.behind[s].iter().copied())));

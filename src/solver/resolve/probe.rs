@@ -135,7 +135,15 @@ impl Probe {
         self.length = contours().map(|c| c.length).sum();
     }
 
-    fn look_along(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], direction: Vec3, most: f32) {
+    fn look_along(
+        &mut self,
+        view: View<'_>,
+        graph: &ContourGraph,
+        set: &[Member],
+        strays: &[Stray],
+        direction: Vec3,
+        most: f32,
+    ) {
         let strays_reach = strays.iter().map(|s| s.near).fold(0.0, f32::max);
         self.farthest = strays_reach.max(self.length + ABOUT * self.edge);
         self.seen.resize(view.surface.len(), [Seen::default(); 2]);
