@@ -27,7 +27,7 @@ const WIND: Vec3 = Vec3::new(5.0, 0.0, 1.5);
 
 fn main() -> AppExit {
     Stage::new("inspector")
-        .camera(OrbitCamera::around(Vec3::new(0.75, 1.05, 0.0), 6.4).from(0.1, 0.2))
+        .camera(OrbitCamera::around(Vec3::new(1.3, 1.05, 0.0), 6.6).from(0.1, 0.2))
         .hint("click: pick a cloth   I: panel")
         .report(report)
         .build()
@@ -123,7 +123,7 @@ fn sheets(
         Name::new("stretched sheet"),
         Mesh3d(meshes.add(flat)),
         MeshMaterial3d(cream),
-        Transform::from_xyz(0.75, STRETCHED, 0.4),
+        Transform::from_xyz(0.55, STRETCHED, -0.2),
         (Cloth, through.clone()),
         ClothPins::where_position(|p| p.x.abs() > 0.449 && p.z.abs() > 0.449),
     ));
@@ -132,7 +132,7 @@ fn sheets(
         Name::new("driven sheet"),
         Mesh3d(meshes.add(hanging)),
         MeshMaterial3d(blue),
-        Transform::from_xyz(0.78, top(0.0), 0.42).with_rotation(Quat::from_rotation_y(0.35)),
+        Transform::from_xyz(0.58, top(0.0), -0.18).with_rotation(Quat::from_rotation_y(0.35)),
         (Cloth, through),
         ClothPins::where_position(|p| p.y > 0.349),
     ));

@@ -49,8 +49,11 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
     compare::files(ui, state, &mut edit);
     ui.separator();
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
-        section(ui, "Curves", true, |ui| plots::show(ui, &state.history, &mut state.curves));
         for part in Part::ALL {
+            // What is tuned most is next to what it does.
+            if part == Part::Solver {
+                section(ui, "Curves", true, |ui| plots::show(ui, &state.history, &mut state.curves));
+            }
             section(ui, part.heading(), part == Part::Material, |ui| match part {
                 Part::Pins => {
                     let report = world.get::<ClothReport>(cloth).cloned().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! The last ten seconds of one cloth as curves, and a strip that shows which frames were held and why.
 
-use bevy_egui::egui::{Color32, Rect, Sense, Ui, pos2, vec2};
-use egui_plot::{FilledArea, Legend, Line, Plot, PlotPoint, PlotPoints, PlotUi};
+use bevy_egui::egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
+use egui_plot::{FilledArea, Line, Plot, PlotPoint, PlotPoints, PlotUi};
 
 use super::history::{History, SPAN, STAGES, Sample, Verdict};
 
@@ -42,21 +42,28 @@ pub(super) fn show(ui: &mut Ui, history: &History, curves: &mut Curves) {
         ui.weak("nothing was simulated yet");
         return;
     };
-    ui.label("Stages [ms]");
+    heading(ui, "Stages [ms]", &core::array::from_fn::<_, 5, _>(|i| (STAGES[i], COLORS[i])));
     stages(ui, history, curves, now);
-    ui.label("Crossings");
-    let red = COLORS[2];
-    line(ui, "crossings", history, curves, now, &[("edges that cross faces", red, &|s| f64::from(s.crossings))]);
-    ui.label("Contour length [m]");
-    line(ui, "contours", history, curves, now, &[("length of all contours", COLORS[4], &|s| f64::from(s.contour_length))]);
-    ui.label("Frames held");
+    line(ui, "Crossings", history, curves, now, &[("edges that cross faces", COLORS[2], &|s| f64::from(s.crossings))]);
+    line(ui, "Contour length [m]", history, curves, now, &[("all contours", COLORS[4], &|s| f64::from(s.contour_length))]);
+    let shown = [Verdict::Clean, Verdict::Held, Verdict::Fading, Verdict::Spent].map(color);
+    let names = ["clean", "held", "fading", "crossing is shown"];
+    heading(ui, "Frames", &core::array::from_fn::<_, 4, _>(|i| (names[i], shown[i])));
     strip(ui, history, now);
-    ui.label("Stretch [%]");
     let percent = |ratio: f32| 100.0 * f64::from((ratio - 1.0).max(-1.0));
     let worst: (&str, Color32, Of<'_>) = ("worst edge", COLORS[1], &|s| percent(s.worst_edge));
-    line(ui, "stretch", history, curves, now, &[worst, ("mean edge", COLORS[0], &|s| percent(s.mean_edge))]);
-    ui.label("Kinetic energy [J]");
-    line(ui, "energy", history, curves, now, &[("kinetic energy", COLORS[3], &|s| f64::from(s.kinetic))]);
+    line(ui, "Stretch [%]", history, curves, now, &[worst, ("mean edge", COLORS[0], &|s| percent(s.mean_edge))]);
+    line(ui, "Kinetic energy [J]", history, curves, now, &[("free particles", COLORS[3], &|s| f64::from(s.kinetic))]);
+}
+
+/// What is drawn below, and in which colours.
+fn heading(ui: &mut Ui, name: &str, colors: &[(&str, Color32)]) {
+    ui.horizontal(|ui| {
+        ui.label(name);
+        for (name, color) in colors {
+            ui.label(RichText::new(*name).small().color(*color));
+        }
+    });
 }
 
 type Of<'a> = &'a dyn Fn(&Sample) -> f64;
@@ -78,6 +85,7 @@ fn plot<'a>(name: &'static str) -> Plot<'a> {
 }
 
 fn line(ui: &mut Ui, name: &'static str, history: &History, curves: &mut Curves, now: f64, lines: &[(&str, Color32, Of<'_>)]) {
+    heading(ui, name, &lines.iter().map(|(name, color, _)| (*name, *color)).collect::<Vec<_>>());
     // All curves in one buffer, cut by lines.
     curves.points.clear();
     for (_, _, of) in lines {
@@ -85,9 +93,7 @@ fn line(ui: &mut Ui, name: &'static str, history: &History, curves: &mut Curves,
     }
     let each = (curves.points.len() / lines.len().max(1)).max(1);
     let points = &curves.points;
-    let legend = lines.len() > 1;
-    let plot = if legend { plot(name).legend(Legend::default().background_alpha(0.4)) } else { plot(name) };
-    plot.show(ui, |ui: &mut PlotUi<'_>| {
+    plot(name).show(ui, |ui: &mut PlotUi<'_>| {
         for ((label, color, _), points) in lines.iter().zip(points.chunks(each)) {
             ui.line(Line::new(*label, PlotPoints::Borrowed(points)).color(*color).width(1.2));
         }
@@ -100,7 +106,7 @@ fn stages(ui: &mut Ui, history: &History, curves: &mut Curves, now: f64) {
     time.extend(history.samples().map(|s| s.time - now));
     above.clear();
     above.resize(time.len(), 0.0);
-    plot("stages").legend(Legend::default().background_alpha(0.4).follow_insertion_order(true)).show(ui, |ui| {
+    plot("stages").show(ui, |ui| {
         for (stage, (name, color)) in STAGES.into_iter().zip(COLORS).enumerate() {
             below.clone_from(above);
             for (sum, sample) in above.iter_mut().zip(history.samples()) {

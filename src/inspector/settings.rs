@@ -60,7 +60,7 @@ impl ClothSettings {
     pub fn write(&self, part: Part, world: &mut World, cloth: Entity) {
         match part {
             Part::Wind => world.insert_resource(self.wind),
-            Part::Gravity => world.insert_resource(self.gravity.clone()),
+            Part::Gravity => world.insert_resource(self.gravity),
             _ => {
                 let Ok(mut entity) = world.get_entity_mut(cloth) else { return };
                 match part {
@@ -85,7 +85,7 @@ impl ClothSettings {
     /// Takes over what belongs to the cloth alone: all but pins and world.
     pub(super) fn take(&mut self, other: &Self) {
         let Self { pins, wind, gravity, .. } = self;
-        *self = Self { pins: core::mem::take(pins), wind: *wind, gravity: gravity.clone(), ..other.clone() };
+        *self = Self { pins: core::mem::take(pins), wind: *wind, gravity: *gravity, ..other.clone() };
     }
 }
 

@@ -11,7 +11,7 @@ use bevy::math::{Mat3, Vec3, Vec4};
 
 /// Slope at which the folded half is tilted (dimensionless).
 const TILT: f32 = 0.5;
-/// How far a cloth is pushed through another, as a fraction of its size.
+/// Depth of the dent with which a cloth is pushed through another, as a fraction of its size.
 const DEPTH: f32 = 0.2;
 /// Width of the dent that is pushed, over its depth: steeper would overstretch edges.
 const WIDTH: f32 = 1.6;
@@ -33,8 +33,10 @@ fn frame(positions: &[Vec4]) -> Frame {
     let strongest = |m: Mat3, start: Vec3| (0..48).fold(start, |v, _| (m * v).normalize_or(start));
     let first = strongest(spread, Vec3::new(0.8, 0.5, 0.33).normalize());
     let rest = spread - outer(first) * first.dot(spread * first);
-    let second = strongest(rest, first.any_orthonormal_vector());
-    let second = (second - first * second.dot(first)).normalize_or(first.any_orthonormal_vector());
+    // Not along one of the others: what is flat has no extent along its normal, and would leave it there.
+    let aside = first.any_orthonormal_vector();
+    let second = strongest(rest, (aside + 0.618 * first.cross(aside)).normalize());
+    let second = (second - first * second.dot(first)).normalize_or(aside);
     Frame { center, axes: [first, second, first.cross(second)] }
 }
 
@@ -74,38 +76,40 @@ pub(super) fn fold(positions: &mut [Vec4]) -> bool {
     true
 }
 
-/// Pushes a cloth through the particles of another, all in one frame: as a whole when nothing holds it, else a dent. False when one of them is empty.
+/// Pushes a cloth through the particles of another, all in one frame, with a dent where they are nearest. What is held stays; a cloth that is free is brought near first.
+/// False when one of them is empty.
 pub(super) fn push(positions: &mut [Vec4], other: &[Vec3]) -> bool {
     let every = |n: usize| n.div_ceil(LOOKED_AT).max(1);
+    let center = frame(positions).center;
+    let size = positions.iter().map(|x| x.truncate().distance(center)).fold(0.0, f32::max);
+    let held = held(positions);
     let mut nearest: Option<(f32, Vec3, Vec3)> = None;
     for x in positions.iter().filter(|x| x.w > 0.0).step_by(every(positions.len())).map(|x| x.truncate()) {
+        // Near, and free to go there.
+        let bonus = size * freedom(x, &held, size);
         for &y in other.iter().step_by(every(other.len())) {
-            let square = x.distance_squared(y);
-            if nearest.is_none_or(|(least, ..)| square < least) {
-                nearest = Some((square, x, y));
+            let cost = x.distance(y) - bonus;
+            if nearest.is_none_or(|(least, ..)| cost < least) {
+                nearest = Some((cost, x, y));
             }
         }
     }
     let Some((_, from, to)) = nearest else { return false };
-    let center = frame(positions).center;
-    let size = positions.iter().map(|x| x.truncate().distance(center)).fold(0.0, f32::max);
     let middle = other.iter().sum::<Vec3>() / other.len().max(1) as f32;
     let ahead = (to - from).normalize_or((middle - center).normalize_or(Vec3::Y));
-    let way = to - from + ahead * DEPTH * size;
-    if !(way.is_finite() && size > 0.0) {
+    let depth = ahead * DEPTH * size;
+    // Half of the dent is on this side of the other cloth, half is beyond.
+    let shift = if held.is_empty() { to - from - 0.5 * depth } else { Vec3::ZERO };
+    let way = to - (from + shift) + if held.is_empty() { 0.5 * depth } else { depth };
+    if !((shift + way).is_finite() && size > 0.0) {
         return false;
     }
-    let held = held(positions);
     let reach = WIDTH * way.length();
     for x in positions.iter_mut().filter(|x| x.w > 0.0) {
         let at = x.truncate();
-        let share = if held.is_empty() {
-            1.0
-        } else {
-            let near = (1.0 - at.distance(from) / reach).max(0.0);
-            near * near * (3.0 - 2.0 * near) * freedom(at, &held, reach)
-        };
-        *x += (way * share).extend(0.0);
+        let near = (1.0 - at.distance(from) / reach).max(0.0);
+        let share = near * near * (3.0 - 2.0 * near) * freedom(at, &held, 0.5 * reach);
+        *x += (shift + way * share).extend(0.0);
     }
     true
 }
