@@ -7,7 +7,7 @@
 //!   └─────────┴─────────┘
 //! ```
 
-use bevy::math::{Mat3, Vec3, Vec4};
+use bevy::math::{Mat3, Quat, Vec3, Vec4};
 
 /// Slope at which the folded half is tilted (dimensionless).
 const TILT: f32 = 0.5;
@@ -15,6 +15,8 @@ const TILT: f32 = 0.5;
 const DEPTH: f32 = 0.2;
 /// Width of the dent that is pushed, over its depth: steeper would overstretch edges.
 const WIDTH: f32 = 1.6;
+/// Distance from what holds a cloth at which it begins to turn as a whole, as a fraction of its size.
+const HINGE: f32 = 0.2;
 /// Particles of each cloth that are looked at to find where they are nearest.
 const LOOKED_AT: usize = 400;
 
@@ -76,7 +78,8 @@ pub(super) fn fold(positions: &mut [Vec4]) -> bool {
     true
 }
 
-/// Pushes a cloth through the particles of another, all in one frame, with a dent where they are nearest. What is held stays; a cloth that is free is brought near first.
+/// Pushes a cloth through the particles of another, all in one frame, where they are nearest: a cloth that is free is brought near and gets a dent, one that is held turns about
+/// what holds it.
 /// False when one of them is empty.
 pub(super) fn push(positions: &mut [Vec4], other: &[Vec3]) -> bool {
     let every = |n: usize| n.div_ceil(LOOKED_AT).max(1);
@@ -105,11 +108,19 @@ pub(super) fn push(positions: &mut [Vec4], other: &[Vec3]) -> bool {
         return false;
     }
     let reach = WIDTH * way.length();
+    let hinge = held.iter().sum::<Vec3>() / held.len().max(1) as f32;
+    let arm = from - hinge;
+    let turn = Quat::from_rotation_arc(arm.normalize_or(Vec3::Y), (arm + way).normalize_or(Vec3::Y));
     for x in positions.iter_mut().filter(|x| x.w > 0.0) {
         let at = x.truncate();
-        let near = (1.0 - at.distance(from) / reach).max(0.0);
-        let share = near * near * (3.0 - 2.0 * near) * freedom(at, &held, 0.5 * reach);
-        *x += (shift + way * share).extend(0.0);
+        let to = if held.is_empty() {
+            let near = (1.0 - at.distance(from) / reach).max(0.0);
+            at + shift + way * (near * near * (3.0 - 2.0 * near))
+        } else {
+            // It turns about what holds it, which stretches it least.
+            at.lerp(hinge + turn * (at - hinge), freedom(at, &held, HINGE * size))
+        };
+        *x = to.extend(x.w);
     }
     true
 }

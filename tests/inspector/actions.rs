@@ -89,7 +89,12 @@ fn a_cloth_is_pushed_through_the_nearest_other_pinned_or_not() {
         panel.click("push through nearest");
         run(panel.app(), 2);
         let crossings = [cloth, near, far].map(|c| report(panel.app(), c).crossings);
-        assert!(crossings[0] > 0 && crossings[1] > 0 && crossings[2] == 0, "{crossings:?} with {} pins", pins.sets.len());
+        assert!(
+            crossings[0] > 0 && crossings[1] > 0 && crossings[2] == 0,
+            "{crossings:?} with {} pins: {:?}",
+            pins.sets.len(),
+            report(panel.app(), cloth)
+        );
         assert_eq!(report(panel.app(), cloth).restores, 0);
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 mod actions;
+mod cost;
 mod files;
 mod live;
 mod numbers;
