@@ -10,7 +10,7 @@ for tool in Xvfb xdotool python3; do
     command -v "$tool" >/dev/null || { echo "inspector_window: skipped, there is no $tool"; exit 0; }
 done
 
-cargo build --example inspector
+cargo build --quiet --example inspector
 program="${CARGO_TARGET_DIR:-target}/debug/examples/inspector"
 
 display=:$((90 + RANDOM % 400))
@@ -24,10 +24,10 @@ sleep 2
 app=$!
 window=$(timeout 120 xdotool search --sync --onlyvisible --name 'bevy_drape: inspector' | head -1)
 # A software driver draws a few frames per second: give it time after every step.
-wait_frames() { sleep "${PAUSE:-4}"; }
+wait_frames() { sleep "${PAUSE:-5}"; }
 xdotool windowmove "$window" 0 0
 xdotool windowsize "$window" 1280 720
-sleep 15
+sleep "${START:-40}"
 # The screen of Xvfb is a file in the format XWD, 32 bits per pixel, blue first.
 shot() {
     python3 - "$screen/Xvfb_screen0" "$out/$1.png" <<'PYTHON'
@@ -50,13 +50,13 @@ PYTHON
 
 shot 1_start
 # The flag, at the upper left.
-xdotool mousemove 300 170; wait_frames
+xdotool mousemove 190 190; wait_frames
 xdotool mousedown 1; wait_frames; xdotool mouseup 1; wait_frames
 shot 2_flag_is_picked
 # The first slider of the material is its density: dragged to the right.
-xdotool mousemove "${SLIDER_X:-1060}" "${SLIDER_Y:-345}"; wait_frames
+xdotool mousemove "${SLIDER_X:-1030}" "${SLIDER_Y:-314}"; wait_frames
 xdotool mousedown 1; wait_frames
-for x in 5 15 25 35; do xdotool mousemove "$((${SLIDER_X:-1060} + x))" "${SLIDER_Y:-345}"; sleep 1; done
+for x in 5 15 25 35; do xdotool mousemove "$((${SLIDER_X:-1030} + x))" "${SLIDER_Y:-314}"; sleep 1; done
 wait_frames; xdotool mouseup 1; wait_frames
 shot 3_density_is_dragged
 sleep 8
