@@ -51,7 +51,7 @@ PYTHON
 shot 1_start
 # The flag, at the upper left.
 xdotool mousemove 190 190; wait_frames
-xdotool mousedown 1; wait_frames; xdotool mouseup 1; wait_frames
+xdotool click 1; wait_frames
 shot 2_flag_is_picked
 # The first slider of the material is its density: dragged to the right.
 xdotool mousemove "${SLIDER_X:-1030}" "${SLIDER_Y:-314}"; wait_frames

@@ -14,8 +14,8 @@ use super::state::{ClothInspector, record};
 
 /// The panel in a window of its own.
 ///
-/// Adds bevy_egui's `EguiPlugin` unless it is there: an app that adds it itself does so before this one. The panel shows on the first camera, as
-/// all of bevy_egui does; mark another one with `PrimaryEguiContext`.
+/// Adds the `EguiPlugin` of `bevy_egui` unless it is there: an app that adds it itself does so before this one. The panel shows on the first camera, as
+/// all of `bevy_egui` does; mark another one with `PrimaryEguiContext`.
 #[derive(Clone, Debug)]
 pub struct ClothInspectorPlugin {
     /// Key that opens and closes the window. Default `I`; none leaves that to [`ClothInspector::open`].
@@ -61,7 +61,7 @@ fn toggle(mut inspector: ResMut<ClothInspector>) {
     inspector.open = !inspector.open;
 }
 
-/// Takes what bevy_egui leaves: motion and wheel that were summed up before egui looked.
+/// Takes what `bevy_egui` leaves: motion and wheel that were summed up before egui looked.
 fn absorb(
     wants: Res<EguiWantsInput>,
     motion: Option<ResMut<AccumulatedMouseMotion>>,

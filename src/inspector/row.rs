@@ -181,7 +181,10 @@ fn reset(ui: &mut Ui, label: &str, show: &dyn Fn(f64) -> String, value: f64, def
     let glyph = RichText::new("⟲").color(if away { ui.visuals().text_color() } else { Color32::TRANSPARENT });
     let response = ui.add_enabled(away, Button::new(glyph).small().frame(away));
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, away, format!("reset {label}")));
-    response.on_hover_ui(|ui| drop(ui.label(format!("back to {}", show(default))))).clicked().then_some(default)
+    let tip = |ui: &mut Ui| {
+        ui.label(format!("back to {}", show(default)));
+    };
+    response.on_hover_ui(tip).clicked().then_some(default)
 }
 
 fn switch(ui: &mut Ui, label: &str, text: &str, tips: [&str; 3], value: f64, default: Option<f64>) -> Option<f64> {
