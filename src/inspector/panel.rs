@@ -136,7 +136,7 @@ fn clock(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
 
 /// How a cloth is called in the list.
 fn name(world: &World, cloth: Entity) -> String {
-    world.get::<Name>(cloth).map_or_else(|| format!("cloth {cloth}"), |name| name.to_string())
+    world.get::<Name>(cloth).map_or_else(|| format!("cloth {cloth}"), ToString::to_string)
 }
 
 /// The list of cloths.

@@ -57,7 +57,7 @@ impl Panel {
 
     /// Opens every section.
     pub fn opened(mut self) -> Self {
-        let headings = bevy_drape::inspector::Part::ALL.map(|part| part.heading());
+        let headings = bevy_drape::inspector::Part::ALL.map(bevy_drape::inspector::Part::heading);
         for heading in headings {
             if heading != "Material" {
                 self.harness.get_by_label(heading).click();
