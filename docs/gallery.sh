@@ -12,6 +12,7 @@ pictures=(
     "drape drape --frames 240 --out"
     "gltf gltf --frames 84 --out"
     "two_sheets two_sheets --side-by-side --frames 150 --out"
+    "inspector inspector --frames 90 --out"
     "tangled tangled --frames 76 --out"
     "units tangled --unit 0 --frames 55 --out"
     "figure_6 paper_tables --largest 30 --runs 5 --figure"

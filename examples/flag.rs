@@ -5,10 +5,12 @@
 //! | key | does |
 //! |---|---|
 //! | up, down | more wind, less wind |
+//! | I | the panel that tunes every setting |
 
 mod stage;
 
 use bevy::prelude::*;
+use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
 use stage::{FabricLook, OrbitCamera, Stage, fabric};
 
@@ -24,10 +26,10 @@ const STEP: f32 = 1.15;
 fn main() -> AppExit {
     Stage::new("flag")
         .camera(OrbitCamera::around(Vec3::new(0.5, 1.7, 0.0), 6.6).from(-0.12, 0.08))
-        .hint("up, down: wind")
+        .hint("up, down: wind   I: panel")
         .report(report)
         .build()
-        .add_plugins(ClothPlugin::default())
+        .add_plugins((ClothPlugin::default(), ClothInspectorPlugin::default()))
         .insert_resource(GlobalWind { turbulence: 0.35, ..GlobalWind::new(WIND) })
         .add_systems(Startup, setup)
         .add_systems(Update, keys)

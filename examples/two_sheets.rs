@@ -10,12 +10,14 @@
 //! | up, down | finer and coarser sheets, 10² to 100² |
 //! | S | one pair that is driven, or the three states side by side |
 //! | R | again |
+//! | I | the panel that tunes every setting |
 //! | space | pauses |
 
 mod stage;
 mod tangles;
 
 use bevy::prelude::*;
+use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
 use clap::Parser;
 use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
@@ -43,10 +45,10 @@ fn main() -> AppExit {
     let arguments = Arguments::parse();
     Stage::from_args("two_sheets", arguments.stage)
         .camera(camera(arguments.side_by_side))
-        .hint("1 to 4: method   up, down: size   S: side by side   R: again")
+        .hint("1 to 4: method   up, down: size   S: side by side   R: again   I: panel")
         .report(report)
         .build()
-        .add_plugins((ClothPlugin::default(), tangles::plugin))
+        .add_plugins((ClothPlugin::default(), ClothInspectorPlugin::default(), tangles::plugin))
         .insert_resource(Choice { beside: arguments.side_by_side, ..default() })
         .add_systems(Startup, sheets)
         .add_systems(Update, (keys, drive, three_states::watch, describe).chain())

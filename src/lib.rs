@@ -6,6 +6,8 @@ pub mod plugin;
 pub mod components;
 #[cfg(feature = "gltf")]
 pub mod gltf;
+#[cfg(feature = "inspector")]
+pub mod inspector;
 mod bind;
 mod groups;
 mod notices;

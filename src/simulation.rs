@@ -17,6 +17,7 @@ use crate::solver::group::{Display, UntangleSettings};
 use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
+use crate::solver::slew::Slew;
 use crate::solver::state::ClothState;
 use crate::solver::step::{Anchors, FrameInput, Scratch, StepReport};
 use crate::solver::wind::Wind;
@@ -173,7 +174,11 @@ impl ClothParticles {
 pub(crate) struct ClothInputs {
     /// Whether to simulate at all.
     pub active: bool,
+    /// Fabric of this frame, on its way to the one that is wanted.
     pub fabric: Fabric,
+    pub slew: Slew,
+    /// Thickness that is wanted [m].
+    pub thickness: f32,
     pub stepping: Stepping,
     pub limits: Limits,
     pub untangle: UntangleSettings,
@@ -216,6 +221,8 @@ impl ClothInputs {
         Self {
             active: true,
             fabric: Fabric::default(),
+            slew: Slew::default(),
+            thickness: Fabric::default().thickness,
             stepping: Stepping::default(),
             limits: Limits::default(),
             untangle: UntangleSettings::default(),

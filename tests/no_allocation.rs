@@ -66,3 +66,16 @@ fn a_warm_step_allocates_nothing() {
         assert_eq!(allocations, 0, "{name}: {allocations} allocations in 120 frames");
     }
 }
+
+#[test]
+fn what_the_panel_records_allocates_nothing_after_the_first_frame() {
+    use bevy_drape::inspector::{History, Sample};
+    let mut history = History::default();
+    history.record(Sample::default());
+    let before = COUNT.with(Cell::get);
+    for frame in 1..3000 {
+        history.record(Sample { time: f64::from(frame) / 144.0, ..Sample::default() });
+    }
+    let allocations = COUNT.with(Cell::get) - before;
+    assert_eq!((allocations, history.samples().count() > 500), (0, true));
+}

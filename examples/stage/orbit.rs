@@ -5,6 +5,7 @@ use bevy::{
     prelude::*,
     window::CursorMoved,
 };
+use bevy_egui::input::EguiWantsInput;
 
 /// Where the camera is, in polar coordinates around what it looks at.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
@@ -51,6 +52,13 @@ impl OrbitCamera {
     pub fn transform(&self) -> Transform {
         let rotation = Quat::from_rotation_y(self.yaw) * Quat::from_rotation_x(-self.pitch);
         Transform::from_translation(self.target + rotation * Vec3::Z * self.distance).with_rotation(rotation)
+    }
+}
+
+/// The pointer is taken while it is over a panel.
+pub fn yield_to_panels(wants: Option<Res<EguiWantsInput>>, mut taken: ResMut<PointerTaken>) {
+    if let Some(wants) = wants {
+        taken.0 = wants.wants_any_pointer_input();
     }
 }
 

@@ -23,7 +23,7 @@ pub fn window(app: &mut App, camera: OrbitCamera, quality: Quality, words: Strin
     stage(app, camera, quality);
     app.init_resource::<PointerTaken>()
         .add_systems(PreStartup, move |mut commands: Commands| hint::spawn(&mut commands, &words))
-        .add_systems(Update, (orbit::turn, hint::pause));
+        .add_systems(Update, ((orbit::yield_to_panels, orbit::turn).chain(), hint::pause));
 }
 
 /// The stage in front of a film.

@@ -5,6 +5,7 @@
 //! Modules stand in the order of the data flow.
 
 pub mod settings;
+pub mod slew;
 pub mod rest;
 pub mod state;
 pub mod body;

@@ -35,8 +35,7 @@ pub(crate) fn group(
         }
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
         let fixed = still || !untangle.enabled;
-        let member =
-            Member { entity, rest: rest.0.clone(), collision: *collision, thickness: inputs.fabric.thickness, fixed, still };
+        let member = Member { entity, rest: rest.0.clone(), collision: *collision, thickness: inputs.thickness, fixed, still };
         let layers = layers.copied().unwrap_or_default();
         scratch.bounds = groups.add(member, inputs, particles, layers, last_box, last);
     }

@@ -81,15 +81,14 @@ pub(crate) fn settings(
         let checked = &mut inputs.checked;
         checked.clear();
         let fabric = material.fabric(checked);
-        if inputs.fabric != fabric {
-            inputs.fabric = fabric;
-            inputs.stale = true;
-        }
+        inputs.time_scale = solver.time_scale(checked);
+        let dt = time.delta_secs() * inputs.time_scale;
+        inputs.stale |= inputs.slew.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
+        inputs.thickness = fabric.thickness;
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);
         inputs.evaluate = skip.settings(checked);
-        inputs.time_scale = solver.time_scale(checked);
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
         pins.checked(checked);

@@ -1,0 +1,47 @@
+//! A panel that tunes every setting of a cloth while it moves (feature `inspector`).
+//!
+//! ```no_run
+//! # use bevy::prelude::*;
+//! # use bevy_drape::prelude::*;
+//! # use bevy_drape::inspector::ClothInspectorPlugin;
+//! App::new().add_plugins((DefaultPlugins, ClothPlugin::default(), ClothInspectorPlugin::default())).run();
+//! ```
+//!
+//! `I` opens and closes it. Pick a cloth in the list or click it in the scene; every setting has its unit, a range, a mark where the default is and a
+//! button that leads back to it; what is typed and makes no sense is refused with the reason. Changes take effect at once and without a jump: the library lets a fabric
+//! go to its new stiffness over a quarter of a second. An app that has windows of its own calls [`cloth_inspector`] in one of them.
+//!
+//! "Copy" hands the text to egui; `bevy_egui` puts it on the clipboard of the system with its feature `manage_clipboard`. It can be read in the panel as well.
+//!
+//! One table of descriptions ([`settings()`]) drives rows, tests and the comparison of A and B.
+
+mod actions;
+mod air;
+mod compare;
+mod entry;
+mod export;
+mod history;
+mod panel;
+mod pick;
+mod pins;
+mod plots;
+mod plugin;
+mod row;
+mod setting;
+mod settings;
+mod state;
+mod table;
+mod tangle;
+
+pub use actions::STEP;
+pub use compare::{differences, load, save};
+pub use entry::{parse, show};
+pub use export::{as_ron, as_rust, from_ron, material_as_rust};
+pub use history::{History, SPAN, STAGES, Sample, Verdict};
+pub use panel::cloth_inspector;
+pub use pick::pick;
+pub use plugin::ClothInspectorPlugin;
+pub use setting::{Field, Kind, Part, Scale, Setting};
+pub use settings::ClothSettings;
+pub use state::ClothInspector;
+pub use table::{settings, settings_of};

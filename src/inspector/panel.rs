@@ -1,0 +1,203 @@
+//! The panel: from the cloth that is picked to its curves, top to bottom.
+
+use bevy::prelude::*;
+use bevy_egui::egui::{CollapsingHeader, ScrollArea, Ui};
+
+use super::actions::Action;
+use super::compare::{self, button};
+use super::row::{self, Row};
+use super::setting::{Part, Scale};
+use super::settings::{ClothSettings, Edit};
+use super::state::ClothInspector;
+use super::table::settings_of;
+use super::{air, pins, plots};
+use crate::components::{Cloth, ClothBuildReport, ClothError, ClothReport, ClothStatus, ClothWind};
+
+/// Draws the panel into a window of the app's own.
+///
+/// ```no_run
+/// # use bevy::prelude::*;
+/// # use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
+/// # use bevy_drape::inspector::cloth_inspector;
+/// fn window(world: &mut World) {
+///     let mut contexts = world.query_filtered::<&mut EguiContext, With<PrimaryEguiContext>>();
+///     let Ok(mut context) = contexts.single_mut(world) else { return };
+///     let context = context.get_mut().clone();
+///     egui::Window::new("Tuning").show(&context, |ui| cloth_inspector(ui, world));
+/// }
+/// ```
+pub fn cloth_inspector(ui: &mut Ui, world: &mut World) {
+    world.init_resource::<ClothInspector>();
+    world.resource_scope(|world, mut state: Mut<ClothInspector>| panel(ui, world, &mut state));
+}
+
+fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
+    clock(ui, world, state);
+    ui.separator();
+    choose(ui, world, state);
+    let Some((cloth, settings)) = state.selected.and_then(|c| Some((c, ClothSettings::read(world, c)?))) else {
+        ui.weak("there is no cloth");
+        return;
+    };
+    status(ui, world, cloth);
+    let mut edit = Edit::new(settings);
+    let mut defaults = ClothSettings::defaults();
+    actions(ui, state, cloth);
+    ui.separator();
+    compare::presets(ui, &mut edit);
+    compare::compare(ui, state, &mut edit);
+    compare::files(ui, state, &mut edit);
+    ui.separator();
+    ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+        for part in Part::ALL {
+            // What is tuned most is next to what it does.
+            if part == Part::Solver {
+                section(ui, "Curves", true, |ui| plots::show(ui, &state.history, &mut state.curves));
+            }
+            section(ui, part.heading(), part == Part::Material, |ui| match part {
+                Part::Pins => {
+                    let report = world.get::<ClothReport>(cloth).cloned().unwrap_or_default();
+                    let build = world.get::<ClothBuildReport>(cloth).cloned().unwrap_or_default();
+                    pins::show(ui, &mut edit, &report, &build);
+                }
+                Part::OwnWind => own_wind(ui, &mut edit, &mut defaults),
+                Part::Wind => {
+                    if let Some(velocity) = air::pad(ui, "wind pad", edit.settings.wind.velocity) {
+                        edit.settings.wind.velocity = velocity;
+                        edit.touch(part);
+                    }
+                    rows(ui, part, &mut edit, &mut defaults);
+                }
+                _ => rows(ui, part, &mut edit, &mut defaults),
+            });
+        }
+    });
+    edit.write(world, cloth);
+}
+
+fn section(ui: &mut Ui, heading: &str, open: bool, show: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(heading).id_salt(("cloth inspector", heading)).default_open(open).show(ui, show);
+}
+
+fn rows(ui: &mut Ui, part: Part, edit: &mut Edit, defaults: &mut ClothSettings) {
+    for setting in settings_of(part) {
+        row::setting(ui, setting, edit, defaults);
+    }
+}
+
+fn own_wind(ui: &mut Ui, edit: &mut Edit, defaults: &mut ClothSettings) {
+    let mut own = edit.settings.own_wind.is_some();
+    if ui
+        .checkbox(&mut own, "a wind of its own")
+        .on_hover_text("In place of the wind in the world; zones still add to it.")
+        .changed()
+    {
+        edit.settings.own_wind = own.then_some(ClothWind(edit.settings.wind));
+        edit.touch(Part::OwnWind);
+    }
+    if let Some(ClothWind(wind)) = &mut edit.settings.own_wind
+        && let Some(velocity) = air::pad(ui, "own wind pad", wind.velocity)
+    {
+        wind.velocity = velocity;
+        edit.touch(Part::OwnWind);
+    }
+    rows(ui, Part::OwnWind, edit, defaults);
+}
+
+/// Stops, steps and slows time.
+fn clock(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
+    let Some(mut clock) = world.get_resource_mut::<Time<Virtual>>() else { return };
+    ui.horizontal(|ui| {
+        let paused = clock.is_paused();
+        let tip = "Stops the clock of the game, or lets it run.";
+        if button(ui, if paused { "▶ run" } else { "⏸ pause" }, if paused { "run" } else { "pause" }, tip) {
+            if paused {
+                clock.unpause();
+            } else {
+                clock.pause();
+            }
+        }
+        let tip = "Stops the clock and lets a sixtieth of a second pass.";
+        if button(ui, "step", "step one frame", tip) {
+            clock.pause();
+            state.actions.push(Action::Step);
+        }
+        if paused {
+            ui.weak("time stands still");
+        }
+    });
+    let tips = ["Pace of the clock of the game.", "Slow motion.", "More than real time: frames need more substeps."];
+    let scale = Scale::real(0.001, 10.0).slider(0.01, 4.0).log();
+    let row = Row { label: "time pace", name: "pace of time", unit: "", scale, default: Some(1.0), tips };
+    if let Some(pace) = row::number(ui, &row, f64::from(clock.relative_speed())) {
+        clock.set_relative_speed(pace as f32);
+    }
+}
+
+/// How a cloth is called in the list.
+fn name(world: &World, cloth: Entity) -> String {
+    world.get::<Name>(cloth).map_or_else(|| format!("cloth {cloth}"), ToString::to_string)
+}
+
+/// The list of cloths.
+fn choose(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
+    let mut query = world.query_filtered::<Entity, With<Cloth>>();
+    let mut cloths: Vec<Entity> = query.iter(world).collect();
+    cloths.sort_unstable();
+    if state.selected.is_none_or(|cloth| !cloths.contains(&cloth)) {
+        state.selected = cloths.first().copied();
+    }
+    let list = ScrollArea::vertical().max_height(84.0).id_salt("cloth inspector list");
+    list.show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label("Cloth").on_hover_text("Or click it in the scene.");
+            for &cloth in &cloths {
+                if ui.selectable_label(state.selected == Some(cloth), name(world, cloth)).clicked() {
+                    state.selected = Some(cloth);
+                }
+            }
+        });
+    });
+}
+
+/// Whether it is simulated, why not, and what of its settings is not used as given.
+fn status(ui: &mut Ui, world: &World, cloth: Entity) {
+    let error = world.get::<ClothError>(cloth);
+    match (world.get::<ClothStatus>(cloth), error) {
+        (_, Some(error)) => ui.colored_label(ui.visuals().error_fg_color, error.to_string()),
+        (Some(ClothStatus::Waiting(what)), None) => ui.colored_label(ui.visuals().warn_fg_color, format!("waits for {what:?}")),
+        _ => {
+            let (Some(report), Some(build)) = (world.get::<ClothReport>(cloth), world.get::<ClothBuildReport>(cloth)) else {
+                return;
+            };
+            ui.weak(format!(
+                "{} particles, {} substeps, {} crossings, worst edge {:+.1} %, {:.2} ms",
+                build.particles,
+                report.substeps,
+                report.crossings,
+                100.0 * (report.worst_edge.max(1.0) - 1.0),
+                report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms
+            ))
+        }
+    };
+    if let Some(report) = world.get::<ClothReport>(cloth).filter(|report| !report.clamped.is_empty()) {
+        let names = format!("out of range and used clamped: {}", report.clamped.join(", "));
+        ui.colored_label(ui.visuals().warn_fg_color, names);
+    }
+}
+
+/// What can be done to the cloth itself.
+fn actions(ui: &mut Ui, state: &mut ClothInspector, cloth: Entity) {
+    ui.horizontal(|ui| {
+        for (text, tip, action) in [
+            ("reset to rest", "Puts it at its pose at rest, without speed.", Action::Reset(cloth)),
+            ("fold through itself", "Tangles it: one half is folded over the other and through it.", Action::Fold(cloth)),
+            ("push through nearest", "Tangles it: it is pushed through the nearest other cloth.", Action::Push(cloth)),
+        ] {
+            if button(ui, text, text, tip) {
+                state.note = None;
+                state.actions.push(action);
+            }
+        }
+    });
+}

@@ -1,0 +1,129 @@
+//! Everything the panel can change, read from the world and written back part by part.
+
+use bevy::prelude::*;
+
+use super::setting::Part;
+use crate::components::{
+    ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSolver, ClothWind, GlobalWind, SkipFrame, Untangle,
+};
+
+/// Everything the panel can change for one cloth.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClothSettings {
+    /// What it is made of.
+    pub material: ClothMaterial,
+    /// How it is simulated.
+    pub solver: ClothSolver,
+    /// What it meets.
+    pub collision: ClothCollision,
+    /// How it is taken apart.
+    pub untangle: Untangle,
+    /// What is shown meanwhile.
+    pub skip: SkipFrame,
+    /// Its own wind; without, that of the world.
+    pub own_wind: Option<ClothWind>,
+    /// Where it is held.
+    pub pins: ClothPins,
+    /// Wind in the world.
+    pub wind: GlobalWind,
+    /// Gravity in the world.
+    pub gravity: ClothGravity,
+}
+
+impl ClothSettings {
+    /// Every setting at its default, those of a wind of its own included.
+    pub(super) fn defaults() -> Self {
+        Self { own_wind: Some(ClothWind::default()), ..Self::default() }
+    }
+
+    /// Reads a cloth; none when the entity is no cloth. What is not on it counts as its default.
+    #[must_use]
+    pub fn read(world: &World, cloth: Entity) -> Option<Self> {
+        fn part<T: Component + Clone + Default>(of: &EntityRef<'_>) -> T {
+            of.get::<T>().cloned().unwrap_or_default()
+        }
+        let entity = world.get_entity(cloth).ok()?;
+        entity.contains::<crate::Cloth>().then(|| Self {
+            material: part(&entity),
+            solver: part(&entity),
+            collision: part(&entity),
+            untangle: part(&entity),
+            skip: part(&entity),
+            own_wind: entity.get::<ClothWind>().copied(),
+            pins: part(&entity),
+            wind: world.get_resource::<GlobalWind>().copied().unwrap_or_default(),
+            gravity: world.get_resource::<ClothGravity>().copied().unwrap_or_default(),
+        })
+    }
+
+    /// Writes one part; nothing else is marked as changed.
+    pub fn write(&self, part: Part, world: &mut World, cloth: Entity) {
+        match part {
+            Part::Wind => world.insert_resource(self.wind),
+            Part::Gravity => world.insert_resource(self.gravity),
+            _ => {
+                let Ok(mut entity) = world.get_entity_mut(cloth) else { return };
+                match part {
+                    Part::Material => put(&mut entity, self.material.clone()),
+                    Part::Solver => put(&mut entity, self.solver.clone()),
+                    Part::Collision => put(&mut entity, self.collision),
+                    Part::Untangle => put(&mut entity, self.untangle),
+                    Part::Skip => put(&mut entity, self.skip),
+                    Part::Pins => put(&mut entity, self.pins.clone()),
+                    Part::OwnWind => match self.own_wind {
+                        Some(wind) => put(&mut entity, wind),
+                        None => {
+                            entity.remove::<ClothWind>();
+                        }
+                    },
+                    Part::Wind | Part::Gravity => {}
+                }
+            }
+        }
+    }
+
+    /// Takes over what belongs to the cloth alone: all but pins and world.
+    pub(super) fn take(&mut self, other: &Self) {
+        let Self { pins, wind, gravity, .. } = self;
+        *self = Self { pins: core::mem::take(pins), wind: *wind, gravity: *gravity, ..other.clone() };
+    }
+}
+
+/// Parts that [`ClothSettings::take`] takes over.
+pub(super) const OWN: [Part; 6] = [Part::Material, Part::Solver, Part::Collision, Part::Untangle, Part::Skip, Part::OwnWind];
+
+fn put<T: Component<Mutability = bevy::ecs::component::Mutable>>(entity: &mut EntityWorldMut<'_>, value: T) {
+    match entity.get_mut::<T>() {
+        Some(mut at) => *at = value,
+        None => {
+            entity.insert(value);
+        }
+    }
+}
+
+/// Settings under the hands of the user, and which parts were changed.
+#[derive(Clone, Debug)]
+pub(super) struct Edit {
+    pub settings: ClothSettings,
+    touched: Vec<Part>,
+}
+
+impl Edit {
+    pub fn new(settings: ClothSettings) -> Self {
+        Self { settings, touched: Vec::new() }
+    }
+
+    /// Marks a part as changed.
+    pub fn touch(&mut self, part: Part) {
+        if !self.touched.contains(&part) {
+            self.touched.push(part);
+        }
+    }
+
+    /// Writes what was changed.
+    pub fn write(&self, world: &mut World, cloth: Entity) {
+        for &part in &self.touched {
+            self.settings.write(part, world, cloth);
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! `ClothCollision`, `Untangle` and `SkipFrame`.
+
+use crate::components::{SkipPolicy, UntangleMethod};
+use crate::inspector::setting::{Kind, Part, Scale, Setting};
+
+pub(super) const COLLISION: [Setting; 3] = [
+    Setting::new(
+        Part::Collision,
+        "self_collision",
+        "",
+        Kind::Switch(|s| Some(&mut s.collision.self_collision)),
+        [
+            "Whether it meets itself: folds on itself and is untangled from itself.",
+            "Off: goes through itself, and costs less.",
+            "On: costs a look at itself in every frame.",
+        ],
+    ),
+    Setting::new(
+        Part::Collision,
+        "contact",
+        "",
+        Kind::Switch(|s| Some(&mut s.collision.contact)),
+        [
+            "Whether it rests on other cloths and on itself, one thickness apart and with friction.",
+            "Off: passes through and is taken apart afterwards.",
+            "On: cloths that touch are stepped side by side, with the substeps of the one that needs most.",
+        ],
+    ),
+    Setting::new(
+        Part::Collision,
+        "layer",
+        "",
+        Kind::Layer(Scale::whole(-1000.0, 1000.0).slider(-5.0, 5.0), |s| Some(&mut s.collision.layer)),
+        [
+            "Order of clothing: of two that cross, the higher is brought outside; equal ones have no order.",
+            "Underwear.",
+            "A coat; only the order matters, not the number.",
+        ],
+    ),
+];
+
+pub(super) const UNTANGLE: [Setting; 9] = [
+    Setting::new(
+        Part::Untangle,
+        "enabled",
+        "",
+        Kind::Switch(|s| Some(&mut s.untangle.enabled)),
+        [
+            "Whether it is moved to come apart.",
+            "Off: left as it is, and others get off it.",
+            "On: costs only while something crosses.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "method",
+        "",
+        Kind::Choice {
+            options: &["History", "LocalGradient", "GlobalGradient", "ByEndType"],
+            get: |s| UntangleMethod::ALL.iter().position(|m| *m == s.untangle.method),
+            set: |s, i| s.untangle.method = UntangleMethod::ALL.get(i).copied().unwrap_or_default(),
+        },
+        [
+            "How crossings are taken apart: by sides remembered (1995), per crossing (2006), per contour (2009), or per contour by how it ends.",
+            "History takes nothing apart that starts tangled; the local gradient stops at straight cuts.",
+            "ByEndType tries another way where one makes no progress.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "iterations",
+        "",
+        Kind::Count(Scale::whole(0.0, 64.0).slider(0.0, 32.0), |s| Some(&mut s.untangle.iterations)),
+        ["Most iterations per frame, while something crosses.", "0 only measures.", "Cost is proportional while tangled."],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "step",
+        "edges",
+        Kind::Number(Scale::real(0.001, 1.0).slider(0.01, 1.0).log(), |s| Some(&mut s.untangle.step)),
+        [
+            "Largest displacement per iteration, as a fraction of the mean edge.",
+            "Slow: tangles are seen for longer.",
+            "Overshoots and folds triangles over.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "pace",
+        "",
+        Kind::Number(Scale::real(1.0, 50.0).slider(1.0, 20.0), |s| Some(&mut s.untangle.pace)),
+        [
+            "Largest growth of the step of a contour that keeps moving one way.",
+            "Deep tangles take long.",
+            "Tears at the edges around a deep tangle.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "spread",
+        "",
+        Kind::Number(Scale::real(0.0, 10.0).slider(0.0, 3.0), |s| Some(&mut s.untangle.spread)),
+        [
+            "How far the motion spreads around a contour, as a fraction of its length.",
+            "Only the particles at the contour move, which the rest of a fine cloth holds back.",
+            "Moves cloth that has nothing to do with the tangle.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "patience",
+        "",
+        Kind::Count(Scale::whole(1.0, 1000.0).slider(1.0, 200.0).log(), |s| Some(&mut s.untangle.patience)),
+        [
+            "Iterations without progress after which something else is tried.",
+            "Gives up ways that would have led out.",
+            "Stays in dead ends.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "relaxations",
+        "",
+        Kind::Count(Scale::whole(0.0, 16.0), |s| Some(&mut s.untangle.relaxations)),
+        ["Sweeps of the springs after each iteration.", "Edges around a tangle tear.", "Slows coming apart."],
+    ),
+    Setting::new(
+        Part::Untangle,
+        "at_load",
+        "",
+        Kind::Switch(|s| Some(&mut s.untangle.at_load)),
+        [
+            "Whether a cloth that is tangled in its first frame is taken apart before it is shown. Matters for cloths still to be bound.",
+            "Off: comes apart before the eyes of the player.",
+            "On: the first frame may take long.",
+        ],
+    ),
+];
+
+const POLICIES: &[&str] = &["Ladder", "UntilClean", "Off"];
+/// Frames that [`SkipPolicy::UntilClean`] starts with in the panel.
+const UNTIL_CLEAN: u32 = 30;
+
+pub(super) const SKIP: [Setting; 5] = [
+    Setting::new(
+        Part::Skip,
+        "policy",
+        "",
+        Kind::Choice {
+            options: POLICIES,
+            get: |s| {
+                Some(match s.skip.policy {
+                    SkipPolicy::Ladder => 0,
+                    SkipPolicy::UntilClean { .. } => 1,
+                    SkipPolicy::Off => 2,
+                })
+            },
+            set: |s, i| {
+                s.skip.policy = match (i, s.skip.policy) {
+                    (0, _) => SkipPolicy::Ladder,
+                    (1, before @ SkipPolicy::UntilClean { .. }) => before,
+                    (1, _) => SkipPolicy::UntilClean { max: UNTIL_CLEAN },
+                    _ => SkipPolicy::Off,
+                }
+            },
+        },
+        [
+            "What is drawn while it is tangled; time is never skipped.",
+            "Off: crossings are seen at once.",
+            "UntilClean: the whole cloth sticks until it is clean.",
+        ],
+    ),
+    Setting::new(
+        Part::Skip,
+        "max",
+        "frames",
+        Kind::Count(Scale::whole(0.0, 10_000.0).slider(1.0, 600.0).log(), |s| match &mut s.skip.policy {
+            SkipPolicy::UntilClean { max } => Some(max),
+            SkipPolicy::Ladder | SkipPolicy::Off => None,
+        }),
+        ["Most frames held in a row until clean.", "Crossings are seen sooner.", "The cloth sticks for as long."],
+    ),
+    Setting::new(
+        Part::Skip,
+        "max_held_frames",
+        "frames",
+        Kind::Count(Scale::whole(0.0, 30.0), |s| Some(&mut s.skip.max_held_frames)),
+        ["Most frames held in a row on the ladder.", "Short tangles are seen.", "The cloth visibly sticks."],
+    ),
+    Setting::new(
+        Part::Skip,
+        "max_held_time",
+        "s",
+        Kind::Number(Scale::real(0.0, 1.0), |s| Some(&mut s.skip.max_held_time)),
+        ["Most time held in any second on the ladder.", "Tangles that come back are seen.", "The cloth visibly sticks."],
+    ),
+    Setting::new(
+        Part::Skip,
+        "fade",
+        "s",
+        Kind::Number(Scale::real(0.0, 10.0).slider(0.0, 1.0), |s| Some(&mut s.skip.fade)),
+        ["Time over which what was held fades into the live shape.", "Snaps.", "Drifts where it should move."],
+    ),
+];

@@ -1,0 +1,156 @@
+//! Time, rest, tangles and picking.
+
+use bevy::prelude::*;
+use bevy_drape::inspector::{ClothInspector, SPAN, STEP, Verdict, pick};
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+use crate::panel::{Panel, app_with_panel};
+
+fn now(panel: &mut Panel) -> f64 {
+    panel.app().world().resource::<Time<Virtual>>().elapsed_secs_f64()
+}
+
+#[test]
+fn time_stops_steps_slows_and_goes_on() {
+    let mut panel = Panel::new();
+    panel.click("pause");
+    let (cloth, start) = (panel.cloth, now(&mut panel));
+    let before = particles(panel.app(), cloth);
+    run(panel.app(), 5);
+    assert_eq!((now(&mut panel), particles(panel.app(), cloth) == before), (start, true), "it went on");
+    panel.click("step one frame");
+    run(panel.app(), 5);
+    let passed = now(&mut panel) - start;
+    assert!((passed - STEP).abs() < 1.0e-6, "{passed} s");
+    assert_ne!(particles(panel.app(), cloth), before, "nothing was simulated");
+    panel.type_into("time pace", "0.25");
+    panel.click("run");
+    let start = now(&mut panel);
+    run(panel.app(), 60);
+    let passed = now(&mut panel) - start;
+    assert!((passed - 0.25).abs() < 0.01, "{passed} s in a second of slow motion");
+}
+
+#[test]
+fn a_cloth_is_put_back_to_rest_without_speed() {
+    let mut panel = Panel::new();
+    let cloth = panel.cloth;
+    let start = particles(panel.app(), cloth);
+    run(panel.app(), 90);
+    let fallen = start.iter().zip(particles(panel.app(), cloth)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+    assert!(fallen > 0.3, "it fell by {fallen} m");
+    panel.click("pause");
+    panel.click("reset to rest");
+    run(panel.app(), 2);
+    let off = positions(panel.app(), cloth).iter().map(|p| p.y.abs()).fold(0.0, f32::max);
+    assert!(off < 1.0e-4, "{off} m from flat");
+    panel.click("run");
+    run(panel.app(), 1);
+    let moved = particles(panel.app(), cloth).iter().map(|p| (p.y - 2.0).abs()).fold(0.0, f32::max);
+    assert!(moved < 0.01, "{moved} m in the first frame");
+}
+
+#[test]
+fn a_cloth_is_tangled_on_purpose_with_itself_and_comes_apart() {
+    let mut app = app_with_panel();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.0, 2.0, 0.0));
+    let other = spawn(&mut app, sheet(8), Transform::from_xyz(9.0, 2.0, 0.0));
+    app.world_mut().entity_mut(cloth).insert(Untangle { iterations: 0, ..default() });
+    run(&mut app, 5);
+    let mut panel = Panel::over(app, cloth, other);
+    panel.click("fold through itself");
+    run(panel.app(), 2);
+    let tangled = report(panel.app(), cloth).clone();
+    assert!(tangled.crossings > 0 && tangled.restores == 0 && tangled.resets == 0, "{tangled:?}");
+    assert_eq!(report(panel.app(), other).crossings, 0);
+    panel.app().world_mut().entity_mut(cloth).insert(Untangle::default());
+    run(panel.app(), 240);
+    let after = report(panel.app(), cloth).clone();
+    assert_eq!(after.crossings, 0, "{} crossings before", tangled.crossings);
+    // The curves have seen it.
+    let history = panel.app().world().resource::<ClothInspector>().history();
+    assert!(history.samples().any(|s| s.crossings > 0 && s.verdict != Verdict::Clean));
+    assert_eq!(history.newest().map(|s| s.verdict), Some(Verdict::Clean));
+}
+
+#[test]
+fn a_cloth_is_pushed_through_the_nearest_other_pinned_or_not() {
+    for pins in [ClothPins::NONE, border()] {
+        let mut app = app_with_panel();
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let idle = Untangle { iterations: 0, ..default() };
+        let cloth = spawn(&mut app, sheet(16), (Transform::from_xyz(0.1, 2.3, 0.05), pins.clone(), idle));
+        let near = spawn(&mut app, sheet(16), (Transform::from_xyz(0.0, 2.0, 0.0), idle));
+        let far = spawn(&mut app, sheet(16), (Transform::from_xyz(0.0, 4.0, 0.0), idle));
+        run(&mut app, 5);
+        let mut panel = Panel::over(app, cloth, near);
+        panel.click("push through nearest");
+        run(panel.app(), 2);
+        let crossings = [cloth, near, far].map(|c| report(panel.app(), c).crossings);
+        assert!(
+            crossings[0] > 0 && crossings[1] > 0 && crossings[2] == 0,
+            "{crossings:?} with {} pins: {:?}",
+            pins.sets.len(),
+            report(panel.app(), cloth)
+        );
+        assert_eq!(report(panel.app(), cloth).restores, 0);
+    }
+}
+
+#[test]
+fn without_another_cloth_the_reason_is_shown() {
+    let mut app = app_with_panel();
+    let cloth = spawn(&mut app, sheet(8), border());
+    run(&mut app, 3);
+    let mut panel = Panel::over(app, cloth, cloth);
+    panel.click("push through nearest");
+    run(panel.app(), 1);
+    panel.steps(2);
+    assert!(panel.shows("there is no other cloth"));
+}
+
+#[test]
+fn a_ray_picks_the_nearer_cloth_that_is_shown() {
+    let mut app = app_with_panel();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let low = spawn(&mut app, sheet(8), Transform::from_xyz(100.0, 1.0, 0.0));
+    let high = spawn(&mut app, sheet(8), Transform::from_xyz(100.0, 2.0, 0.0));
+    run(&mut app, 3);
+    let picked = |app: &mut App, x: f32| pick(app.world_mut(), Ray3d::new(Vec3::new(x, 5.0, 0.1), Dir3::NEG_Y));
+    assert_eq!(picked(&mut app, 100.1).map(|hit| hit.0), Some(high));
+    assert!((picked(&mut app, 100.1).map_or(0.0, |hit| hit.1) - 3.0).abs() < 1.0e-3);
+    assert_eq!(picked(&mut app, 101.0), None, "beside both");
+    app.world_mut().despawn(high);
+    assert_eq!(picked(&mut app, 100.1).map(|hit| hit.0), Some(low));
+}
+
+#[test]
+fn a_cloth_is_chosen_in_the_list_and_replaced_when_it_is_gone() {
+    let mut panel = Panel::new();
+    panel.click("second");
+    let (cloth, other) = (panel.cloth, panel.other);
+    assert_eq!(panel.app().world().resource::<ClothInspector>().selected, Some(other));
+    panel.app().world_mut().despawn(other);
+    panel.steps(2);
+    assert_eq!(panel.app().world().resource::<ClothInspector>().selected, Some(cloth));
+    panel.app().world_mut().despawn(cloth);
+    panel.steps(2);
+    assert!(panel.shows("there is no cloth"));
+}
+
+#[test]
+fn the_curves_are_of_the_chosen_cloth_and_no_longer_than_ten_seconds() {
+    let mut panel = Panel::new();
+    run(panel.app(), 700);
+    panel.steps(1);
+    let history = panel.app().world().resource::<ClothInspector>().history();
+    let times: Vec<f64> = history.samples().map(|s| s.time).collect();
+    let span = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
+    assert!(times.is_sorted() && (0.97 * SPAN..=SPAN).contains(&span), "{} samples over {span} s", times.len());
+    assert!(history.samples().any(|s| s.kinetic > 0.0) && history.samples().all(|s| s.kinetic.is_finite()));
+    panel.click("second");
+    run(panel.app(), 1);
+    assert_eq!(panel.app().world().resource::<ClothInspector>().history().samples().count(), 1);
+}

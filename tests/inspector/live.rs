@@ -1,0 +1,103 @@
+//! Changes take effect at once and never make the cloth jump; without the panel nothing is different.
+
+use bevy::prelude::*;
+use bevy_drape::ClothParticles;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+use crate::panel::app_with_panel;
+
+/// How far a vertex may move in the frame after a change [m].
+const JUMP: f32 = 0.005;
+/// How far it does at most when stiffness goes to its new value step by step; at once it would be 0.9 mm [m].
+const EASED: f32 = 0.0001;
+
+/// A sheet that hangs still.
+fn hanging(material: ClothMaterial) -> (App, Entity) {
+    let mut app = app();
+    let material = ClothMaterial { drag: 4.0, ..material };
+    let cloth = spawn(&mut app, sheet(32), (border(), Transform::from_xyz(0.0, 2.0, 0.0), material));
+    run(&mut app, 600);
+    (app, cloth)
+}
+
+/// Farthest way of a vertex in the first frame after a change, and in any of the next thirty [m].
+fn ways(app: &mut App, cloth: Entity, change: impl FnOnce(&mut ClothMaterial)) -> (f32, f32) {
+    change(&mut app.world_mut().get_mut::<ClothMaterial>(cloth).expect("a cloth"));
+    let mut before = world_positions(app, cloth);
+    let mut frames = Vec::new();
+    for _ in 0..30 {
+        app.update();
+        let after = world_positions(app, cloth);
+        frames.push(before.iter().zip(&after).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max));
+        before = after;
+    }
+    (frames[0], frames.iter().copied().fold(0.0, f32::max))
+}
+
+/// Stretches without a limit, so that nothing but its stiffness holds it.
+fn free(stretch_stiffness: f32) -> ClothMaterial {
+    ClothMaterial { stretch_stiffness, strain_limit: 1.0, tether_scale: f32::INFINITY, ..default() }
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "the figures of the documentation")]
+fn a_hundred_times_stiffer_or_softer_moves_no_vertex_by_more_than_5_mm_in_the_next_frame() {
+    let usual = ClothMaterial::default();
+    let cases = [(usual.clone(), 100.0, EASED), (usual, 0.01, EASED), (free(50.0), 100.0, JUMP), (free(5000.0), 0.01, JUMP)];
+    for (material, factor, bound) in cases {
+        let start = material.stretch_stiffness;
+        let (mut app, cloth) = hanging(material);
+        let (next, most) = ways(&mut app, cloth, |material| {
+            material.stretch_stiffness *= factor;
+            material.shear_stiffness *= factor;
+            material.bend_stiffness *= factor;
+        });
+        println!("{start} N/m times {factor}: {:.3} mm in the next frame, {:.3} mm in any", 1.0e3 * next, 1.0e3 * most);
+        assert!(next < bound, "{} mm in the next frame at {start} N/m times {factor}", 1.0e3 * next);
+    }
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "the figures of the documentation")]
+fn another_fabric_density_or_limit_does_not_make_it_jump_either() {
+    let heavier = |m: &mut ClothMaterial| m.density *= 20.0;
+    let (mut app, cloth) = hanging(ClothMaterial::SILK);
+    let (next, most) = ways(&mut app, cloth, heavier);
+    println!("density times 20: {:.3} mm in the next frame, {:.3} mm in any", 1.0e3 * next, 1.0e3 * most);
+    assert!(next < JUMP, "density: {next} m");
+    for (from, to) in [("silk", "leather"), ("leather", "silk"), ("rubber", "denim"), ("cotton", "rubber")] {
+        let [from_, to_] = [from, to].map(|name| ClothMaterial::preset(name).expect("a preset"));
+        let (mut app, cloth) = hanging(from_);
+        let (next, most) = ways(&mut app, cloth, |material| *material = to_);
+        println!("{from} to {to}: {:.3} mm in the next frame, {:.3} mm in any", 1.0e3 * next, 1.0e3 * most);
+        assert!(next < JUMP, "{from} to {to}: {next} m");
+    }
+}
+
+#[test]
+fn the_new_stiffness_is_reached() {
+    let sag = |change: Option<f32>, start: f32| {
+        let (mut app, cloth) = hanging(free(start));
+        if let Some(stiffness) = change {
+            app.world_mut().get_mut::<ClothMaterial>(cloth).expect("a cloth").stretch_stiffness = stiffness;
+            run(&mut app, 600);
+        }
+        report(&app, cloth).mean_edge
+    };
+    let (soft, stiff) = (sag(None, 50.0), sag(None, 5000.0));
+    let (softened, stiffened) = (sag(Some(50.0), 5000.0), sag(Some(5000.0), 50.0));
+    assert!(soft > stiff + 0.005, "{soft} and {stiff}");
+    assert!((soft - softened).abs() < 2.0e-3 && (stiff - stiffened).abs() < 2.0e-3, "{softened} and {stiffened}");
+}
+
+#[test]
+fn with_the_plugin_and_without_the_cloth_has_the_same_bits() {
+    let bits = |mut app: App| {
+        let cloth = spawn(&mut app, sheet(16), (border(), Transform::from_xyz(0.0, 2.0, 0.0)));
+        app.insert_resource(GlobalWind::new(Vec3::new(3.0, 0.0, 1.0)));
+        run(&mut app, 90);
+        app.world().get::<ClothParticles>(cloth).expect("a bound cloth").state().clone()
+    };
+    assert!(bits(app()) == bits(app_with_panel()), "the panel changed the cloth");
+}

@@ -1,0 +1,12 @@
+//! The panel, driven as a user does: by the names of its widgets. One binary, because linking Bevy is what takes long.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod actions;
+mod cost;
+mod files;
+mod live;
+mod numbers;
+mod panel;
+mod rows;

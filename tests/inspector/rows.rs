@@ -1,0 +1,205 @@
+//! Each setting changes its component and nothing else.
+
+use bevy_drape::inspector::{ClothSettings, Kind, Part, Setting, settings, show};
+use bevy_drape::{ClothWind, SkipPolicy};
+use bevy_egui::egui::accesskit::Role;
+use bevy_egui::egui::vec2;
+use egui_kittest::kittest::Queryable;
+
+use crate::panel::Panel;
+
+/// A panel in which every row exists: with a wind of its own, and a maximum until clean.
+fn with_all_rows() -> Panel {
+    let mut panel = Panel::new();
+    let cloth = panel.cloth;
+    let world = panel.app().world_mut();
+    let mut entity = world.entity_mut(cloth);
+    entity.insert(ClothWind::default());
+    entity.get_mut::<bevy_drape::SkipFrame>().expect("a cloth").policy = SkipPolicy::UntilClean { max: 3 };
+    panel.opened()
+}
+
+/// A number that may be typed and is not there yet: at 0.7 of the slider.
+fn another(setting: &Setting, now: f64) -> f64 {
+    let scale = setting.scale().expect("a number");
+    let (low, high) = scale.slider;
+    let middle = if scale.log { low * (high / low).powf(0.7) } else { 0.3 * low + 0.7 * high };
+    let middle = if scale.integer { middle.round() } else { f64::from(middle as f32) };
+    assert_ne!(middle as f32, now as f32, "{}", setting.label());
+    middle
+}
+
+/// What the settings should be after one of them was set.
+fn with(before: &ClothSettings, setting: &Setting, value: f64) -> ClothSettings {
+    let mut after = before.clone();
+    setting.set(&mut after, value);
+    after
+}
+
+#[test]
+fn every_field_of_every_component_has_a_row() {
+    use bevy::reflect::{PartialReflect, ReflectRef};
+    let fields = |value: &dyn PartialReflect| match value.reflect_ref() {
+        ReflectRef::Struct(fields) => {
+            (0..fields.field_len()).map(|i| fields.name_at(i).unwrap_or_default().to_string()).collect()
+        }
+        _ => Vec::new(),
+    };
+    let all = ClothSettings::default();
+    let parts: [(Part, Vec<String>); 7] = [
+        (Part::Material, fields(&all.material)),
+        (Part::Solver, fields(&all.solver)),
+        (Part::Collision, fields(&all.collision)),
+        (Part::Untangle, fields(&all.untangle)),
+        (Part::Skip, fields(&all.skip)),
+        (Part::Wind, fields(&all.wind)),
+        (Part::OwnWind, fields(&all.wind)),
+    ];
+    for (part, fields) in parts {
+        assert!(fields.len() > 2, "{part:?} has {fields:?}");
+        for field in fields {
+            let found = settings().any(|s| s.part == part && s.name.split('.').next() == Some(field.as_str()));
+            assert!(found, "{part:?} has no row for `{field}`");
+        }
+    }
+}
+
+#[test]
+fn every_default_is_in_its_range_and_every_slider_within_its_limits() {
+    let mut defaults = ClothSettings { own_wind: Some(ClothWind::default()), ..ClothSettings::default() };
+    for setting in settings() {
+        let Some(scale) = setting.scale() else { continue };
+        let (low, high) = scale.limits;
+        assert!(low <= scale.slider.0 && scale.slider.0 < scale.slider.1 && scale.slider.1 <= high, "{}", setting.label());
+        assert!(!scale.log || scale.slider.0 > 0.0, "{} begins at 0", setting.label());
+        if let Some(value) = setting.get(&mut defaults) {
+            assert!((low..=high).contains(&value), "{}: {value}", setting.label());
+        }
+        assert!(setting.does.len() > 10 && !setting.low.is_empty() && !setting.high.is_empty(), "{}", setting.label());
+    }
+}
+
+#[test]
+fn what_is_typed_into_a_row_changes_that_setting_and_nothing_else_and_leads_back() {
+    let mut panel = with_all_rows();
+    let others = panel.others();
+    let mut walked = 0;
+    for setting in settings().filter(|s| s.scale().is_some()) {
+        let (label, before) = (setting.label(), panel.settings());
+        let now = setting.get(&mut before.clone()).expect("a row");
+        let value = another(setting, now);
+        panel.type_into(&label, &show(value, setting.scale().is_some_and(|s| s.integer)));
+        assert_eq!(panel.settings(), with(&before, setting, value), "{label}");
+        // Only parts of the world are seen by the other cloth.
+        if !matches!(setting.part, Part::Wind | Part::Gravity) {
+            assert_eq!(panel.others(), others, "{label} changed the other cloth");
+        }
+        if setting.name != "max" {
+            panel.click(&format!("reset {label}"));
+            assert_eq!(panel.settings(), before, "{label} does not lead back");
+        }
+        walked += 1;
+    }
+    assert!(walked > 40, "{walked} numbers");
+}
+
+#[test]
+fn a_slider_that_is_dragged_changes_its_setting_and_nothing_else() {
+    let mut panel = with_all_rows();
+    for setting in settings().filter(|s| s.scale().is_some()) {
+        let (label, before) = (setting.label(), panel.settings());
+        let rect = panel.harness.get_by_role_and_label(Role::Slider, &label).rect();
+        let now = setting.get(&mut before.clone()).expect("a row");
+        let share = setting.scale().map_or(0.0, |s| s.share(now)) as f32;
+        let from = rect.lerp_inside(vec2(share.clamp(0.05, 0.95), 0.5));
+        let to = rect.lerp_inside(vec2(if share > 0.5 { 0.2 } else { 0.8 }, 0.5));
+        panel.harness.drag_at(from);
+        panel.steps(1);
+        panel.harness.hover_at(to);
+        panel.steps(1);
+        panel.harness.drop_at(to);
+        panel.steps(2);
+        let mut after = panel.settings();
+        let value = setting.get(&mut after).expect("a row");
+        assert_ne!(value as f32, now as f32, "{label} did not move");
+        assert_eq!(after, with(&before, setting, value), "{label}");
+    }
+}
+
+#[test]
+fn every_switch_and_every_option_changes_its_setting_and_nothing_else() {
+    let mut panel = with_all_rows();
+    for setting in settings() {
+        let label = setting.label();
+        match setting.kind {
+            Kind::Switch(_) => {
+                for _ in 0..2 {
+                    let before = panel.settings();
+                    let now = setting.get(&mut before.clone()).expect("a row");
+                    panel.harness.get_by_role_and_label(Role::CheckBox, &label).click();
+                    panel.steps(3);
+                    assert_eq!(panel.settings(), with(&before, setting, 1.0 - now), "{label}");
+                }
+            }
+            Kind::Choice { options, .. } => {
+                for (i, option) in options.iter().enumerate().rev() {
+                    let before = panel.settings();
+                    panel.click(&format!("{label}: {option}"));
+                    assert_eq!(panel.settings(), with(&before, setting, i as f64), "{label}: {option}");
+                }
+            }
+            Kind::Number(..) | Kind::Count(..) | Kind::Layer(..) => {}
+        }
+    }
+}
+
+#[test]
+fn a_wind_of_its_own_comes_and_goes_with_its_switch() {
+    let mut panel = Panel::new().opened();
+    assert_eq!(panel.settings().own_wind, None);
+    panel.click("a wind of its own");
+    let wind = panel.settings().wind;
+    assert_eq!(panel.settings().own_wind, Some(ClothWind(wind)));
+    panel.steps(4);
+    panel.type_into("own wind velocity.x", "7");
+    assert_eq!(panel.settings().own_wind.map(|w| w.0.velocity.x), Some(7.0));
+    assert_eq!(panel.settings().wind, wind, "the wind in the world");
+    panel.click("a wind of its own");
+    assert_eq!(panel.settings().own_wind, None);
+}
+
+#[test]
+fn nothing_that_is_only_looked_at_is_marked_as_changed() {
+    use bevy::prelude::*;
+    use bevy_drape::prelude::*;
+    let mut panel = Panel::new().opened();
+    let cloth = panel.cloth;
+    let ticks = |world: &World| {
+        let of = world.entity(cloth);
+        [
+            of.get_ref::<ClothMaterial>().map(|c| c.last_changed()),
+            of.get_ref::<ClothSolver>().map(|c| c.last_changed()),
+            of.get_ref::<ClothPins>().map(|c| c.last_changed()),
+            of.get_ref::<Untangle>().map(|c| c.last_changed()),
+        ]
+        .map(|tick| tick.expect("a cloth").get())
+    };
+    let before = ticks(panel.app().world());
+    panel.steps(5);
+    assert_eq!(ticks(panel.app().world()), before);
+    panel.type_into("material density", "0.5");
+    let after = ticks(panel.app().world());
+    assert!(after[0] != before[0] && after[1..] == before[1..], "{before:?}, then {after:?}");
+}
+
+#[test]
+fn pins_are_weakened_and_let_go() {
+    let mut panel = Panel::new().opened();
+    panel.type_into("pins 0 weight", "0.25");
+    assert_eq!(panel.settings().pins.sets[0].weight, 0.25);
+    panel.click("pins on_target_lost: Release");
+    assert_eq!(panel.settings().pins.on_target_lost, bevy_drape::OnTargetLost::Release);
+    panel.click("pins 0 let go");
+    assert!(panel.settings().pins.sets.is_empty());
+    assert_eq!(panel.others().pins.sets.len(), 1, "those of the other cloth stay");
+}
