@@ -35,7 +35,8 @@ fn body(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials:
     let wood =
         materials.add(StandardMaterial { base_color: Color::srgb(0.74, 0.58, 0.42), perceptual_roughness: 0.6, ..default() });
     for (i, (Limb { ends: [a, b], radius }, pose)) in LIMBS.into_iter().zip(skirt::limbs(0.0)).enumerate() {
-        let along = Transform::from_translation((a + b) / 2.0).with_rotation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()));
+        let along =
+            Transform::from_translation((a + b) / 2.0).with_rotation(Quat::from_rotation_arc(Vec3::Y, (b - a).normalize()));
         commands.spawn((
             Part(i),
             cut::transform(&pose, ORIGIN),

@@ -16,7 +16,7 @@ const FOLDS: (f32, f32) = (7.0, 0.035);
 /// Radius of the ball [m].
 pub const BALL: f32 = 0.2;
 /// Length of the rope, how far the ball swings to either side [m], and the period [s].
-pub const SWING: (f32, f32, f32) = (1.8, 0.9, 2.7);
+pub const SWING: (f32, f32, f32) = (1.8, 0.6, 2.7);
 /// How far below the rail the ball hangs [m].
 const DEPTH: f32 = 0.8;
 

@@ -39,7 +39,15 @@ pub fn turned(time: f32) -> f32 {
     let step = 1.0 / 240.0;
     while now < time {
         let k = (now / between).floor();
-        let side = |k: f32| if k < 0.0 { 0.0 } else if k % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        let side = |k: f32| {
+            if k < 0.0 {
+                0.0
+            } else if k % 2.0 == 0.0 {
+                1.0
+            } else {
+                -1.0
+            }
+        };
         let share = smooth((now - k * between) / change);
         angle += TAU * speed * step * (side(k - 1.0) * (1.0 - share) + side(k) * share);
         now += step;
@@ -64,12 +72,14 @@ pub fn spin_of(mesh: &SourceMesh) -> Scene {
     let (rest, _) = RestShape::build(mesh).unwrap_or_default();
     let mut scene = Scene::new(vec![SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &held)]);
     let side = vec3(0.55 * waist, 0.0, 0.0);
-    let hips = shape::capsule_between(0.4 * side, -0.4 * side, 0.6 * waist).ok().map(|hips| (hips, Vec3::Y * (height - 0.6 * waist)));
+    let hips =
+        shape::capsule_between(0.4 * side, -0.4 * side, 0.6 * waist).ok().map(|hips| (hips, Vec3::Y * (height - 0.6 * waist)));
     let legs = [side, -side].map(|at| {
         let top = at + Vec3::Y * (height - 0.8 * waist);
         shape::capsule_between(Vec3::ZERO, vec3(0.0, -0.7, 0.0), 0.4 * waist).ok().map(|leg| (leg, top))
     });
-    let parts: Vec<_> = hips.into_iter().chain(legs.into_iter().flatten()).map(|(s, at)| (Pose::from_translation(at), s)).collect();
+    let parts: Vec<_> =
+        hips.into_iter().chain(legs.into_iter().flatten()).map(|(s, at)| (Pose::from_translation(at), s)).collect();
     scene.bodies.extend(shape::compound(parts).ok().map(|body| Body::at_rest(body, Pose::IDENTITY)));
     scene.drive = Some(|scene, time| {
         let turn = Quat::from_rotation_y(turned(time));
