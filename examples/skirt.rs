@@ -60,7 +60,7 @@ fn body(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials:
                 MeshMaterial3d(wood.clone()),
                 Transform::from_xyz(0.0, 0.18, 0.0),
             ),
-            (Mesh3d(meshes.add(Sphere::new(0.1).mesh().uv(48, 24))), MeshMaterial3d(wood), Transform::from_xyz(0.0, 0.56, 0.0)),
+            (Mesh3d(meshes.add(Sphere::new(0.1).mesh().uv(48, 24))), MeshMaterial3d(wood), Transform::from_xyz(0.0, 0.50, 0.0)),
         ],
     ));
 }

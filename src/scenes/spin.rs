@@ -5,14 +5,14 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec2, Vec3, vec3};
 
-use super::{Scene, SceneCloth, fabric, grid, smooth};
+use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::rest::{RestShape, SourceMesh};
 
 /// Radius at the waist and at the hem of the skirt that is cut as a flat ring [m].
 const RING: (f32, f32) = (0.15, 0.5);
-/// Turns per second to either side, time between two changes of direction, and of a change [s].
-const SPIN: (f32, f32, f32) = (1.0, 2.5, 1.0);
+/// Turns per second when it is fastest [1/s], and time after which it repeats [s].
+const SPIN: (f32, f32) = (1.0, 5.0);
 
 /// A skirt cut as a flat ring round the y axis, of `n` vertices per metre.
 #[must_use]
@@ -29,30 +29,10 @@ pub fn ring(n: u32) -> SourceMesh {
     })
 }
 
-/// How far the body has turned after `time` [s].
-#[must_use]
-pub fn turned(time: f32) -> f32 {
-    let (speed, between, change) = SPIN;
-    // The integral of a trapezoid wave: from rest, first one way, then the other.
-    let mut angle = 0.0;
-    let mut now = 0.0;
-    let step = 1.0 / 240.0;
-    while now < time {
-        let k = (now / between).floor();
-        let side = |k: f32| {
-            if k < 0.0 {
-                0.0
-            } else if k % 2.0 == 0.0 {
-                1.0
-            } else {
-                -1.0
-            }
-        };
-        let share = smooth((now - k * between) / change);
-        angle += TAU * speed * step * (side(k - 1.0) * (1.0 - share) + side(k) * share);
-        now += step;
-    }
-    angle
+/// How far the body has turned after `time` [s]: `∫ TAU f sin(TAU t / T) dt`, one way and back.
+fn turned(time: f32) -> f32 {
+    let (fastest, period) = SPIN;
+    fastest * period * (1.0 - (TAU * time / period).cos())
 }
 
 /// The ring on a spinning body.
