@@ -10,6 +10,7 @@
 
 mod cli;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -31,8 +32,26 @@ enum SceneName {
     Flags,
     /// Two 1 m sheets dropped crosswise on each other over a ball.
     Sheets,
-    /// A stack of sheets dropped on a ball; `--cloths` says how many.
+    /// A stack of sheets dropped on a ball, each turned against the one below; `--cloths` says how many.
     Layers,
+    /// A stack of sheets dropped on a ball, one above the other; `--cloths` says how many [default: 10].
+    Stack,
+    /// Two strips that fall crosswise on each other.
+    Crosswise,
+    /// A strip whose ends are turned against each other.
+    Twist,
+    /// A sheet that falls through a funnel.
+    Funnel,
+    /// A curtain into which a ball swings.
+    Curtain,
+    /// A skirt on a body that walks.
+    Skirt,
+    /// A corner pinched between two balls.
+    Pinch,
+    /// A sheet dropped on twenty needles.
+    Needles,
+    /// A skirt on a body that spins; `--garment` puts another one on it.
+    Spin,
     /// Two sheets tangled: a shallow dent.
     Dent,
     /// A deep dent.
@@ -72,9 +91,12 @@ struct Arguments {
     /// Vertices along each side of a cloth.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=1024))]
     size: u32,
-    /// Number of cloths in `hang`, `flags` and `layers`.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    cloths: u32,
+    /// Number of cloths in `hang`, `flags`, `layers` and `stack` [default: 1; stack: 10].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    cloths: Option<u32>,
+    /// Wavefront OBJ file of a garment around the y axis [m], for `spin`; `--size` does not change it.
+    #[arg(long, value_name = "FILE")]
+    garment: Option<PathBuf>,
     /// Frames of 1/60 s that are timed, after a tenth as many to warm up.
     #[arg(long, default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
@@ -85,7 +107,7 @@ struct Arguments {
     /// [default: by-end-type where cloths can meet, none elsewhere].
     #[arg(long, value_parser = method_choice)]
     method: Option<MethodChoice>,
-    /// Cloths keep off themselves, too.
+    /// Cloths keep off themselves, too; they do in the scenes from `stack` to `spin`.
     #[arg(long)]
     self_collision: bool,
     /// Cloths pass through each other and are untangled afterwards, instead of resting on each other.
@@ -98,29 +120,22 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments: Arguments = cli::parse("stress");
-    if arguments.cloths > 1 && !matches!(arguments.scene, SceneName::Hang | SceneName::Flags | SceneName::Layers) {
-        cli::complain("stress", "--cloths is for the scenes hang, flags and layers");
+    let many = matches!(arguments.scene, SceneName::Hang | SceneName::Flags | SceneName::Layers | SceneName::Stack);
+    if arguments.cloths.is_some_and(|k| k > 1) && !many {
+        cli::complain("stress", "--cloths is for the scenes hang, flags, layers and stack");
         return ExitCode::from(2);
     }
-    let mut scene = match arguments.scene {
-        SceneName::Hang => scenes::curtains(arguments.cloths, arguments.size),
-        SceneName::Ball => scenes::ball(arguments.size),
-        SceneName::Flags => scenes::flags(arguments.cloths, arguments.size),
-        SceneName::Sheets => scenes::sheets(arguments.size),
-        SceneName::Layers => scenes::layers(arguments.cloths.max(2), arguments.size),
-        SceneName::Dent => scenes::tangle(Tangle::Dent, arguments.size),
-        SceneName::DeepDent => scenes::tangle(Tangle::DeepDent, arguments.size),
-        SceneName::Corner => scenes::tangle(Tangle::Corner, arguments.size),
-        SceneName::BorderOverlap => scenes::tangle(Tangle::BorderOverlap, arguments.size),
-        SceneName::StripStab => scenes::tangle(Tangle::StripStab, arguments.size),
-        SceneName::TiltedStrip => scenes::tangle(Tangle::TiltedStrip, arguments.size),
-        SceneName::FullCut => scenes::tangle(Tangle::FullCut, arguments.size),
-        SceneName::Waves => scenes::tangle(Tangle::Waves, arguments.size),
+    let mut scene = match scene(&arguments) {
+        Ok(scene) => scene,
+        Err(line) => {
+            cli::complain("stress", &line);
+            return ExitCode::from(2);
+        }
     };
     if let Some(method) = method(&arguments) {
         let settings =
             UntangleSettings { resolve: ResolveSettings { method, ..Default::default() }, ..UntangleSettings::default() };
-        scene = match scene.untangled(settings, EvaluateSettings::default(), arguments.self_collision) {
+        scene = match scene.untangled(settings, EvaluateSettings::default(), arguments.self_collision || folds(&arguments)) {
             Ok(scene) => scene,
             Err(error) => {
                 cli::complain("stress", &error.to_string());
@@ -150,6 +165,49 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
+/// The scene asked for.
+fn scene(arguments: &Arguments) -> Result<Scene, String> {
+    let &Arguments { size, cloths, .. } = arguments;
+    let k = cloths.unwrap_or(1);
+    if arguments.garment.is_some() && !matches!(arguments.scene, SceneName::Spin) {
+        return Err("--garment is for the scene spin".into());
+    }
+    Ok(match arguments.scene {
+        SceneName::Hang => scenes::curtains(k, size),
+        SceneName::Ball => scenes::ball(size),
+        SceneName::Flags => scenes::flags(k, size),
+        SceneName::Sheets => scenes::sheets(size),
+        SceneName::Layers => scenes::layers(k.max(2), size),
+        SceneName::Stack => scenes::stack(cloths.unwrap_or(10), size),
+        SceneName::Crosswise => scenes::crosswise(size),
+        SceneName::Twist => scenes::twist(size),
+        SceneName::Funnel => scenes::funnel(size),
+        SceneName::Curtain => scenes::curtain(size),
+        SceneName::Skirt => scenes::skirt(size),
+        SceneName::Pinch => scenes::pinch(size),
+        SceneName::Needles => scenes::needles(size),
+        SceneName::Spin => match &arguments.garment {
+            Some(path) => {
+                let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+                let mesh = scenes::obj(&text);
+                if mesh.triangles.is_empty() {
+                    return Err(format!("{} has no faces: --garment wants a Wavefront OBJ file", path.display()));
+                }
+                scenes::spin_of(&mesh)
+            }
+            None => scenes::spin(size),
+        },
+        SceneName::Dent => scenes::tangle(Tangle::Dent, size),
+        SceneName::DeepDent => scenes::tangle(Tangle::DeepDent, size),
+        SceneName::Corner => scenes::tangle(Tangle::Corner, size),
+        SceneName::BorderOverlap => scenes::tangle(Tangle::BorderOverlap, size),
+        SceneName::StripStab => scenes::tangle(Tangle::StripStab, size),
+        SceneName::TiltedStrip => scenes::tangle(Tangle::TiltedStrip, size),
+        SceneName::FullCut => scenes::tangle(Tangle::FullCut, size),
+        SceneName::Waves => scenes::tangle(Tangle::Waves, size),
+    })
+}
+
 /// Crossings of all cloths with each other and with themselves in a scene in which nobody looked for them; none if there are too many cloths to look at.
 fn look(scene: &mut Scene) -> Option<u32> {
     let only = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
@@ -158,6 +216,12 @@ fn look(scene: &mut Scene) -> Option<u32> {
     let crossings = scene.crossings();
     scene.untangle = None;
     Some(crossings)
+}
+
+/// Whether a scene is about cloth that meets itself.
+fn folds(arguments: &Arguments) -> bool {
+    use SceneName::{Crosswise, Curtain, Funnel, Needles, Pinch, Skirt, Spin, Stack, Twist};
+    matches!(arguments.scene, Stack | Crosswise | Twist | Funnel | Curtain | Skirt | Pinch | Needles | Spin)
 }
 
 /// The method asked for, or the one that suits the scene.
@@ -215,6 +279,7 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
         return;
     };
     let start = Instant::now();
+    scene.steer(dt);
     let input = FrameInput { dt, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind };
     // Equal shares, five for each thread: larger ones leave a thread idle at the end.
     let share = scene.cloths.len().div_ceil(5 * (pool.thread_num() + 1));

@@ -1,8 +1,18 @@
 //! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
 
+mod crosswise;
+pub mod curtain;
 mod driven;
+pub mod funnel;
+pub mod needles;
+mod obj;
+mod pinch;
 mod seeds;
+pub mod skirt;
+mod spin;
+pub mod stack;
 mod tangles;
+pub mod twist;
 mod units;
 
 use std::sync::Arc;
@@ -10,9 +20,19 @@ use std::time::Instant;
 
 use glam::{Quat, Vec3, vec3};
 
+pub use crosswise::crosswise;
+pub use curtain::curtain;
 pub use driven::driven;
+pub use funnel::funnel;
+pub use needles::needles;
+pub use obj::obj;
+pub use pinch::pinch;
 pub use seeds::{Seed, SeedKind, SeedRun};
+pub use skirt::skirt;
+pub use spin::{spin, spin_of};
+pub use stack::stack;
 pub use tangles::Tangle;
+pub use twist::twist;
 pub use units::Unit;
 
 use crate::solver::body::{Body, Pose, Touch, shape};
@@ -173,6 +193,10 @@ pub struct Scene {
     pub wind: Wind,
     /// Gravity [m/s²].
     pub gravity: Vec3,
+    /// Time simulated so far [s].
+    pub time: f32,
+    /// Moves bodies and pins: given the time at the end of a frame [s], sets where they go.
+    pub drive: Option<fn(&mut Self, f32)>,
     /// Untangling; none: cloths pass through each other.
     pub untangle: Option<Untangling>,
     /// What the last frame cost.
@@ -215,7 +239,16 @@ impl Scene {
     /// Cloths that pass through each other, in still air under standard gravity.
     #[must_use]
     pub fn new(cloths: Vec<SceneCloth>) -> Self {
-        Self { cloths, bodies: Vec::new(), wind: Wind::STILL, gravity: GRAVITY, untangle: None, times: StageTimes::default() }
+        Self {
+            cloths,
+            bodies: Vec::new(),
+            wind: Wind::STILL,
+            gravity: GRAVITY,
+            time: 0.0,
+            drive: None,
+            untangle: None,
+            times: StageTimes::default(),
+        }
     }
 
     /// Untangles from now on: each cloth with the others, and with itself if `self_collision`.
@@ -272,9 +305,37 @@ impl Scene {
         self
     }
 
+    /// Moves every free particle by up to a thousandth of an edge, another way for every seed: what holds from one start only is luck.
+    #[must_use]
+    pub fn jittered(mut self, seed: u64) -> Self {
+        let mut rng = fastrand::Rng::with_seed(seed);
+        for SceneCloth { rest, state, .. } in &mut self.cloths {
+            let size = 1.0e-3 * rest.mean_edge;
+            let mut one = || size * (2.0 * rng.f32() - 1.0);
+            for (x, old) in state.positions.iter_mut().zip(&mut state.previous) {
+                let by = vec3(one(), one(), one()).extend(0.0);
+                if x.w > 0.0 {
+                    *x += by;
+                    *old += by;
+                }
+            }
+        }
+        self
+    }
+
+    /// Sets where bodies and pins go in a frame of `dt` [s]; [`Self::step`] does.
+    pub fn steer(&mut self, dt: f32) {
+        self.time += dt;
+        if let Some(drive) = self.drive {
+            self.bodies.iter_mut().for_each(|body| body.from = body.to);
+            drive(self, self.time);
+        }
+    }
+
     /// Advances every cloth by `dt` [s], one after the other or, where they touch, side by side, and untangles.
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
+        self.steer(dt);
         let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
         match &mut self.untangle {
             Some(Untangling { group, contact: true, .. }) => {
@@ -360,6 +421,12 @@ impl Scene {
     pub fn is_held(&self) -> bool {
         self.cloths.iter().map(|c| c.display.outcome()).any(|Outcome { shown, .. }| shown == Shown::Held)
     }
+}
+
+/// From 0 to 1 as `x` does, slow at both ends.
+fn smooth(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 /// Time since then [ms].

@@ -15,6 +15,7 @@
 #![allow(dead_code, unused_imports, reason = "every example uses another part of the stage")]
 
 mod args;
+pub mod cut;
 mod display;
 mod driver;
 mod environment;

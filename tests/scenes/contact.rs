@@ -1,0 +1,153 @@
+//! Cloth on cloth: nothing fast goes through, friction holds as Coulomb says, momentum is kept.
+
+use std::sync::Arc;
+
+use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, grid};
+use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::rest::RestShape;
+use glam::{DVec3, Quat, Vec3, vec3};
+
+use crate::{FRAME, untangled};
+
+/// A level sheet of `side` [m] and `n` x `n` vertices, held at the corners if `held`.
+fn sheet(n: u32, side: f32, turn: Quat, at: Vec3, held: bool) -> SceneCloth {
+    let mesh = grid(n, n, |u, v| turn * (side * vec3(u - 0.5, 0.0, v - 0.5)));
+    let (rest, _) = RestShape::build(&mesh).expect("a sheet");
+    let corners = [0, n - 1, n * n - n, n * n - 1];
+    SceneCloth::new(Arc::new(rest), fabric(), at, if held { &corners } else { &[] })
+}
+
+/// Gives a cloth a velocity [m/s], over a substep of the length that it will have.
+fn throw(cloth: &mut SceneCloth, velocity: Vec3) {
+    let h = FRAME / 6.0;
+    cloth.state.substep = h;
+    for (x, old) in cloth.state.positions.iter().zip(&mut cloth.state.previous) {
+        *old = *x - (velocity * h).extend(0.0);
+    }
+}
+
+fn momentum(scene: &Scene) -> DVec3 {
+    let of = |cloth: &SceneCloth| {
+        let masses = cloth.rest.areas.iter().map(|a| f64::from(cloth.fabric.density * a));
+        masses.enumerate().map(|(i, m)| m * cloth.state.velocity(i).as_dvec3()).sum::<DVec3>()
+    };
+    scene.cloths.iter().map(of).sum()
+}
+
+#[test]
+fn a_ball_at_30_m_per_s_does_not_pass_a_held_cloth() {
+    for radius in [0.05, 0.15] {
+        let mut scene = Scene::new(vec![sheet(24, 1.0, Quat::IDENTITY, Vec3::ZERO, true)]);
+        let at = |time: f32| Pose::from_translation(vec3(0.03, 0.3 - 30.0 * time, 0.02));
+        // It stops 0.1 m below, where the cloth can follow within its strain limit.
+        let path = |time: f32| at(time.min(0.4 / 30.0));
+        let ball = shape::ball(radius).expect("a ball");
+        scene.bodies.push(Body::at_rest(ball, path(0.0)));
+        let mut scene = untangled(scene);
+        for frame in 1..=30 {
+            let body = &mut scene.bodies[0];
+            (body.from, body.to) = (body.to, path(frame as f32 * FRAME));
+            scene.step(FRAME);
+            let centre = scene.bodies[0].to.translation;
+            // What lies under the ball must be under it: the middle of the cloth.
+            let over = scene.cloths[0].state.positions.iter().map(|x| x.truncate()).filter(|x| {
+                let flat = vec3(x.x - centre.x, 0.0, x.z - centre.z).length();
+                flat < 0.5 * radius && x.y > centre.y
+            });
+            assert_eq!(over.count(), 0, "radius {radius}, frame {frame}: particles above the ball");
+        }
+    }
+}
+
+#[test]
+fn a_cloth_at_30_m_per_s_does_not_pass_a_wall_or_another_cloth() {
+    // A wall that is thinner than what a substep covers.
+    let mut scene = Scene::new(vec![sheet(24, 1.0, Quat::IDENTITY, vec3(0.0, 1.0, 0.0), false)]);
+    let wall = shape::cuboid(vec3(2.0, 0.01, 2.0)).expect("a wall");
+    scene.bodies.push(Body::at_rest(wall, Pose::IDENTITY));
+    throw(&mut scene.cloths[0], vec3(0.0, -30.0, 0.0));
+    let mut scene = untangled(scene);
+    for frame in 1..=30 {
+        scene.step(FRAME);
+        assert!(scene.cloths[0].lowest() > 0.01, "frame {frame}: lowest particle at {} m", scene.cloths[0].lowest());
+    }
+
+    for turn in [0.0, 0.4] {
+        let turn = Quat::from_rotation_y(turn);
+        let held = sheet(24, 1.2, Quat::IDENTITY, Vec3::ZERO, true);
+        let thrown = sheet(24, 0.8, turn, vec3(0.01, 0.6, 0.02), false);
+        let mut scene = Scene::new(vec![held, thrown]);
+        throw(&mut scene.cloths[1], vec3(0.0, -30.0, 0.0));
+        let mut scene = untangled(scene);
+        for frame in 1..=30 {
+            scene.step(FRAME);
+            let shown = crate::Picture::of(&scene).crossings();
+            assert_eq!(shown, 0, "turned by {turn}, frame {frame}: shown crossings");
+        }
+        let [held, thrown] = [0, 1].map(|k| scene.cloths[k].state.positions.iter().map(|x| x.truncate()).collect::<Vec<_>>());
+        let across = |a: &Vec3, b: &Vec3| vec3(a.x - b.x, 0.0, a.z - b.z).length();
+        let under = thrown.iter().filter(|x| {
+            let below = held.iter().min_by(|a, b| across(a, x).total_cmp(&across(b, x)));
+            below.is_some_and(|below| across(below, x) < 0.05 && x.y < below.y - 0.05)
+        });
+        assert_eq!(under.count(), 0, "turned by {turn}: particles of the thrown cloth under the held one");
+    }
+}
+
+/// How far the upper of two sheets slides down the lower one, which is fixed on a slope, in a second [m].
+fn slides(degrees: f32, friction: f32) -> f32 {
+    let turn = Quat::from_rotation_z(-degrees.to_radians());
+    let lower = sheet(21, 1.4, turn, Vec3::ZERO, false);
+    let mut upper = sheet(12, 0.4, turn, turn * vec3(-0.2, 0.0051, 0.003), false);
+    upper.fabric.static_friction = friction;
+    upper.fabric.dynamic_friction = friction;
+    let mut scene = Scene::new(vec![lower, upper]);
+    let lower = &mut scene.cloths[0];
+    lower.fabric.static_friction = friction;
+    lower.fabric.dynamic_friction = friction;
+    let to: Vec<Vec3> = lower.state.positions.iter().map(|x| x.truncate()).collect();
+    lower.anchors.particles = (0..to.len() as u32).collect();
+    lower.anchors.weights = vec![1.0; to.len()];
+    (lower.anchors.from, lower.anchors.to) = (to.clone(), to);
+    scene.cloths.iter_mut().for_each(SceneCloth::prepare);
+    let along = turn * Vec3::X;
+    let middle = |scene: &Scene| scene.cloths[1].state.positions.iter().map(|x| along.dot(x.truncate())).sum::<f32>() / 144.0;
+    let mut scene = untangled(scene);
+    let start = middle(&scene);
+    (0..60).for_each(|_| scene.step(FRAME));
+    middle(&scene) - start
+}
+
+#[test]
+fn a_sheet_on_a_sheet_sticks_to_a_slope_of_30_degrees_above_the_tangent_and_slides_below() {
+    let tangent = 30.0f32.to_radians().tan();
+    let stuck = slides(30.0, 1.15 * tangent);
+    assert!(stuck < 0.01, "with more friction than the tangent it slid by {stuck} m");
+    let slid = slides(30.0, 0.7 * tangent);
+    // a = g (sin 30° - 0.7 tan 30° cos 30°) = 0.3 g sin 30°.
+    let ideal = 0.5 * 0.3 * 0.5 * -GRAVITY.y;
+    assert!((0.7 * ideal..1.1 * ideal).contains(&slid), "with less it slid by {slid} m of {ideal}");
+}
+
+#[test]
+fn two_free_cloths_that_collide_keep_their_momentum() {
+    let first = sheet(16, 0.6, Quat::from_rotation_x(0.2), Vec3::ZERO, false);
+    let second = sheet(14, 0.5, Quat::from_rotation_y(0.5), vec3(0.03, 0.12, 0.02), false);
+    let mut scene = Scene { gravity: Vec3::ZERO, ..Scene::new(vec![first, second]) };
+    throw(&mut scene.cloths[0], vec3(0.3, 2.0, 0.0));
+    throw(&mut scene.cloths[1], vec3(0.0, -3.0, 0.4));
+    // Air would take some.
+    scene.wind.density = 0.0;
+    scene.cloths.iter_mut().for_each(|cloth| cloth.fabric.drag = 0.0);
+    let mut scene = untangled(scene);
+    let size = scene.cloths.iter().map(|c| c.rest.areas.iter().sum::<f32>() * c.fabric.density * 3.0).sum::<f32>();
+    let start = momentum(&scene);
+    let mut touched = 0;
+    for frame in 1..=60 {
+        scene.step(FRAME);
+        touched = touched.max(scene.untangle.as_ref().map_or(0, |u| u.group.contacts().touching()));
+        let drift = momentum(&scene).distance(start) / f64::from(size);
+        assert!(drift < 1.0e-5, "frame {frame}: momentum drifted by {drift} of what is in motion");
+    }
+    assert!(touched > 20, "{touched} pairs touched");
+}

@@ -1,0 +1,82 @@
+//! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a thousandth of an edge.
+//! What is shown is checked with code that shares nothing with the detector.
+
+#[path = "../detection/checker.rs"]
+mod checker;
+mod contact;
+mod shown;
+
+use bevy_drape::scenes::{self, Scene};
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::group::UntangleSettings;
+use shown::Picture;
+
+const FRAME: f32 = 1.0 / 60.0;
+
+fn untangled(scene: Scene) -> Scene {
+    scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true).expect("a few cloths")
+}
+
+/// Runs a scene from three starts and asserts that no shown frame crosses, that at most 0.5 % of all frames are held, and that no edge is ever longer than
+/// `longest` times its rest length.
+fn shows_no_crossing(name: &str, frames: u32, longest: f32, scene: impl Fn() -> Scene) {
+    let (mut held, mut worst) = (0, 0.0f32);
+    for seed in 1..=3 {
+        let mut scene = untangled(scene().jittered(seed));
+        for frame in 1..=frames {
+            scene.step(FRAME);
+            let crossings = Picture::of(&scene).crossings();
+            assert_eq!(crossings, 0, "{name}, start {seed}, frame {frame}: shown crossings");
+            held += u32::from(scene.is_held());
+            worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(worst, f32::max);
+        }
+    }
+    assert!(200 * held <= 3 * frames, "{name}: {held} of {} frames held", 3 * frames);
+    assert!(worst < longest, "{name}: worst edge {worst}");
+}
+
+#[test]
+fn two_strips_fall_crosswise() {
+    shows_no_crossing("crosswise", 240, 1.25, || scenes::crosswise(20));
+}
+
+#[test]
+fn a_ball_swings_into_a_curtain() {
+    shows_no_crossing("curtain", 240, 1.25, || scenes::curtain(20));
+}
+
+#[test]
+fn a_skirt_walks() {
+    shows_no_crossing("skirt", 300, 1.25, || scenes::skirt(20));
+}
+
+#[test]
+fn a_skirt_spins_one_way_and_the_other() {
+    shows_no_crossing("spin", 360, 1.25, || scenes::spin(20));
+}
+
+#[test]
+fn a_pinched_corner_stays_whole_and_is_let_go() {
+    shows_no_crossing("pinch", 300, 1.25, || scenes::pinch(20));
+}
+
+#[test]
+fn a_sheet_falls_on_needles() {
+    shows_no_crossing("needles", 180, 1.25, || scenes::needles(20));
+}
+
+#[test]
+fn the_checker_counts_what_is_shown_of_every_cloth_also_of_one_that_is_pinned() {
+    let mut scene = scenes::tangle(scenes::Tangle::FullCut, 12);
+    scene.cloths[0].anchors = {
+        let to: Vec<glam::Vec3> = scene.cloths[0].state.positions.iter().map(|x| x.truncate()).collect();
+        let particles = (0..to.len() as u32).collect();
+        bevy_drape::solver::step::Anchors { particles, weights: vec![1.0; to.len()], from: to.clone(), to }
+    };
+    scene.cloths[0].prepare();
+    let off = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
+    let mut scene = scene.untangled(off, EvaluateSettings::default(), true).expect("two sheets");
+    scene.step(FRAME);
+    let shown = Picture::of(&scene).crossings();
+    assert!(shown > 0 && shown == scene.crossings() as usize, "{shown} shown, {} found", scene.crossings());
+}
