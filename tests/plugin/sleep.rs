@@ -9,7 +9,7 @@ use crate::common::*;
 /// A sheet that lies on the ground and sleeps.
 fn sleeping(app: &mut App, extra: impl Bundle) -> Entity {
     app.world_mut().spawn(ClothCollider::ground());
-    let cloth = spawn(app, sheet(10), (Transform::from_xyz(0.0, 0.02, 0.0), extra));
+    let cloth = spawn(app, sheet(10), (Transform::from_xyz(0.0, 0.006, 0.0), extra));
     until_asleep(app, cloth);
     cloth
 }
@@ -126,7 +126,7 @@ fn a_body_that_comes_moves_goes_or_changes_wakes_it_and_one_far_away_does_not() 
     }));
     for change in [0, 1, 2] {
         let mut app = app();
-        let body = app.world_mut().spawn(ball(0.0, 0.08)).id();
+        let body = app.world_mut().spawn(ball(0.0, 0.115)).id();
         let cloth = sleeping(&mut app, ());
         match change {
             0 => set::<Transform>(&mut app, body, |t| t.translation.x += 0.01),

@@ -216,8 +216,11 @@ impl Contacts {
         let Self { particles: ids, now, old, levels, .. } = self;
         let mut particles = Particles { ids, now, old, levels, up };
         if calm {
+            // Twice, as what one pass leaves over keeps going around in folds that nothing else moves.
             self.pairs.iter_mut().for_each(|pair| {
+                let behind = pair.behind;
                 pair.solve(h, &mut particles);
+                pair.behind = behind;
             });
         }
         for pair in &mut self.pairs {
