@@ -42,6 +42,8 @@ pub(crate) struct ClothGroup {
     pub members: Vec<Member>,
     pub group: Group,
     pub settings: UntangleSettings,
+    /// Whether all of them sleep.
+    pub asleep: bool,
     /// Origin of the frame of the group in the world [m].
     pub origin: DVec3,
     /// Time spent on detecting, resolving, evaluating, responding and stepping side by side [ms].
@@ -89,6 +91,8 @@ pub(crate) struct Member {
     pub fixed: bool,
     /// Whether nothing does: it is paused or was stopped.
     pub still: bool,
+    /// Whether it sleeps.
+    pub asleep: bool,
 }
 
 impl Member {
@@ -154,8 +158,10 @@ impl ClothGroups {
         last_box: Option<(DVec3, DVec3)>,
         last: Option<u32>,
     ) -> Option<(DVec3, DVec3)> {
-        let (low, high) = bounds(&particles.state)?;
-        let (low, high) = (low + particles.origin, high + particles.origin);
+        let (low, high) = match last_box {
+            Some(last) if member.asleep => last,
+            _ => bounds(&particles.state).map(|(low, high)| (low + particles.origin, high + particles.origin))?,
+        };
         let motion = last_box.map_or(0.0, |(a, b)| (low - a).abs().max((high - b).abs()).max_element());
         let margin = f64::from(member.thickness + member.rest.mean_edge) + motion;
         let (settings, origin) = (inputs.untangle, particles.origin);
@@ -163,8 +169,9 @@ impl ClothGroups {
         Some((low, high))
     }
 
-    /// Links what can meet and builds the groups that are new or changed. `place` is told each member's group and its number there.
-    pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32)) {
+    /// Links what can meet and builds the groups that are new or changed. `place` is told each member's group, its number there, and whether
+    /// it is roused: it sleeps where another does not.
+    pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32, bool)) {
         self.candidates.sort_unstable_by_key(|c| c.member.entity);
         self.link();
         let Self { list, before, candidates, root, order, members, .. } = self;
@@ -200,8 +207,9 @@ impl ClothGroups {
                 (group.group, group.members) = (built, members.clone());
             }
             (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 5]);
+            group.asleep = group.members.iter().all(|m| m.asleep);
             for (part, member) in group.members.iter().enumerate() {
-                place(member.entity, list.len() as u32, part as u32);
+                place(member.entity, list.len() as u32, part as u32, member.asleep && !group.asleep);
             }
             list.push(group);
         }

@@ -11,29 +11,33 @@ pub mod inspector;
 mod bind;
 mod groups;
 mod notices;
+mod query;
 pub mod simulation;
 mod systems;
 pub mod solver;
 pub mod scenes;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothError, ClothErrorKind, ClothFailed, ClothGravity, ClothHeld,
-    ClothLastResort, ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothSolver, ClothStatus,
-    ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderPart, ColliderShape, ColorChannel,
-    GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame,
-    SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
+    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
+    ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothLastResort, ClothLayers, ClothMaterial,
+    ClothPins, ClothRecovered, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost,
+    ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderPart, ColliderShape, ColorChannel, GlobalWind,
+    MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
+    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
 pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
+pub use query::{ClothHit, ClothQuery};
 pub use simulation::{ClothParticles, ClothRest};
 
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothCollision, ClothError, ClothFailed, ClothGravity, ClothHeld, ClothLastResort, ClothLayers,
-        ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothRecovered, ClothReport, ClothSolver, ClothStatus,
-        ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothWind, ColliderShape, ColorChannel,
-        GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod,
-        WindZone, WindZoneShape,
+        Cloth, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothError,
+        ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothLastResort, ClothLayers, ClothMaterial, ClothParticles,
+        ClothPins, ClothPlugin, ClothQuery, ClothRecovered, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothStatus,
+        ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
+        ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode,
+        Untangle, UntangleMethod, WindZone, WindZoneShape,
     };
 }

@@ -23,7 +23,9 @@ use crate::groups::ClothGroups;
 use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
-use crate::systems::{bind, colliders, detect, evaluate, inputs, integrate, release, resolve, respond, sources, sync};
+use crate::systems::{
+    bind, colliders, detect, evaluate, grab, inputs, integrate, release, resolve, respond, sleep, sources, sync, touch,
+};
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
 ///
@@ -63,7 +65,7 @@ pub enum ClothSystems {
     Resolve,
     /// Judges the result; tells of recoveries.
     Evaluate,
-    /// Answers contacts; feeds the next frame.
+    /// Answers contacts; feeds the next frame. Lets cloth sleep that is at rest.
     Respond,
     /// Writes meshes and bounds. In `PostUpdate` when the other stages run in a fixed schedule.
     Sync,
@@ -121,7 +123,15 @@ impl Plugin for ClothPlugin {
                     sources::watch,
                     bind::bind,
                     colliders::shapes,
-                    (colliders::poses, inputs::air, inputs::settings, inputs::anchors, inputs::surroundings)
+                    (
+                        colliders::poses,
+                        inputs::air,
+                        inputs::settings,
+                        inputs::anchors,
+                        grab::grabs,
+                        sleep::watch,
+                        inputs::surroundings,
+                    )
                         .chain()
                         .run_if(time_flows),
                 )
@@ -133,7 +143,7 @@ impl Plugin for ClothPlugin {
                 ((evaluate::look, evaluate::judge, evaluate::tell).chain().run_if(time_flows), evaluate::recoveries)
                     .chain()
                     .in_set(ClothSystems::Evaluate),
-                respond::respond.run_if(time_flows).in_set(ClothSystems::Respond),
+                (respond::respond, touch::touches, sleep::doze).chain().run_if(time_flows).in_set(ClothSystems::Respond),
             ),
         )
         .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));

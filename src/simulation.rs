@@ -14,6 +14,7 @@ use crate::components::{RecoveryCause, RecoveryLevel, WaitingFor};
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
 use crate::solver::group::{Display, UntangleSettings};
+use crate::solver::kick;
 use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
@@ -21,6 +22,7 @@ use crate::solver::slew::Slew;
 use crate::solver::state::ClothState;
 use crate::solver::step::{Anchors, FrameInput, Scratch, StepReport};
 use crate::solver::wind::Wind;
+use crate::systems::sleep::Slumber;
 
 /// What changed since a cloth was bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -97,6 +99,8 @@ pub struct ClothParticles {
     pub(crate) display: Display,
     /// Where the carrier was in the last simulated frame.
     pub(crate) carrier: Option<Isometry3d>,
+    /// Whether something other than a step moved it: it wakes.
+    pub(crate) disturbed: bool,
 }
 
 impl ClothParticles {
@@ -134,7 +138,22 @@ impl ClothParticles {
     /// State of the solver, to be changed at your own risk: lengths must stay, and the next frame judges the numbers.
     #[must_use]
     pub fn state_mut(&mut self) -> &mut ClothState {
+        self.disturbed = true;
         &mut self.state
+    }
+
+    /// Gives an impulse [N·s] to the particles within `radius` [m] of a point in the world [m], as one piece, fading towards the rim. Held particles stay; no velocity changes by more than
+    /// 100 m/s. Returns how many particles took part; none when a number is not finite.
+    pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
+        let point = (point.as_dvec3() - self.origin).as_vec3();
+        kick::impulse(self.state_mut(), point, impulse, radius)
+    }
+
+    /// Blows the particles within `radius` [m] away from a point in the world [m]. `impulse` [N·s] is what the whole cloth gets close by; it fades to nothing at `radius`. Held
+    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite.
+    pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
+        let center = (center.as_dvec3() - self.origin).as_vec3();
+        kick::explosion(self.state_mut(), center, impulse, radius)
     }
 
     /// Origin of the frame of simulation in the world [m].
@@ -145,6 +164,7 @@ impl ClothParticles {
 
     /// Moves every position the particles remember.
     pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
+        self.disturbed = true;
         for x in self.state.positions.iter_mut().chain(&mut self.state.previous) {
             *x = motion(x.truncate()).extend(x.w);
         }
@@ -157,6 +177,7 @@ impl ClothParticles {
 
     /// Puts every particle at `pose` [m], without velocity.
     pub(crate) fn place(&mut self, pose: impl Iterator<Item = Vec3>) {
+        self.disturbed = true;
         let state = &mut self.state;
         for ((x, old), at) in state.positions.iter_mut().zip(&mut state.previous).zip(pose) {
             *x = at.extend(x.w);
@@ -171,9 +192,12 @@ impl ClothParticles {
 /// Inputs: everything the solver is given in a frame.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
+#[require(Slumber)]
 pub(crate) struct ClothInputs {
     /// Whether to simulate at all.
     pub active: bool,
+    /// Whether it is left alone until something happens to it.
+    pub asleep: bool,
     /// Fabric of this frame, on its way to the one that is wanted.
     pub fabric: Fabric,
     pub slew: Slew,
@@ -197,6 +221,8 @@ pub(crate) struct ClothInputs {
     /// Radius of the ball around the shape at rest [m].
     pub radius: f32,
     pub bodies: Vec<Body>,
+    /// The entity of each body.
+    pub body_entities: Vec<Entity>,
     pub wind: Wind,
     /// Whether fabric or anchors changed since the solver was prepared.
     pub stale: bool,
@@ -220,6 +246,7 @@ impl ClothInputs {
     ) -> Self {
         Self {
             active: true,
+            asleep: false,
             fabric: Fabric::default(),
             slew: Slew::default(),
             thickness: Fabric::default().thickness,
@@ -237,6 +264,7 @@ impl ClothInputs {
             placement,
             radius,
             bodies: Vec::new(),
+            body_entities: Vec::new(),
             wind: Wind::default(),
             stale: true,
             checked: Checked::default(),
@@ -355,6 +383,8 @@ pub(crate) struct ClothShown {
     pub fresh: bool,
     /// Whether to write even if nothing moved.
     pub forced: bool,
+    /// Whether nothing moved since it fell asleep.
+    pub still: bool,
 }
 
 impl ClothShown {

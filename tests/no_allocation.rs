@@ -79,3 +79,22 @@ fn what_the_panel_records_allocates_nothing_after_the_first_frame() {
     let allocations = COUNT.with(Cell::get) - before;
     assert_eq!((allocations, history.samples().count() > 500), (0, true));
 }
+
+#[test]
+fn a_cloth_that_comes_to_rest_allocates_nothing() {
+    let mut scene = bevy_drape::scenes::ball(20).untangled(Default::default(), Default::default(), true).expect("one cloth");
+    for _ in 0..60 {
+        scene.step(1.0 / 60.0);
+    }
+    // While it settles lists of contacts may still grow; when it becomes calm nothing does.
+    while !scene.cloths[0].scratch.is_calm() && scene.cloths[0].state.time < 60.0 {
+        scene.step(1.0 / 60.0);
+    }
+    assert!(scene.cloths[0].scratch.is_calm(), "not calm after 60 s");
+    let before = COUNT.with(Cell::get);
+    for _ in 0..120 {
+        scene.step(1.0 / 60.0);
+    }
+    let allocations = COUNT.with(Cell::get) - before;
+    assert_eq!(allocations, 0, "{allocations} allocations in 120 frames");
+}

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 pub enum ClothStatus {
     /// Something is missing that may still come.
     Waiting(WaitingFor),
-    /// It is simulated.
+    /// It is simulated, or sleeps: [`ClothReport::asleep`](crate::ClothReport::asleep).
     Active,
     /// It cannot be simulated; [`ClothError`] on the entity says why.
     Failed,

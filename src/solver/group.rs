@@ -252,11 +252,13 @@ impl Group {
             return;
         }
         let parts = self.surface.parts.len();
-        let mut h = 0.0f32;
+        let (mut h, mut gravity, mut calm) = (0.0f32, Vec3::ZERO, true);
         self.contacts.begin_gather();
         for part in 0..parts {
-            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+            let Some(Member { cloth, state, scratch, offset, moves, .. }) = cloths.member(part) else { continue };
             if moves {
+                calm &= scratch.is_calm();
+                gravity += cloth.input.gravity;
                 h = h.max(state.substep);
             }
             let offset = offset.extend(0.0);
@@ -267,7 +269,7 @@ impl Group {
                 _ => (Vec4::NAN, Vec4::NAN),
             });
         }
-        self.contacts.solve(h);
+        self.contacts.solve(h, gravity, calm);
         for part in 0..parts {
             let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);
@@ -348,6 +350,27 @@ impl Group {
     #[must_use]
     pub fn contacts(&self) -> &Contacts {
         &self.contacts
+    }
+
+    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them [m] in the frame of the group, the unit
+    /// normal towards the first, and the mean push per substep times the mass it moves [kg·m].
+    pub fn touches(&self, mut found: impl FnMut([usize; 2], Vec3, Vec3, f32)) {
+        for (ids, weights, normal, load) in self.contacts.pushes() {
+            let parts = [ids[0], ids[3]].map(|v| usize::from(self.surface.part(v)));
+            if parts[0] == parts[1] {
+                continue;
+            }
+            let (mut point, mut mobility) = (Vec3::ZERO, 0.0);
+            for (&v, weight) in ids.iter().zip(weights) {
+                let x = self.positions[v as usize];
+                // Weights of either side add up to one.
+                point += x.truncate() * (0.5 * weight.abs());
+                mobility += weight * weight * x.w;
+            }
+            if mobility > 0.0 {
+                found(parts, point, normal, load / mobility);
+            }
+        }
     }
 
     /// Says that cloth `part`, as gathered, stays where it is, whatever speed it had when it was stopped.

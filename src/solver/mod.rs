@@ -22,3 +22,5 @@ pub mod load;
 pub mod fit;
 pub mod recover;
 pub mod surface;
+pub mod pick;
+pub mod kick;

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::body::{Approach, Body, BodyContacts, Touch};
-use super::integrate::{anchor, bend, damp, leash, net, predict, spring, tether};
+use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
 use super::state::ClothState;
@@ -71,11 +71,19 @@ pub struct Scratch {
     overlong: spring::Overlong,
     contacts: BodyContacts,
     wind: WindForces,
+    pulls: pull::Pulls,
     rigid: Vec<u32>,
     acceleration: Vec<Vec4>,
     before: Vec<Vec4>,
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
+    /// Whether the last frame took it for strained, and for taut.
+    strained: bool,
+    taut: bool,
+    /// For how long it was slow [s].
+    slow_for: f32,
+    /// Substeps between those in which the factors of bending are for.
+    bend_every: u64,
     frame: Option<Frame>,
     /// Whether the last frame ended with overlong edges shortened.
     shortened: bool,
@@ -90,9 +98,25 @@ impl Scratch {
         self.shortened
     }
 
+    /// What pulls at the cloth in the frames to come; it stays until it is changed.
+    pub fn pulls_mut(&mut self) -> &mut pull::Pulls {
+        &mut self.pulls
+    }
+
+    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep, by body.
+    pub fn touches(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.contacts.loads()
+    }
+
     /// Particles that touched a body in the last substep.
     pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
         self.contacts.touching()
+    }
+
+    /// Whether the cloth has been slow for a while.
+    #[must_use]
+    pub fn is_calm(&self) -> bool {
+        self.slow_for >= CALM_AFTER
     }
 
     /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
@@ -116,14 +140,26 @@ impl Scratch {
 /// Wind forces are evaluated at least this often [Hz].
 const WIND_RATE: f32 = 60.0;
 
-/// Bending elements are solved once in this many substeps, with the impulse of as many.
+/// Bending elements are solved once in this many substeps, with the impulse of as many; in every substep of a calm cloth, which the alternation would keep from rest.
 const BEND_EVERY: u64 = 2;
 
-/// Beyond this many strain limits a cloth is strained: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
+/// Root mean square of the speeds below which a cloth becomes calm [m/s]; at twice that it no longer is.
+const CALM_SPEED: f32 = 0.03;
+
+/// Time for which it has to be that slow [s].
+const CALM_AFTER: f32 = 0.25;
+
+/// What a calm cloth loses of its velocities on top of drag [1/s]: what one sweep over constraints in a row leaves over keeps going around for ever otherwise.
+const CALM_DRAG: f32 = 5.0;
+
+/// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
-/// Beyond this many strain limits a cloth is taut: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
+/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
+
+/// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would do it every other frame.
+const EASED: f32 = 0.5;
 
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
@@ -201,6 +237,9 @@ struct Frame {
     gusts: u32,
     strained: bool,
     taut: bool,
+    /// Substeps between those with bending, and drag [1/s].
+    bend_every: u64,
+    drag: f32,
     report: StepReport,
 }
 
@@ -233,11 +272,18 @@ impl Stepped<'_> {
         let h = dt / substeps as f32;
         if scratch.factors_for != h {
             scratch.springs.update(&rest.springs, fabric, &state.positions, h);
-            scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * BEND_EVERY as f32);
+            scratch.bend_every = 0;
             scratch.hubs.update(&rest.net, &state.positions);
             scratch.factors_for = h;
         }
+        let calm = scratch.is_calm();
+        let bend_every = if calm { 1 } else { BEND_EVERY };
+        if scratch.bend_every != bend_every {
+            scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * bend_every as f32);
+            scratch.bend_every = bend_every;
+        }
         if fabric.damping > 0.0 {
+            bend::rub(&rest.bends, fabric.bend_stiffness, dt, state.substep, &state.positions, &mut state.previous);
             damp::solve(&rest.springs, fabric.damping, dt, &state.positions, &mut state.previous);
         }
         let approach = Approach {
@@ -248,14 +294,19 @@ impl Stepped<'_> {
             extra: anchors.longest_way() + input.wind.fastest() * dt,
         };
         scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+        // Of its first frame nothing is known: a cloth may start in a storm.
+        let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
+        let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
+        (scratch.strained, scratch.taut) = (strained, taut);
         scratch.frame = Some(Frame {
             dt,
             h,
             begun: 0,
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
-            // Of its first frame nothing is known: a cloth may start in a storm.
-            strained: scratch.strain() > STRAINED * fabric.strain_limit || scratch.worst_edge == 0.0,
-            taut: scratch.strain() > TAUT * fabric.strain_limit,
+            strained,
+            taut,
+            bend_every,
+            drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
             report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
         });
     }
@@ -280,7 +331,7 @@ impl Stepped<'_> {
             let faces = &rest.topology.faces;
             scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
         }
-        let carry = if state.substep > 0.0 { h / state.substep * (-fabric.drag * h).exp() } else { 0.0 };
+        let carry = if state.substep > 0.0 { h / state.substep * (-frame.drag * h).exp() } else { 0.0 };
         let push = 0.5 * h * (state.substep + h);
         if windy {
             predict::predict(x, old, &scratch.acceleration, carry, push);
@@ -289,17 +340,19 @@ impl Stepped<'_> {
         }
         state.substep = h;
         anchor::solve(anchors, frame.span().1, h, x);
-        // Turn about: tethers are at a bound, which holds for more than one substep.
-        if state.substeps.is_multiple_of(BEND_EVERY) {
+        scratch.pulls.solve(frame.span().1, h, x);
+        // Turn about: tethers are at a bound, which holds for more than one substep. Both at once in a calm cloth.
+        if state.substeps.is_multiple_of(frame.bend_every) {
             bend::solve(&rest.bends, &scratch.bends, x);
-        } else {
+        }
+        if frame.bend_every == 1 || !state.substeps.is_multiple_of(frame.bend_every) {
             scratch.tethers.solve(fabric.tether_scale, x);
         }
         if frame.strained {
             scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
         }
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
-        for _ in 0..if frame.taut { TAUT_SWEEPS } else { 0 } {
+        for _ in 0..if frame.taut { TAUT_SWEEPS * if frame.bend_every == 1 { 2 } else { 1 } } else { 0 } {
             spring::limit(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         }
         state.substeps += 1;
@@ -323,13 +376,28 @@ impl Stepped<'_> {
         state.time += f64::from(frame.dt);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
-        scratch.shortened = scratch.strain() > STRAINED * fabric.strain_limit;
+        scratch.shortened = !scratch.is_calm() && scratch.strain() > STRAINED * fabric.strain_limit;
         if scratch.shortened {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
+        let bound = if scratch.is_calm() { 2.0 * CALM_SPEED } else { CALM_SPEED };
+        // False for what is not a number.
+        scratch.slow_for = if mean_square_speed(state) <= bound * bound { (scratch.slow_for + frame.dt).min(1.0) } else { 0.0 };
         Some(report)
     }
+}
+
+/// Mean square of the speeds of free particles over the last substep [m²/s²].
+fn mean_square_speed(state: &ClothState) -> f32 {
+    let (mut sum, mut count) = (0.0, 0u32);
+    for (x, old) in state.positions.iter().zip(&state.previous) {
+        if x.w > 0.0 {
+            sum += (*x - *old).truncate().length_squared();
+            count += 1;
+        }
+    }
+    sum / (count.max(1) as f32 * state.substep * state.substep)
 }
 
 /// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.

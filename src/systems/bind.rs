@@ -324,7 +324,15 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
     let state = ClothState { previous: positions.clone(), positions, ..ClothState::default() };
     let mut recovery = Recovery::default();
     recovery.start(&state);
-    ClothParticles { state, origin, before: Vec::new(), recovery, display: Display::default(), carrier: Some(inputs.carrier()) }
+    ClothParticles {
+        state,
+        origin,
+        before: Vec::new(),
+        recovery,
+        display: Display::default(),
+        carrier: Some(inputs.carrier()),
+        disturbed: false,
+    }
 }
 
 /// Scales state and anchors about the place of the cloth.

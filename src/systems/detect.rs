@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy::tasks::ComputeTaskPool;
 
+use super::sleep::Slumber;
 use super::stopwatch;
 use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
 use crate::groups::{ClothGroup, ClothGroups, Member};
@@ -22,12 +23,13 @@ pub(crate) fn group(
             &Untangle,
             Option<&ClothLayers>,
             &mut ClothScratch,
+            &mut Slumber,
         ),
         With<Cloth>,
     >,
 ) {
     groups.begin();
-    for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch) in &mut cloths {
+    for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch, _) in &mut cloths {
         let last = scratch.group.take().map(|(group, _)| group);
         let last_box = scratch.bounds.take();
         if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
@@ -35,13 +37,15 @@ pub(crate) fn group(
         }
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
         let fixed = still || !untangle.enabled;
-        let member = Member { entity, rest: rest.0.clone(), collision: *collision, thickness: inputs.thickness, fixed, still };
+        let (asleep, thickness) = (inputs.asleep, inputs.thickness);
+        let member = Member { entity, rest: rest.0.clone(), collision: *collision, thickness, fixed, still, asleep };
         let layers = layers.copied().unwrap_or_default();
         scratch.bounds = groups.add(member, inputs, particles, layers, last_box, last);
     }
-    groups.form(|entity, group, part| {
-        if let Ok(mut cloth) = cloths.get_mut(entity) {
-            cloth.7.group = Some((group, part));
+    groups.form(|entity, group, part, roused| {
+        if let Ok((.., mut scratch, mut slumber)) = cloths.get_mut(entity) {
+            scratch.group = Some((group, part));
+            slumber.roused |= roused;
         }
     });
 }
@@ -54,6 +58,9 @@ pub(crate) fn detect(
 ) {
     let dt = time.delta_secs();
     each(&mut groups.list, |group| {
+        if group.asleep {
+            return;
+        }
         let clock = stopwatch();
         group.touch.clear();
         for part in 0..group.members.len() {

@@ -17,6 +17,9 @@ use crate::solver::evaluate::{Pose, Shown, Verdict};
 /// Looks again where something moved, in parallel over groups.
 pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
     each(&mut groups.list, |group| {
+        if group.asleep {
+            return;
+        }
         let clock = stopwatch();
         group.group.evaluate();
         group.times[2] = clock();
@@ -32,7 +35,7 @@ pub(crate) fn judge(
     let dt = time.delta_secs();
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
         |(inputs, scratch, mut particles, mut report)| {
-            if !inputs.active {
+            if !inputs.active || inputs.asleep {
                 return;
             }
             let clock = stopwatch();

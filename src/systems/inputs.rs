@@ -24,7 +24,8 @@ const REBASE: f32 = 2.0;
 pub(crate) struct WorldAir {
     wind: Wind,
     gravity: Vec3,
-    zones: Vec<(Entity, WindZone, Isometry3d)>,
+    /// In the order of entities.
+    pub zones: Vec<(Entity, WindZone, Isometry3d)>,
     checked: Checked,
 }
 
@@ -269,6 +270,10 @@ pub(crate) fn surroundings(
     mut cloths: Query<(Entity, &ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
 ) {
     for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
+        if inputs.asleep {
+            continue;
+        }
+        let inputs = &mut *inputs;
         let layers = layers.copied().unwrap_or_default();
         let origin = particles.origin;
         let pose = |at: &Isometry3d| {
@@ -278,6 +283,8 @@ pub(crate) fn surroundings(
         inputs.bodies.clear();
         // A cloth does not meet the collider on its own entity.
         let meets = |body: &&WorldBody| body.entity != entity && layers.touches(body.layers);
+        inputs.body_entities.clear();
+        inputs.body_entities.extend(world.bodies.iter().filter(meets).map(|body| body.entity));
         inputs.bodies.extend(world.bodies.iter().filter(meets).map(|body| Body {
             shape: body.shape.clone(),
             from: pose(&body.from),

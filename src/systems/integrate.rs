@@ -61,6 +61,9 @@ pub(crate) fn integrate(time: Res<Time>, clock: Res<ClothClock>, mut groups: Res
 /// Makes room for the members of a group that are stepped side by side: those of one whose members are all as they were when it was looked at.
 fn gather(group: &mut ClothGroup, cloths: &Stepping) {
     group.work.clear();
+    if group.asleep {
+        return;
+    }
     let fits = |member: &Member| {
         cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| {
             Arc::ptr_eq(&rest.0, &member.rest) && particles.len() == rest.0.positions.len() && scratch.group.is_some()
@@ -118,7 +121,7 @@ impl Members for Together<'_, '_, '_, '_> {
     fn member(&mut self, part: usize) -> Option<group::Member<'_>> {
         let (member, work) = (self.members.get(part)?, self.work.get_mut(part)?);
         let (rest, inputs, particles, ..) = self.inputs.get(member.entity).ok()?;
-        let moves = inputs.active && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
+        let moves = inputs.active && !inputs.asleep && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
         let input = FrameInput { dt: if moves { self.dt * inputs.time_scale } else { 0.0 }, ..inputs.frame(self.dt) };
         Some(group::Member {
             cloth: Stepped { rest: &rest.0, fabric: &inputs.fabric, anchors: &inputs.anchors, input },
@@ -147,7 +150,7 @@ fn begin(
     scratch: &mut ClothScratch,
 ) -> bool {
     let fits = particles.state.positions.len() == rest.0.positions.len();
-    if !(inputs.active && fits && dt > 0.0) || particles.recovery.is_frozen() {
+    if !(inputs.active && !inputs.asleep && fits && dt > 0.0) || particles.recovery.is_frozen() {
         // Nothing moved: there is nothing to interpolate.
         particles.before.clear();
         return false;

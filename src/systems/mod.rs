@@ -4,13 +4,16 @@ pub(crate) mod bind;
 pub(crate) mod colliders;
 pub(crate) mod detect;
 pub(crate) mod evaluate;
+pub(crate) mod grab;
 pub(crate) mod inputs;
 pub(crate) mod integrate;
 pub(crate) mod release;
 pub(crate) mod resolve;
 pub(crate) mod respond;
+pub(crate) mod sleep;
 pub(crate) mod sources;
 pub(crate) mod sync;
+pub(crate) mod touch;
 
 use bevy::platform::time::Instant;
 

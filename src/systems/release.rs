@@ -8,6 +8,7 @@ use crate::components::{Cloth, ClothCollider, ClothError, ClothStatus, WindZone}
 use crate::notices::Notices;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::systems::colliders::ColliderBody;
+use crate::systems::sleep::Slumber;
 
 /// Gives the authored mesh back when `Cloth` is removed.
 pub(crate) fn on_remove_cloth(
@@ -35,7 +36,7 @@ pub(crate) fn on_remove_cloth(
 
 /// Removes what the simulation put on the entity and gives its skin and bounds back.
 pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding) {
-    entity.try_remove::<(ClothRest, ClothParticles, ClothInputs, ClothScratch, ClothShown)>();
+    entity.try_remove::<(ClothRest, ClothParticles, ClothInputs, ClothScratch, ClothShown, Slumber)>();
     if binding.instance.is_none() {
         return;
     }

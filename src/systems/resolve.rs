@@ -24,6 +24,9 @@ const AT_LOAD: u32 = 300;
 pub(crate) fn resolve(time: Res<Time>, mut groups: ResMut<ClothGroups>, cloths: Springs) {
     let dt = time.delta_secs();
     each(&mut groups.list, |group| {
+        if group.asleep {
+            return;
+        }
         let clock = stopwatch();
         if !group.group.total().is_clean() && group.members.iter().any(|m| is_new(m, &cloths)) {
             at_load(group, &cloths);
@@ -48,7 +51,7 @@ pub(crate) fn resolve(time: Res<Time>, mut groups: ResMut<ClothGroups>, cloths: 
 
 /// Gives what moved back to the cloths.
 pub(crate) fn scatter(groups: Res<ClothGroups>, mut cloths: Query<&mut ClothParticles, With<Cloth>>) {
-    for group in groups.list.iter().filter(|g| g.group.has_moved()) {
+    for group in groups.list.iter().filter(|g| !g.asleep && g.group.has_moved()) {
         for (part, member) in group.members.iter().enumerate() {
             if let Ok(mut particles) = cloths.get_mut(member.entity) {
                 let offset = group.offset(particles.origin);

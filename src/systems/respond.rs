@@ -10,11 +10,14 @@ use crate::groups::ClothGroups;
 /// Makes up the contacts of every group, in parallel over groups.
 pub(crate) fn respond(mut groups: ResMut<ClothGroups>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
     each(&mut groups.list, |group| {
+        if group.asleep {
+            return;
+        }
         let clock = stopwatch();
         group.group.respond();
         group.times[3] = clock();
     });
-    for group in &groups.list {
+    for group in groups.list.iter().filter(|group| !group.asleep) {
         for (part, member) in group.members.iter().enumerate() {
             if let Ok(mut report) = reports.get_mut(member.entity) {
                 report.respond_ms = group.share(part) * group.times[3];

@@ -32,8 +32,13 @@ pub(crate) fn shape(
                 return;
             }
             let shown = &mut *shown;
+            let moves = shown.forced || shown.affine != affine || shown.origin != particles.origin;
+            if inputs.asleep && shown.still && !moves {
+                return;
+            }
             let moved = show_particles(particles, overstep, &mut shown.particles);
-            if moved || shown.forced || shown.affine != affine || shown.origin != particles.origin {
+            shown.still = inputs.asleep && !moved;
+            if moved || moves {
                 (shown.affine, shown.origin) = (affine, particles.origin);
                 let thickness = inputs.fabric.thickness;
                 show_vertices(&rest.0, inputs, &affine, particles.origin, thickness, shown);

@@ -9,9 +9,14 @@ mod contact;
 mod frame;
 #[cfg(feature = "gltf")]
 mod gltf;
+mod grab;
 mod lifecycle;
 mod pins;
+mod query;
+mod rest;
+mod sleep;
 mod sync;
+mod touch;
 mod untangle;
 mod warnings;
 mod wiring;

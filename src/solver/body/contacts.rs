@@ -77,6 +77,9 @@ pub struct BodyContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
+    /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
+    parts_before: Vec<Part>,
+    candidates_before: Vec<Candidate>,
     dt: f32,
 }
 
@@ -92,6 +95,14 @@ impl BodyContacts {
         self.candidates.iter().filter(|c| c.load > 0.0).map(|c| c.particle)
     }
 
+    /// Number of the body, particle and mean push per substep [m] of every contact when last projected, by body.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.parts.iter().flat_map(|part| {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
+            candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.particle, c.load))
+        })
+    }
+
     #[cfg(test)]
     pub(super) fn capacities(&self) -> [usize; 3] {
         [self.parts.capacity(), self.planes.capacity(), self.candidates.capacity()]
@@ -103,9 +114,12 @@ impl BodyContacts {
     /// `v dt + |g| dt² + b + extra + 2 thickness`, `v` the fastest particle's speed and `b` the longest way of a body, which may push
     /// a particle against another body. Pinned (`w = 0`) and non-finite particles never are.
     pub fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
+        core::mem::swap(&mut self.parts, &mut self.parts_before);
+        core::mem::swap(&mut self.candidates, &mut self.candidates_before);
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
+        let mut known = 0;
         self.dt = approach.dt;
         let passes = approach.dt > 0.0;
         if bodies.is_empty() || !passes {
@@ -144,6 +158,12 @@ impl BodyContacts {
                 }
                 let candidates = (first, self.candidates.len() as u32);
                 if candidates.1 > candidates.0 {
+                    while self.parts_before.get(known).is_some_and(|p| (p.body, p.index) < (b, index)) {
+                        known += 1;
+                    }
+                    if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
+                        keep_loads(&self.candidates_before, before.candidates, &mut self.candidates[first as usize..]);
+                    }
                     let planes = (first_plane, self.planes.len() as u32);
                     self.parts.push(Part { body: b, index, local, planes, candidates, radius });
                 }
@@ -253,6 +273,17 @@ impl BodyContacts {
 impl Candidate {
     fn new(particle: u32) -> Self {
         Self { particle, load: 0.0, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY }
+    }
+}
+
+/// Passes on the loads of contacts that stay; both lists are in the order of particles.
+fn keep_loads(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candidate]) {
+    let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().filter(|c| c.load > 0.0).peekable();
+    for candidate in now {
+        while before.next_if(|old| old.particle < candidate.particle).is_some() {}
+        if let Some(old) = before.next_if(|old| old.particle == candidate.particle) {
+            candidate.load = old.load;
+        }
     }
 }
 

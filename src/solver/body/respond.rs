@@ -27,7 +27,7 @@ pub(super) const RECOVERY_SPEED: f32 = 1.0;
 const LOAD_SHARE: f32 = 0.25;
 
 /// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
-pub(super) const BAND: f32 = 0.02;
+pub(crate) const BAND: f32 = 0.02;
 
 /// Friction coefficients of one body and one fabric (dimensionless).
 #[derive(Clone, Copy, Debug)]

@@ -45,6 +45,43 @@ impl BendFactors {
     }
 }
 
+/// Curvature within which a fabric keeps any bend, by the friction of its yarns [1/m]: the moment of hysteresis over the bending stiffness. Kawabata (1980) measures 10 to 50
+/// on wool and cotton. 0: folds swing for a long time; much more: folds creep to their place.
+const HYSTERESIS: f32 = 4.0;
+
+/// Share of a rate that one element may take, since elements overlap.
+const RUB_SHARE: f32 = 0.25;
+
+/// Friction between yarns that slide on each other where the cloth bends: a moment `M = B · HYSTERESIS` [N] per width against every change of `v`, whatever its speed, so that
+/// a cloth comes to rest. Once per frame of `dt` [s], for velocities over a substep of `h` [s]; it moves `previous` (Coulomb's law as an impulse):
+///
+/// ```text
+/// Δv̇ = -min(|v̇|, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
+/// ```
+pub fn rub(bends: &Bends, stiffness: f32, dt: f32, h: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+    let most = stiffness * HYSTERESIS * dt * h;
+    if !(most > 0.0) {
+        return;
+    }
+    for (particles, coefficients) in bends.particles.iter().zip(&bends.coefficients) {
+        for (particles, &c) in particles.iter().zip(coefficients) {
+            let x = particles.map(|p| positions[p as usize]);
+            let old = particles.map(|p| previous[p as usize]);
+            let wc = c * Vec4::from_array(x.map(|x| x.w));
+            let w = wc.dot(c);
+            let rate = curvature(&std::array::from_fn(|k| x[k] - old[k]), c);
+            let length = rate.length();
+            if !(w > 0.0 && length > 0.0) {
+                continue;
+            }
+            let by = wc * ((RUB_SHARE * length).min(most * w) / (w * length));
+            for k in 0..4 {
+                previous[particles[k] as usize] = old[k] + rate * by[k];
+            }
+        }
+    }
+}
+
 /// Solves every bending element once.
 pub fn solve(bends: &Bends, factors: &BendFactors, positions: &mut [Vec4]) {
     let batches = bends.particles.iter().zip(&bends.coefficients).zip(&factors.share);

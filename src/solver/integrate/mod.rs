@@ -2,6 +2,7 @@
 
 pub mod damp;
 pub mod predict;
+pub mod pull;
 pub mod anchor;
 pub mod bend;
 pub mod tether;

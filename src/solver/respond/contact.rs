@@ -15,7 +15,7 @@ use core::cmp::Ordering;
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::FREE;
-use crate::solver::body::{Friction, Plane, respond};
+use crate::solver::body::{BAND, Friction, Plane, respond};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
@@ -54,6 +54,8 @@ pub(super) struct Particles<'a> {
     pub now: &'a mut [Vec4],
     pub old: &'a mut [Vec4],
     pub levels: &'a mut [u8],
+    /// Against gravity; zero without.
+    pub up: Vec3,
 }
 
 impl Contact {
@@ -107,7 +109,8 @@ impl Contact {
         }
         let mobility: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
         // NaN passes no comparison.
-        if !(gap < 0.0 && mobility > 0.0) {
+        let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
+        if !(touches && mobility > 0.0) {
             self.load = 0.0;
             return false;
         }
@@ -128,7 +131,7 @@ impl Contact {
         true
     }
 
-    /// Makes the side heavier that is closer to a body, which would only push it back, and passes on how close that is (mass scaling as in
+    /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that is (mass scaling as in
     /// Macklin et al. 2014, section 5.2).
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
@@ -136,12 +139,17 @@ impl Contact {
         let split = self.first();
         let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
         let (first, second) = (lowest(&ids[..split]), lowest(&ids[split..]));
-        let (heavy, above, level) = match first.cmp(&second) {
-            Ordering::Less => (0..split, split..4, first),
+        // Upwards along the normal, from the heavy side to the one it carries.
+        let (heavy, above, level, up) = match first.cmp(&second) {
+            Ordering::Less => (0..split, split..4, first, -self.normal.dot(particles.up)),
             Ordering::Equal => return,
-            Ordering::Greater => (split..4, 0..split, second),
+            Ordering::Greater => (split..4, 0..split, second, self.normal.dot(particles.up)),
         };
-        heavy.for_each(|i| x[i].w *= SUPPORT);
+        if !(up > 0.0) {
+            return;
+        }
+        let share = 1.0 + (SUPPORT - 1.0) * up;
+        heavy.for_each(|i| x[i].w *= share);
         above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + 1));
     }
 }

@@ -153,6 +153,7 @@ impl Finder {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
         }
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        contacts.note_loads();
         contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_behind();
         for (part, &h) in surface.parts.iter().zip(moment.substep) {
@@ -229,7 +230,7 @@ impl Finder {
             }
             let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
             let friction = Friction::between(rub(mine), rub(other));
-            let slots = ids.map(|v| contacts.slot(v));
+            let (slots, load) = (ids.map(|v| contacts.slot(v)), contacts.load(pair.kind, ids));
             contacts.pairs.push(Contact {
                 kind: pair.kind,
                 faces,
@@ -238,7 +239,7 @@ impl Finder {
                 normal,
                 thickness,
                 friction,
-                load: 0.0,
+                load,
                 behind: false,
                 was_behind: false,
             });

@@ -16,7 +16,7 @@ mod contact;
 mod find;
 mod guard;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use crate::solver::body::Touch;
 use crate::solver::detect::{ProximityKind, Surface};
@@ -46,6 +46,8 @@ pub struct Contacts {
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     behind: Vec<(u8, [u32; 4])>,
+    /// Mean pushes of pairs that touched before the last look [m]: they go on from there.
+    loads: Vec<(u8, [u32; 4], f32)>,
     /// Pairs that touched in the last [`Self::solve`].
     touching: u32,
 }
@@ -67,6 +69,7 @@ impl Contacts {
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
     fn begin(&mut self) {
+        self.note_loads();
         let Self { pairs, particles, .. } = self;
         pairs.retain(|pair| pair.behind);
         for pair in pairs.iter_mut() {
@@ -99,6 +102,12 @@ impl Contacts {
         self.touching
     }
 
+    /// Particles, weights, unit normal towards the first and mean push per substep [m] of every pair that touched in the last [`Self::solve`].
+    pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
+        let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
+        touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.load))
+    }
+
     /// Makes room for the particles of a surface.
     fn fit(&mut self, surface: &Surface) {
         self.slots.resize(surface.len(), NONE);
@@ -118,6 +127,20 @@ impl Contacts {
         let Self { pairs, particles, behind, .. } = self;
         behind.extend(pairs.iter().filter(|p| p.behind).map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]))));
         behind.sort_unstable();
+    }
+
+    /// Lists the loads of pairs that touch.
+    fn note_loads(&mut self) {
+        self.loads.clear();
+        let Self { pairs, particles, loads, .. } = self;
+        let touching = pairs.iter().filter(|p| p.load > 0.0);
+        loads.extend(touching.map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]), p.load)));
+        loads.sort_unstable_by_key(|&(kind, particles, _)| (kind, particles));
+    }
+
+    fn load(&self, kind: ProximityKind, particles: [u32; 4]) -> f32 {
+        let at = self.loads.binary_search_by_key(&(kind as u8, particles), |&(kind, particles, _)| (kind, particles));
+        at.ok().and_then(|i| self.loads.get(i)).map_or(0.0, |&(_, _, load)| load)
     }
 
     fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
@@ -186,11 +209,20 @@ impl Contacts {
         }
     }
 
-    /// Keeps all pairs apart at the end of a substep of `h` [s].
-    pub fn solve(&mut self, h: f32) {
+    /// Keeps all pairs apart at the end of a substep of `h` [s]. What lies below, along `gravity`, carries what lies on it.
+    pub fn solve(&mut self, h: f32, gravity: Vec3, calm: bool) {
         self.touching = 0;
-        let mut particles =
-            Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
+        let up = -gravity.normalize_or_zero();
+        let Self { particles: ids, now, old, levels, .. } = self;
+        let mut particles = Particles { ids, now, old, levels, up };
+        if calm {
+            // Twice, as what one pass leaves over keeps going around in folds that nothing else moves.
+            self.pairs.iter_mut().for_each(|pair| {
+                let behind = pair.behind;
+                pair.solve(h, &mut particles);
+                pair.behind = behind;
+            });
+        }
         for pair in &mut self.pairs {
             self.touching += u32::from(pair.solve(h, &mut particles));
         }

@@ -1,0 +1,55 @@
+//! Cloth that has come to rest costs nothing until something happens to it.
+
+use bevy::prelude::*;
+
+use super::checked::Checked;
+
+/// When a cloth at rest falls asleep: it is then neither stepped nor looked at nor written, until something wakes it.
+///
+/// It sleeps when no particle went farther than `threshold · delay` for as long as `delay`, nothing around it changed meanwhile, and the same is true of every cloth it can meet: those fall
+/// asleep and wake together. It wakes when the wind, gravity, its settings, its pins or a body near it change or move, when another cloth comes near, when it is pushed, grabbed, teleported or
+/// gets another mesh. Gusty wind keeps it awake.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+pub struct ClothSleep {
+    /// Whether it may sleep. Default true.
+    pub enabled: bool,
+    /// Speed below which a particle is at rest [m/s]. Default 0.01, range 0 to 1. Too high: cloth stops in mid-swing; 0: it never sleeps.
+    pub threshold: f32,
+    /// Time for which all particles have to be at rest [s]. Default 0.5, range 0.05 to 60.
+    pub delay: f32,
+}
+
+impl ClothSleep {
+    /// Never sleeps.
+    pub const OFF: Self = Self { enabled: false, threshold: 0.01, delay: 0.5 };
+
+    pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
+        Self {
+            enabled: self.enabled,
+            threshold: checked.within("sleep.threshold", self.threshold, 0.01, 0.0, 1.0),
+            delay: checked.within("sleep.delay", self.delay, 0.5, 0.05, 60.0),
+        }
+    }
+}
+
+impl Default for ClothSleep {
+    fn default() -> Self {
+        Self { enabled: true, ..Self::OFF }
+    }
+}
+
+/// A cloth came to rest and is not simulated until something wakes it.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothSlept {
+    /// The cloth.
+    pub entity: Entity,
+}
+
+/// A cloth that slept is simulated again.
+#[derive(EntityEvent, Clone, Copy, Debug)]
+pub struct ClothWoke {
+    /// The cloth.
+    pub entity: Entity,
+}

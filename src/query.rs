@@ -1,0 +1,119 @@
+//! Questions about shown cloth: where a ray meets it, and what is nearest to a point.
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use crate::components::Cloth;
+use crate::simulation::{ClothRest, ClothShown};
+use crate::solver::pick::{self, Pick};
+
+/// Asks cloths as they are drawn, held and interpolated shapes included. A cloth that was not drawn yet, or cannot be simulated, is not found.
+///
+/// Every triangle of the cloths whose box is met is asked: some 0.1 ms for a cloth of 64² vertices.
+#[derive(SystemParam)]
+pub struct ClothQuery<'w, 's> {
+    cloths: Query<'w, 's, (Entity, &'static ClothRest, &'static ClothShown), With<Cloth>>,
+}
+
+/// A point of a cloth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClothHit {
+    /// The cloth.
+    pub entity: Entity,
+    /// Number of the simulated triangle, see [`ClothRest::shape`].
+    pub triangle: u32,
+    /// Its particles.
+    pub particles: [u32; 3],
+    /// Weights of its particles; they add up to one.
+    pub barycentric: Vec3,
+    /// The point in the world [m].
+    pub point: Vec3,
+    /// Unit normal of the triangle; zero for one without area.
+    pub normal: Vec3,
+    /// Distance from the origin of the ray, or from the point that was asked for [m].
+    pub distance: f32,
+}
+
+impl ClothQuery<'_, '_> {
+    /// The first point of any cloth that a ray meets within `farthest` [m], from either side.
+    #[must_use]
+    pub fn cast_ray(&self, ray: Ray3d, farthest: f32) -> Option<ClothHit> {
+        self.cast_ray_if(ray, farthest, |_| true)
+    }
+
+    /// As [`Self::cast_ray`], of the cloths that `asks` lets through.
+    #[must_use]
+    pub fn cast_ray_if(&self, ray: Ray3d, farthest: f32, asks: impl Fn(Entity) -> bool) -> Option<ClothHit> {
+        let direction = Vec3::from(ray.direction);
+        self.best(farthest, asks, |_, shown, limit| {
+            let origin = (ray.origin.as_dvec3() - shown.origin).as_vec3();
+            let (low, high) = bounds(&shown.particles);
+            // Slabs; NaN, on an axis without motion, is passed over by `max` and `min`.
+            let (u, v) = ((low - origin) / direction, (high - origin) / direction);
+            let (near, far) = (u.min(v).max_element(), u.max(v).min_element());
+            (near <= far * (1.0 + 1.0e-5) + 1.0e-4 && near <= limit && far >= -1.0e-4).then_some((origin, direction))
+        })
+    }
+
+    /// The point of any cloth that is nearest to `point` [m], no farther than `farthest` [m].
+    #[must_use]
+    pub fn nearest_point(&self, point: Vec3, farthest: f32) -> Option<ClothHit> {
+        self.nearest_point_if(point, farthest, |_| true)
+    }
+
+    /// As [`Self::nearest_point`], of the cloths that `asks` lets through.
+    #[must_use]
+    pub fn nearest_point_if(&self, point: Vec3, farthest: f32, asks: impl Fn(Entity) -> bool) -> Option<ClothHit> {
+        self.best(farthest, asks, |_, shown, limit| {
+            let origin = (point.as_dvec3() - shown.origin).as_vec3();
+            let (low, high) = bounds(&shown.particles);
+            (origin.clamp(low, high).distance(origin) <= limit).then_some((origin, Vec3::ZERO))
+        })
+    }
+
+    /// The nearest of all cloths that are within reach: `place` gives the place and the direction in the frame of the cloth, or none when its box is out of reach. Without a
+    /// direction the nearest point is asked for. Of two at the same distance the entity that comes first is taken.
+    fn best(
+        &self,
+        farthest: f32,
+        asks: impl Fn(Entity) -> bool,
+        place: impl Fn(Entity, &ClothShown, f32) -> Option<(Vec3, Vec3)>,
+    ) -> Option<ClothHit> {
+        let mut best: Option<ClothHit> = None;
+        for (entity, rest, shown) in &self.cloths {
+            let faces = &rest.shape().topology.faces;
+            if shown.particles.len() != rest.shape().positions.len() || !asks(entity) {
+                continue;
+            }
+            let limit = best.as_ref().map_or(farthest, |hit| hit.distance);
+            let Some((from, direction)) = place(entity, shown, limit) else { continue };
+            let at = |p: u32| shown.particles.get(p as usize).copied().unwrap_or(Vec3::NAN);
+            let found = if direction == Vec3::ZERO {
+                pick::nearest(faces, at, from, limit)
+            } else {
+                pick::ray(faces, at, from, direction, limit)
+            };
+            let Some(Pick { face, weights, distance }) = found else { continue };
+            if best.as_ref().is_some_and(|hit| (distance, entity) >= (hit.distance, hit.entity)) {
+                continue;
+            }
+            let particles = faces[face];
+            let [a, b, c] = particles.map(at);
+            let point = a * weights.x + b * weights.y + c * weights.z;
+            best = Some(ClothHit {
+                entity,
+                triangle: face as u32,
+                particles,
+                barycentric: weights,
+                point: (shown.origin + point.as_dvec3()).as_vec3(),
+                normal: (b - a).cross(c - a).normalize_or_zero(),
+                distance,
+            });
+        }
+        best
+    }
+}
+
+fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
+    points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
+}

@@ -1,0 +1,87 @@
+//! Prepare: hands every grip to the solver of its cloth.
+
+use bevy::prelude::*;
+
+use crate::components::checked::Checked;
+use crate::components::{Cloth, ClothGrab};
+use crate::notices::Notices;
+use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
+use crate::solver::integrate::pull::Pull;
+
+/// What a grip holds, found once.
+#[derive(Component, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Grip {
+    /// Particles and their shares, which add up to one.
+    shares: Vec<(u32, f32)>,
+    /// From what the shares were found: cloth, particles, weights, radius, and number of particles.
+    of: Option<(Entity, [u32; 3], Vec3, f32, usize)>,
+    /// Target of the last frame in the world [m].
+    target: Option<Vec3>,
+}
+
+/// Reads every grip. A cloth that is grabbed does not sleep.
+pub(crate) fn grabs(
+    mut commands: Commands,
+    mut notices: ResMut<Notices>,
+    mut grabs: Query<(Entity, Option<&Name>, &ClothGrab, Option<&mut Grip>)>,
+    mut cloths: Query<(&ClothRest, &mut ClothParticles, &mut ClothScratch), With<Cloth>>,
+    mut checked: Local<Checked>,
+) {
+    for (_, _, mut scratch) in &mut cloths {
+        if !scratch.solver.pulls_mut().is_empty() {
+            scratch.solver.pulls_mut().clear();
+        }
+    }
+    for (entity, name, grab, grip) in grabs.iter_mut().sort::<Entity>() {
+        let Some(mut grip) = grip else {
+            commands.entity(entity).try_insert(Grip::default());
+            continue;
+        };
+        checked.clear();
+        let (radius, compliance, force) = grab.checked(&mut checked);
+        if !grab.target.is_finite() {
+            checked.clamped.push("grab.target".into());
+        }
+        notices.clamped(entity, name, "grab", &checked.clamped);
+        let Ok((rest, mut particles, mut scratch)) = cloths.get_mut(grab.cloth) else { continue };
+        let of = (grab.cloth, grab.particles, grab.weights, radius, particles.len());
+        if grip.of != Some(of) {
+            grip.of = Some(of);
+            find(grab, radius, rest, &mut grip.shares);
+        }
+        if grip.shares.is_empty() || !grab.target.is_finite() {
+            continue;
+        }
+        let from = grip.target.replace(grab.target).unwrap_or(grab.target);
+        let [from, to] = [from, grab.target].map(|p| (p.as_dvec3() - particles.origin).as_vec3());
+        let pull = Pull { from, to, compliance, force };
+        scratch.solver.pulls_mut().add(pull, grip.shares.iter().copied());
+        particles.disturbed = true;
+    }
+}
+
+/// Shares of the particles around the point at rest, `(1 - d²/r²)²`, and of its triangle in any case. None when the cloth does not have those particles.
+fn find(grab: &ClothGrab, radius: f32, rest: &ClothRest, shares: &mut Vec<(u32, f32)>) {
+    shares.clear();
+    let shape = rest.shape();
+    let Some(corners) = grab.particles.iter().map(|&p| shape.positions.get(p as usize)).collect::<Option<Vec<_>>>() else {
+        return;
+    };
+    let weights = grab.weights.max(Vec3::ZERO);
+    let weights = weights / weights.element_sum();
+    if !weights.is_finite() {
+        return;
+    }
+    let center: Vec3 = corners.iter().zip(weights.to_array()).map(|(&&x, w)| x * w).sum();
+    let fade = |x: &Vec3| (1.0 - x.distance_squared(center) / (radius * radius)).max(0.0).powi(2);
+    for (i, x) in (0_u32..).zip(&shape.positions) {
+        let own = grab.particles.iter().zip(weights.to_array()).filter(|(p, _)| **p == i).map(|(_, w)| w).sum::<f32>();
+        let share = own + if radius > 0.0 { fade(x) } else { 0.0 };
+        if share > 0.0 {
+            shares.push((i, share));
+        }
+    }
+    let sum: f32 = shares.iter().map(|(_, share)| share).sum();
+    shares.iter_mut().for_each(|(_, share)| *share /= sum);
+}

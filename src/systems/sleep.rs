@@ -1,0 +1,315 @@
+//! Sleep: a cloth at rest is left alone until something happens to it.
+//!
+//! ```text
+//! Prepare   watch   anything new around a cloth? ─► its rest begins anew; it wakes, and with it its group
+//! Respond   doze    at rest for long enough, and so is its group ─► it sleeps
+//! ```
+
+use std::sync::Arc;
+
+use bevy::ecs::batching::BatchingStrategy;
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use parry3d::bounding_volume::BoundingVolume;
+
+use super::colliders::{WorldBodies, WorldBody};
+use super::inputs::WorldAir;
+use crate::components::checked::Checked;
+use crate::components::{
+    Cloth, ClothCollision, ClothLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothWoke, Untangle, WindZone,
+    WindZoneShape,
+};
+use crate::groups::ClothGroups;
+use crate::notices::Notices;
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::solver::body::{Pose, SharedShape};
+use crate::solver::wind::Turbulence;
+
+/// Way of a pin or a body that counts as none [m], and of the parts of its rotation.
+const STILL: f32 = 1.0e-4;
+/// Distance from the box of a cloth at which a body is near, on top of thickness and margin [m].
+const NEAR: f32 = 0.02;
+
+/// How long a cloth has been at rest, and under what.
+#[derive(Component, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct Slumber {
+    asleep: bool,
+    /// Another cloth came near.
+    pub roused: bool,
+    /// Time at rest [s].
+    quiet_for: f32,
+    /// Whether it rested long enough.
+    ready: bool,
+    threshold: f32,
+    delay: f32,
+    /// Where the particles were when the rest began [m].
+    marks: Vec<Vec3>,
+    seen: Seen,
+}
+
+/// What a cloth rests under.
+#[derive(Default)]
+struct Seen {
+    gravity: Vec3,
+    air: Option<(Vec3, f32, Turbulence)>,
+    anchors: Vec<Vec3>,
+    layers: ClothLayers,
+    bodies: Vec<SeenBody>,
+    zones: Vec<(Entity, WindZone, Isometry3d)>,
+}
+
+/// A body near a cloth.
+struct SeenBody {
+    entity: Entity,
+    shape: SharedShape,
+    at: Isometry3d,
+    surface: [f32; 3],
+}
+
+impl SeenBody {
+    fn of(body: &WorldBody) -> Self {
+        let surface = [body.margin, body.static_friction, body.dynamic_friction];
+        Self { entity: body.entity, shape: body.shape.clone(), at: body.to, surface }
+    }
+
+    fn is(&self, body: &WorldBody) -> bool {
+        self.entity == body.entity
+            && Arc::ptr_eq(&self.shape.0, &body.shape.0)
+            && self.surface == [body.margin, body.static_friction, body.dynamic_friction]
+            && stays(&self.at, &body.to)
+    }
+}
+
+/// Whether two places are one.
+fn stays(a: &Isometry3d, b: &Isometry3d) -> bool {
+    let (p, q) = (Vec4::from(a.rotation), Vec4::from(b.rotation));
+    let turn = (p - q).abs().max_element().min((p + q).abs().max_element());
+    a.translation.distance(b.translation) <= STILL && turn <= STILL
+}
+
+/// What there is in the world that may wake a cloth.
+#[derive(SystemParam)]
+pub(crate) struct Around<'w> {
+    bodies: Res<'w, WorldBodies>,
+    air: Res<'w, WorldAir>,
+}
+
+/// A cloth that may sleep.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Sleeper {
+    entity: Entity,
+    name: Option<&'static Name>,
+    solver: Ref<'static, ClothSolver>,
+    collision: Ref<'static, ClothCollision>,
+    untangle: Ref<'static, Untangle>,
+    sleep: Ref<'static, ClothSleep>,
+    layers: Option<&'static ClothLayers>,
+    inputs: &'static mut ClothInputs,
+    particles: &'static mut ClothParticles,
+    scratch: &'static ClothScratch,
+    slumber: &'static mut Slumber,
+    report: &'static mut ClothReport,
+}
+
+/// Looks for what is new around every cloth, and wakes those that it concerns.
+pub(crate) fn watch(
+    mut commands: Commands,
+    around: Around,
+    mut groups: ResMut<ClothGroups>,
+    mut notices: ResMut<Notices>,
+    mut cloths: Query<Sleeper, With<Cloth>>,
+    mut checked: Local<Checked>,
+) {
+    for mut cloth in &mut cloths {
+        checked.clear();
+        let ClothSleep { enabled, threshold, delay } = cloth.sleep.checked(&mut checked);
+        notices.clamped(cloth.entity, cloth.name, "cloth", &checked.clamped);
+        let slumber = &mut *cloth.slumber;
+        (slumber.threshold, slumber.delay) = (if enabled { threshold } else { 0.0 }, delay);
+        let changed = cloth.solver.is_changed()
+            || cloth.collision.is_changed()
+            || cloth.untangle.is_changed()
+            || cloth.sleep.is_changed()
+            || cloth.inputs.stale
+            || !cloth.inputs.active
+            || cloth.scratch.fresh
+            || core::mem::take(&mut cloth.particles.disturbed)
+            || core::mem::take(&mut slumber.roused);
+        let layers = cloth.layers.copied().unwrap_or_default();
+        let news = slumber.seen.update(cloth.entity, &cloth.inputs, layers, cloth.scratch.bounds, &around);
+        if changed || news {
+            slumber.quiet_for = 0.0;
+            slumber.marks.clear();
+        }
+        if slumber.asleep && (changed || news || !cloth.inputs.asleep) {
+            wake(&mut commands, &mut cloth);
+        }
+    }
+    for group in groups.list.iter_mut().filter(|group| group.asleep) {
+        let sleeps = |entity: Entity| cloths.get(entity).is_ok_and(|cloth| cloth.slumber.asleep);
+        if group.members.iter().all(|member| sleeps(member.entity)) {
+            continue;
+        }
+        group.asleep = false;
+        for member in &group.members {
+            if let Ok(mut cloth) = cloths.get_mut(member.entity)
+                && cloth.slumber.asleep
+            {
+                wake(&mut commands, &mut cloth);
+            }
+        }
+    }
+}
+
+fn wake(commands: &mut Commands, cloth: &mut SleeperItem) {
+    cloth.slumber.asleep = false;
+    cloth.slumber.quiet_for = 0.0;
+    cloth.slumber.marks.clear();
+    cloth.inputs.asleep = false;
+    cloth.report.asleep = false;
+    commands.trigger(ClothWoke { entity: cloth.entity });
+}
+
+impl Seen {
+    /// Takes in what there is now; whether it differs from what there was.
+    fn update(
+        &mut self,
+        entity: Entity,
+        inputs: &ClothInputs,
+        layers: ClothLayers,
+        bounds: Option<(DVec3, DVec3)>,
+        around: &Around,
+    ) -> bool {
+        let wind = &inputs.wind;
+        let air = Some((wind.velocity, wind.density, wind.turbulence));
+        let mut news = self.gravity != inputs.gravity || self.air != air || self.layers != layers;
+        (self.gravity, self.air, self.layers) = (inputs.gravity, air, layers);
+        let still = |(a, b): (&Vec3, &Vec3)| a.distance(*b) <= STILL;
+        if self.anchors.len() != inputs.anchors.to.len() || !self.anchors.iter().zip(&inputs.anchors.to).all(still) {
+            self.anchors.clone_from(&inputs.anchors.to);
+            news = true;
+        }
+        let Some((low, high)) = bounds.map(|(low, high)| (low.as_vec3(), high.as_vec3())) else { return true };
+        let keep = inputs.fabric.thickness + NEAR;
+        let near = || {
+            let others = around.bodies.bodies.iter().filter(|b| b.entity != entity && layers.touches(b.layers));
+            others.filter(|body| is_near(body, low - keep, high + keep))
+        };
+        if near().count() != self.bodies.len() || !near().zip(&self.bodies).all(|(body, seen)| seen.is(body)) {
+            self.bodies.clear();
+            self.bodies.extend(near().map(SeenBody::of));
+            news = true;
+        }
+        let blows = || around.air.zones.iter().filter(|(_, zone, at)| reaches(zone, at, low, high));
+        let same = |((e, zone, at), (f, seen, was)): (&(Entity, WindZone, Isometry3d), &(Entity, WindZone, Isometry3d))| {
+            e == f && zone == seen && stays(at, was)
+        };
+        if blows().count() != self.zones.len() || !blows().zip(&self.zones).all(same) {
+            self.zones.clear();
+            self.zones.extend(blows().copied());
+            news = true;
+        }
+        let windy = wind.velocity != Vec3::ZERO || self.zones.iter().any(|(_, zone, _)| zone.velocity != Vec3::ZERO);
+        news || (windy && wind.density > 0.0 && wind.turbulence.intensity > 0.0)
+    }
+}
+
+/// Whether a body is, or was at the start of the frame, or passed between, near a box [m].
+fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
+    let pose = |at: &Isometry3d| Pose::from_parts(at.translation.into(), at.rotation);
+    let mut swept = body.shape.compute_aabb(&pose(&body.to));
+    if body.from != body.to {
+        swept.merge(&body.shape.compute_aabb(&pose(&body.from)));
+    }
+    let margin = Vec3::splat(body.margin);
+    // A box that is not finite is near.
+    !((swept.mins - margin).cmpgt(high).any() || (swept.maxs + margin).cmplt(low).any())
+}
+
+/// Whether a zone may reach into a box [m].
+fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
+    let radius = match zone.shape {
+        WindZoneShape::Box { half_size } => half_size.length(),
+        WindZoneShape::Sphere { radius } => radius,
+    };
+    let center = Vec3::from(at.translation);
+    !(center.clamp(low, high).distance(center) > radius)
+}
+
+/// Lets those sleep that have been at rest for long enough, groups as a whole.
+pub(crate) fn doze(
+    mut commands: Commands,
+    time: Res<Time>,
+    mut groups: ResMut<ClothGroups>,
+    mut cloths: Query<Sleeper, With<Cloth>>,
+) {
+    let dt = time.delta_secs();
+    cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(|mut cloth| {
+        if !cloth.slumber.asleep {
+            rest(&mut cloth, dt);
+        }
+    });
+    for group in groups.list.iter_mut().filter(|group| !group.asleep) {
+        group.asleep = group.members.iter().all(|m| cloths.get(m.entity).is_ok_and(|cloth| cloth.slumber.ready));
+        if group.asleep {
+            for member in &group.members {
+                if let Ok(mut cloth) = cloths.get_mut(member.entity) {
+                    fall_asleep(&mut commands, &mut cloth);
+                }
+            }
+        }
+    }
+    for mut cloth in &mut cloths {
+        if cloth.slumber.ready && cloth.scratch.group.is_none() {
+            fall_asleep(&mut commands, &mut cloth);
+        }
+    }
+}
+
+/// Measures how long a cloth has been at rest.
+fn rest(cloth: &mut SleeperItem, dt: f32) {
+    let slumber = &mut *cloth.slumber;
+    let positions = &cloth.particles.state.positions;
+    let whole = cloth.report.crossings == 0 && cloth.particles.display.held().is_none();
+    let free = cloth.inputs.active && whole && !cloth.scratch.fresh && slumber.threshold > 0.0;
+    let limit = slumber.threshold * slumber.delay;
+    let near = |(x, mark): (&Vec4, &Vec3)| x.truncate().distance_squared(*mark) <= limit * limit;
+    let rests = free && slumber.marks.len() == positions.len() && positions.iter().zip(&slumber.marks).all(near);
+    if rests {
+        slumber.quiet_for += dt;
+    } else {
+        slumber.quiet_for = 0.0;
+        slumber.marks.clear();
+        slumber.marks.extend(positions.iter().map(|x| x.truncate()));
+    }
+    slumber.ready = rests && slumber.quiet_for >= slumber.delay;
+}
+
+fn fall_asleep(commands: &mut Commands, cloth: &mut SleeperItem) {
+    cloth.slumber.ready = false;
+    if core::mem::replace(&mut cloth.slumber.asleep, true) {
+        return;
+    }
+    cloth.inputs.asleep = true;
+    // It wakes without the speed it had.
+    let ClothParticles { state, before, .. } = &mut *cloth.particles;
+    state.previous.clone_from(&state.positions);
+    before.clear();
+    let report = &mut *cloth.report;
+    report.asleep = true;
+    (report.substeps, report.iterations) = (0, 0);
+    for time in [
+        &mut report.integrate_ms,
+        &mut report.detect_ms,
+        &mut report.resolve_ms,
+        &mut report.evaluate_ms,
+        &mut report.respond_ms,
+    ] {
+        *time = 0.0;
+    }
+    commands.trigger(ClothSlept { entity: cloth.entity });
+}

@@ -1,0 +1,123 @@
+//! Respond: tells who touches the cloths that ask for it.
+
+use bevy::prelude::*;
+
+use crate::components::checked::Checked;
+use crate::components::{Cloth, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothReport, ClothTouch};
+use crate::groups::ClothGroups;
+use crate::notices::Notices;
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+
+/// Compares what touches with what did.
+pub(crate) fn touches(
+    mut commands: Commands,
+    time: Res<Time>,
+    groups: Res<ClothGroups>,
+    mut notices: ResMut<Notices>,
+    mut cloths: Query<
+        (Entity, Option<&Name>, &ClothInputs, &ClothParticles, &ClothScratch, &ClothReport, &mut ClothContactEvents),
+        With<Cloth>,
+    >,
+    mut now: Local<Vec<ClothTouch>>,
+    mut checked: Local<Checked>,
+) {
+    for (entity, name, inputs, particles, scratch, report, mut events) in &mut cloths {
+        // Nothing begins or ends while it sleeps.
+        if inputs.asleep || !inputs.active {
+            continue;
+        }
+        checked.clear();
+        let patience = events.patience(&mut checked);
+        notices.clamped(entity, name, "cloth", &checked.clamped);
+        now.clear();
+        if particles.state.substep > 0.0 {
+            // Of one substep, times their number, over its length: the impulse of the frame.
+            let scale = report.substeps as f32 / particles.state.substep;
+            with_bodies(inputs, particles, scratch, scale, &mut now);
+            with_cloths(entity, &groups, scratch, scale, &mut now);
+        }
+        now.sort_unstable_by_key(|touch| touch.other);
+        for old in &events.touches {
+            if now.binary_search_by_key(&old.other, |touch| touch.other).is_err() {
+                let since = old.since + time.delta_secs();
+                if since > patience {
+                    commands.trigger(ClothContactEnded { entity, other: old.other });
+                } else {
+                    now.push(ClothTouch { since, ..*old });
+                }
+            }
+        }
+        now.sort_unstable_by_key(|touch| touch.other);
+        for touch in &*now {
+            if events.touches.binary_search_by_key(&touch.other, |old| old.other).is_err() {
+                commands.trigger(ClothContactStarted { entity, touch: *touch });
+            }
+        }
+        events.touches.clone_from(&now);
+    }
+}
+
+/// A touch seen so far, or a new one.
+fn entry(now: &mut Vec<ClothTouch>, other: Entity) -> &mut ClothTouch {
+    let at = now.iter().position(|touch| touch.other == other).unwrap_or_else(|| {
+        let (point, normal) = (Vec3::ZERO, Vec3::ZERO);
+        now.push(ClothTouch { other, contacts: 0, point, normal, impulse: 0.0, since: 0.0 });
+        now.len() - 1
+    });
+    &mut now[at]
+}
+
+fn with_bodies(
+    inputs: &ClothInputs,
+    particles: &ClothParticles,
+    scratch: &ClothScratch,
+    scale: f32,
+    now: &mut Vec<ClothTouch>,
+) {
+    for (body, particle, load) in scratch.solver.touches() {
+        let (Some(&other), Some(x)) = (inputs.body_entities.get(body), particles.state.positions.get(particle as usize)) else {
+            continue;
+        };
+        let touch = entry(now, other);
+        touch.contacts += 1;
+        let impulse = load * scale / x.w.max(f32::MIN_POSITIVE);
+        if impulse > touch.impulse {
+            touch.impulse = impulse;
+            touch.point = x.truncate();
+        }
+    }
+    for touch in now {
+        let Some(body) = inputs.body_entities.iter().position(|&e| e == touch.other).and_then(|b| inputs.bodies.get(b)) else {
+            continue;
+        };
+        let nearest = body.shape.project_point(&body.to, touch.point, false);
+        let away = (touch.point - nearest.point).normalize_or_zero();
+        touch.normal = if nearest.is_inside { -away } else { away };
+        touch.point = (particles.origin + touch.point.as_dvec3()).as_vec3();
+    }
+}
+
+fn with_cloths(entity: Entity, groups: &ClothGroups, scratch: &ClothScratch, scale: f32, now: &mut Vec<ClothTouch>) {
+    let Some((group, part)) = scratch.group.and_then(|(g, part)| groups.list.get(g as usize).map(|g| (g, part as usize)))
+    else {
+        return;
+    };
+    if group.members.len() < 2 {
+        return;
+    }
+    group.group.touches(|parts, point, normal, push| {
+        let (other, towards) = match parts {
+            [a, b] if a == part => (b, 1.0),
+            [a, b] if b == part => (a, -1.0),
+            _ => return,
+        };
+        let Some(other) = group.members.get(other).map(|m| m.entity).filter(|e| *e != entity) else { return };
+        let touch = entry(now, other);
+        touch.contacts += 1;
+        if push * scale > touch.impulse {
+            touch.impulse = push * scale;
+            touch.point = (group.origin + point.as_dvec3()).as_vec3();
+            touch.normal = normal * towards;
+        }
+    });
+}

@@ -1,0 +1,84 @@
+//! Who touches whom is told to those who ask, once.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+fn recorded() -> App {
+    let mut app = app();
+    record::<ClothContactStarted>(&mut app);
+    record::<ClothContactEnded>(&mut app);
+    app
+}
+
+#[test]
+fn a_sheet_that_lands_touches_the_ball_and_then_the_ground_each_once() {
+    let mut app = recorded();
+    let ball = app.world_mut().spawn((Transform::from_xyz(0.0, 0.2, 0.0), ClothCollider::ball(0.2))).id();
+    let ground = app.world_mut().spawn(ClothCollider::ground()).id();
+    let cloth = spawn(&mut app, sheet(14), (Transform::from_xyz(0.0, 0.6, 0.0), ClothContactEvents::default()));
+    run(&mut app, 240);
+    let started: Vec<Entity> = seen::<ClothContactStarted>(&app).iter().map(|e| e.touch.other).collect();
+    assert_eq!(started, [ball, ground]);
+    assert!(seen::<ClothContactEnded>(&app).is_empty());
+    let first = seen::<ClothContactStarted>(&app)[0];
+    assert_eq!(first.entity, cloth);
+    let touch = first.touch;
+    assert!(touch.contacts >= 1 && touch.impulse > 0.0 && touch.since == 0.0, "{touch:?}");
+    assert!(touch.normal.y > 0.9 && touch.point.distance(Vec3::new(0.0, 0.4, 0.0)) < 0.1, "{touch:?}");
+    let touches = app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.clone();
+    assert_eq!(touches.len(), 2, "{touches:?}");
+    // The weight of 0.2 kg over a frame, at most.
+    let most = touches.iter().map(|t| t.impulse * t.contacts as f32).sum::<f32>();
+    assert!(most > 0.2 * 9.81 * FRAME, "{touches:?}");
+}
+
+#[test]
+fn a_body_that_goes_has_ended_once() {
+    let mut app = recorded();
+    let ball = app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.2))).id();
+    let cloth = spawn(&mut app, sheet(10), (Transform::from_xyz(0.0, 0.25, 0.0), border(), ClothContactEvents::default()));
+    run(&mut app, 60);
+    assert_eq!(seen::<ClothContactStarted>(&app).len(), 1);
+    app.world_mut().despawn(ball);
+    run(&mut app, 60);
+    let ended: Vec<(Entity, Entity)> = seen::<ClothContactEnded>(&app).iter().map(|e| (e.entity, e.other)).collect();
+    assert_eq!(ended, [(cloth, ball)]);
+    assert!(app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.is_empty());
+}
+
+#[test]
+fn two_cloths_tell_of_each_other_to_those_who_ask() {
+    let mut app = recorded();
+    app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
+    let lower = spawn(&mut app, sheet(14), Transform::from_xyz(0.0, 0.33, 0.0));
+    let upper = spawn(&mut app, sheet(14), (Transform::from_xyz(0.0, 0.40, 0.0), ClothContactEvents::default()));
+    run(&mut app, 60);
+    let of_cloth: Vec<&ClothContactStarted> =
+        seen::<ClothContactStarted>(&app).iter().filter(|e| e.touch.other == lower).collect();
+    assert_eq!(of_cloth.len(), 1, "{:?}", seen::<ClothContactStarted>(&app));
+    let touch = of_cloth[0].touch;
+    assert!(of_cloth[0].entity == upper && touch.normal.y > 0.5 && touch.impulse > 0.0, "{touch:?}");
+}
+
+#[test]
+fn nobody_is_told_who_does_not_ask() {
+    let mut app = recorded();
+    app.world_mut().spawn(ClothCollider::ground());
+    spawn(&mut app, sheet(6), Transform::from_xyz(0.0, 0.05, 0.0));
+    run(&mut app, 60);
+    assert!(seen::<ClothContactStarted>(&app).is_empty() && seen::<ClothContactEnded>(&app).is_empty());
+}
+
+#[test]
+fn a_cloth_that_falls_asleep_goes_on_touching() {
+    let mut app = recorded();
+    app.world_mut().spawn(ClothCollider::ground());
+    let cloth =
+        spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.05, 0.0), ClothContactEvents { patience: 0.0, ..default() }));
+    run(&mut app, 300);
+    assert!(report(&app, cloth).asleep, "{:?}", report(&app, cloth));
+    assert!(seen::<ClothContactEnded>(&app).is_empty());
+    assert_eq!(app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.len(), 1);
+}
