@@ -6,11 +6,16 @@ pub mod plugin;
 pub mod components;
 #[cfg(feature = "gltf")]
 pub mod gltf;
+#[cfg(feature = "presets")]
+pub mod presets;
 mod bind;
 mod groups;
 mod notices;
 pub mod simulation;
 mod systems;
+#[cfg(feature = "debug")]
+pub mod debug;
+mod diagnostics;
 pub mod solver;
 pub mod scenes;
 
@@ -21,8 +26,13 @@ pub use components::{
     GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame,
     SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
+#[cfg(feature = "debug")]
+pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
+pub use diagnostics::ClothDiagnosticsPlugin;
 pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
+#[cfg(feature = "presets")]
+pub use presets::{ClothPreset, ClothPresetHandle};
 pub use simulation::{ClothParticles, ClothRest};
 
 /// What most apps need.

@@ -26,6 +26,7 @@ pub(crate) fn group(
         With<Cloth>,
     >,
 ) {
+    let _span = debug_span!("cloth/detect").entered();
     groups.begin();
     for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch) in &mut cloths {
         let last = scratch.group.take().map(|(group, _)| group);
@@ -53,6 +54,7 @@ pub(crate) fn detect(
     mut groups: ResMut<ClothGroups>,
     cloths: Query<(&ClothParticles, &ClothInputs), With<Cloth>>,
 ) {
+    let _span = debug_span!("cloth/detect").entered();
     let dt = time.delta_secs();
     each(&mut groups.list, |group| {
         let clock = stopwatch();

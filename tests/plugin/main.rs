@@ -6,11 +6,15 @@ mod common;
 mod bind;
 mod bodies;
 mod contact;
+mod debug;
+mod diagnostics;
 mod frame;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod lifecycle;
 mod pins;
+mod presets;
+mod reflection;
 mod sync;
 mod untangle;
 mod warnings;

@@ -92,6 +92,11 @@ impl BodyContacts {
         self.candidates.iter().filter(|c| c.load > 0.0).map(|c| c.particle)
     }
 
+    /// Particles that touched a body when last projected, each with the mean push of a substep [m].
+    pub fn loads(&self) -> impl Iterator<Item = (u32, f32)> + '_ {
+        self.candidates.iter().filter(|c| c.load > 0.0).map(|c| (c.particle, c.load))
+    }
+
     #[cfg(test)]
     pub(super) fn capacities(&self) -> [usize; 3] {
         [self.parts.capacity(), self.planes.capacity(), self.candidates.capacity()]

@@ -15,6 +15,7 @@
 mod contact;
 mod find;
 mod guard;
+mod touching;
 
 use glam::Vec4;
 
@@ -23,6 +24,7 @@ use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::rest::NONE;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
+pub use touching::Touching;
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
 #[derive(Clone, Debug, Default)]
@@ -48,6 +50,8 @@ pub struct Contacts {
     behind: Vec<(u8, [u32; 4])>,
     /// Pairs that touched in the last [`Self::solve`].
     touching: u32,
+    /// Substep of the last [`Self::solve`] [s].
+    substep: f32,
 }
 
 /// Level of a particle that lies on nothing.
@@ -188,7 +192,7 @@ impl Contacts {
 
     /// Keeps all pairs apart at the end of a substep of `h` [s].
     pub fn solve(&mut self, h: f32) {
-        self.touching = 0;
+        (self.touching, self.substep) = (0, h);
         let mut particles =
             Particles { ids: &self.particles, now: &mut self.now, old: &mut self.old, levels: &mut self.levels };
         for pair in &mut self.pairs {
