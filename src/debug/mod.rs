@@ -138,16 +138,19 @@ impl ClothDebug {
     /// Draws nothing; scales as by default.
     #[must_use]
     pub fn none() -> Self {
-        let mut none = Self::default();
-        Self::ITEMS.iter().filter_map(|name| none.item_mut(name).map(|item| *item = false)).count();
-        none
+        let Self { strain, bvh_levels, length, wind_scale, arrows, .. } = Self::default();
+        Self { strain, bvh_levels, length, wind_scale, arrows, ..Self::OFF }
     }
 
     /// Draws only the items named; names that are not known are left out.
     #[must_use]
     pub fn only<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut only = Self::none();
-        names.into_iter().filter_map(|name| only.item_mut(name).map(|item| *item = true)).count();
+        for name in names {
+            if let Some(item) = only.item_mut(name) {
+                *item = true;
+            }
+        }
         only
     }
 

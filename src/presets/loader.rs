@@ -116,8 +116,9 @@ fn schema(text: &str, file: &str, error: &SpannedError) -> ClothPresetError {
         }
     };
     let what = match &error.code {
-        ron::Error::NoSuchStructField { expected, found, .. } => unknown(found, expected),
-        ron::Error::NoSuchEnumVariant { expected, found, .. } => unknown(found, expected),
+        ron::Error::NoSuchStructField { expected, found, .. } | ron::Error::NoSuchEnumVariant { expected, found, .. } => {
+            unknown(found, expected)
+        }
         code if field.is_empty() => code.to_string(),
         code => format!("`{field}`: {code}"),
     };
