@@ -1,12 +1,26 @@
 //! Three fabrics fall over a table, a ball and a capsule.
 //!
-//! R lets them fall again.
+//! R lets them fall again, D shows what that costs.
 
 mod stage;
 
+use bevy::dev_tools::diagnostics_overlay::{DiagnosticsOverlay, DiagnosticsOverlayItem, DiagnosticsOverlayPlugin};
 use bevy::prelude::*;
+use bevy::ui::IsDefaultUiCamera;
+use bevy_drape::ClothDiagnosticsPlugin;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use clap::Parser;
+use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+
+/// Three fabrics fall over a table, a ball and a capsule.
+#[derive(Parser, Clone)]
+struct Arguments {
+    #[command(flatten)]
+    stage: StageArgs,
+    /// Show what the cloths cost from the start.
+    #[arg(long)]
+    diagnostics: bool,
+}
 
 /// Radius and height of the table [m].
 const TABLE: (f32, f32) = (0.55, 0.72);
@@ -14,15 +28,32 @@ const TABLE: (f32, f32) = (0.55, 0.72);
 const DROP: f32 = 0.12;
 
 fn main() -> AppExit {
-    Stage::new("drape")
+    let arguments = Arguments::parse();
+    Stage::from_args("drape", arguments.stage)
         .camera(OrbitCamera::around(Vec3::new(0.12, 0.42, 0.0), 4.5).from(0.25, 0.36))
-        .hint("R: again")
+        .hint("R: again   D: diagnostics")
         .report(report)
         .build()
-        .add_plugins(ClothPlugin::default())
+        .add_plugins((ClothPlugin::default(), ClothDiagnosticsPlugin, DiagnosticsOverlayPlugin))
         .add_systems(Startup, (bodies, cloths))
+        .add_systems(PostStartup, overlay.run_if(move || arguments.diagnostics))
         .add_systems(Update, keys)
         .run()
+}
+
+/// Shows Bevy's overlay, or hides it.
+fn overlay(mut commands: Commands, shown: Query<Entity, With<DiagnosticsOverlay>>, cameras: Query<Entity, With<Camera3d>>) {
+    if !shown.is_empty() {
+        shown.iter().for_each(|entity| commands.entity(entity).despawn());
+        return;
+    }
+    // The camera of the stage may draw into a picture.
+    cameras.iter().for_each(|camera| {
+        commands.entity(camera).insert(IsDefaultUiCamera);
+    });
+    let item = |precision| move |path| DiagnosticsOverlayItem { precision, path, statistic: default() };
+    let (times, counts) = (ClothDiagnosticsPlugin::TIMES.map(item(3)), ClothDiagnosticsPlugin::COUNTS.map(item(0)));
+    commands.spawn(DiagnosticsOverlay::new("Cloth", times.into_iter().chain(counts).collect()));
 }
 
 fn bodies(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
@@ -105,6 +136,9 @@ fn keys(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>, falling: Query<
     if keys.just_pressed(KeyCode::KeyR) {
         falling.iter().for_each(|cloth| commands.entity(cloth).despawn());
         commands.run_system_cached(cloths);
+    }
+    if keys.just_pressed(KeyCode::KeyD) {
+        commands.run_system_cached(overlay);
     }
 }
 

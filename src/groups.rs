@@ -14,6 +14,7 @@ use crate::simulation::{ClothInputs, ClothParticles};
 use crate::solver::body::Touch;
 use crate::solver::detect::PartRef;
 use crate::solver::group::{Group, UntangleSettings};
+use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
 use crate::solver::step::{Scratch, StepReport};
@@ -130,11 +131,13 @@ impl Candidate {
 }
 
 impl ClothGroups {
-    /// Segments of all intersection curves in the world [m], each with a number for its curve; as of the last look.
-    pub fn contours(&self) -> impl Iterator<Item = (usize, [DVec3; 2])> + '_ {
+    /// Segments of all intersection curves in the world [m], each with how its curve ends; as of the last look.
+    pub fn contours(&self) -> impl Iterator<Item = (ContourKind, [DVec3; 2])> + '_ {
         self.list.iter().flat_map(|group| {
             let place = |p: Vec3| group.origin + p.as_dvec3();
-            group.group.segments().map(move |(contour, ends)| (contour, ends.map(place)))
+            let contours = group.group.contours();
+            let kind = |contour: usize| contours.get(contour).map(|c| c.kind).unwrap_or_default();
+            group.group.segments().map(move |(contour, ends)| (kind(contour), ends.map(place)))
         })
     }
 

@@ -8,12 +8,17 @@ pub mod components;
 pub mod gltf;
 #[cfg(feature = "inspector")]
 pub mod inspector;
+#[cfg(feature = "presets")]
+pub mod presets;
 mod bind;
 mod groups;
 mod notices;
 mod query;
 pub mod simulation;
 mod systems;
+#[cfg(feature = "debug")]
+pub mod debug;
+mod diagnostics;
 pub mod solver;
 pub mod scenes;
 
@@ -25,9 +30,14 @@ pub use components::{
     MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
     TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
+#[cfg(feature = "debug")]
+pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
+pub use diagnostics::ClothDiagnosticsPlugin;
 pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
 pub use query::{ClothHit, ClothQuery};
+#[cfg(feature = "presets")]
+pub use presets::{ClothPreset, ClothPresetHandle};
 pub use simulation::{ClothParticles, ClothRest};
 
 /// What most apps need.

@@ -13,7 +13,8 @@ use bevy::app::{
 use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::intern::Interned;
-use bevy::ecs::schedule::ScheduleLabel;
+use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleLabel};
+use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
@@ -76,6 +77,10 @@ pub enum ClothSystems {
 pub(crate) struct ClothClock {
     /// Whether shown positions lie between the last two frames of a fixed clock.
     pub interpolates: bool,
+    /// Where all stages run but Sync.
+    schedule: Interned<dyn ScheduleLabel>,
+    /// Where Sync runs.
+    shows: Interned<dyn ScheduleLabel>,
 }
 
 impl Plugin for ClothPlugin {
@@ -96,7 +101,7 @@ impl Plugin for ClothPlugin {
         let interpolates = fixed.contains(&self.schedule);
         let shows = if interpolates { PostUpdate.intern() } else { self.schedule };
 
-        app.insert_resource(ClothClock { interpolates })
+        app.insert_resource(ClothClock { interpolates, schedule: self.schedule, shows })
             .init_resource::<ClothGravity>()
             .init_resource::<GlobalWind>()
             .init_resource::<RestCache>()
@@ -109,8 +114,16 @@ impl Plugin for ClothPlugin {
             .add_observer(release::on_remove_collider)
             .add_observer(release::on_remove_zone);
 
+        #[cfg(feature = "presets")]
+        app.add_plugins(crate::presets::ClothPresetPlugin).add_systems(
+            self.schedule,
+            crate::presets::apply
+                .run_if(resource_exists::<Assets<crate::presets::ClothPreset>>)
+                .in_set(ClothSystems::Prepare)
+                .before(sources::watch),
+        );
         #[cfg(feature = "gltf")]
-        app.add_plugins(crate::gltf::ClothGltfPlugin).add_systems(self.schedule, crate::gltf::systems().before(sources::watch));
+        app.add_systems(self.schedule, crate::gltf::systems().before(crate::presets::apply));
 
         order(app, self.schedule);
         if shows != self.schedule {
@@ -174,6 +187,26 @@ fn order(app: &mut App, schedule: Interned<dyn ScheduleLabel>) {
             .before(AssetEventSystems)
             .before(VisibilitySystems::CalculateBounds),
     );
+}
+
+/// Adds systems that look at what Integrate left, before Detect looks for what the next frame needs. For plugins that are finished.
+#[cfg(feature = "debug")]
+pub(crate) fn after_integrate<M>(app: &mut App, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
+    let schedule = clock(app).schedule;
+    app.add_systems(schedule, systems.after(ClothSystems::Integrate).before(ClothSystems::Detect));
+}
+
+/// Adds systems that look at a whole frame, once for every one that is shown. For plugins that are finished.
+pub(crate) fn after_sync<M>(app: &mut App, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
+    let shows = clock(app).shows;
+    app.add_systems(shows, systems.after(ClothSystems::Sync));
+}
+
+fn clock(app: &App) -> ClothClock {
+    match app.world().get_resource::<ClothClock>() {
+        Some(clock) => *clock,
+        None => panic!("there is nothing to look at without ClothPlugin. Add it: `app.add_plugins(ClothPlugin::default())`."),
+    }
 }
 
 /// Whether the clock of the schedule moved.

@@ -1,7 +1,9 @@
 //! The command line that every windowed example understands.
 
 use super::picture::Picture;
+use bevy_drape::ClothDebug;
 use clap::Parser;
+use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
 /// Runs in a window, or, without one, for a number of frames and into a picture.
@@ -17,6 +19,9 @@ pub struct StageArgs {
     /// Write the last frame (.png) or an animation (.gif); implies --headless.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Draw what the solver sees: pins, wind, springs, contacts, bvh, crossings, contours, regions, normals, bounds.
+    #[arg(long, value_name = "ITEM,...", value_delimiter = ',', value_parser = PossibleValuesParser::new(ClothDebug::ITEMS))]
+    pub debug: Vec<String>,
 }
 
 impl StageArgs {

@@ -24,6 +24,7 @@ mod floor;
 mod gif;
 mod headless;
 mod hint;
+mod legend;
 mod light;
 mod noise;
 mod orbit;
@@ -48,6 +49,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
+use bevy_drape::{ClothDebug, ClothDebugPlugin};
 use clap::Parser;
 use headless::Job;
 use picture::Picture;
@@ -139,6 +141,10 @@ impl Stage {
             Venue::Window(quality) => set::window(&mut app, self.camera, quality, self.hint),
             Venue::Studio(_, quality) => set::studio(&mut app, self.camera, quality),
             Venue::Dark => set::dark(&mut app, self.camera),
+        }
+        if !self.args.debug.is_empty() {
+            let items = self.args.debug.iter().map(String::as_str);
+            app.add_plugins(ClothDebugPlugin).insert_resource(ClothDebug::only(items)).add_systems(PostStartup, legend::spawn);
         }
         if !matches!(venue, Venue::Window(_)) {
             let world = app.world_mut();

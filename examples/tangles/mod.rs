@@ -10,16 +10,19 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::ui::IsDefaultUiCamera;
-use bevy_drape::ClothGroups;
+use bevy_drape::debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
 use bevy_drape::prelude::*;
 use bevy_drape::solver::rest::SourceMesh;
 use state::{Most, State};
 
 /// Draws curves, the panel and labels.
 pub fn plugin(app: &mut App) {
+    if !app.is_plugin_added::<ClothDebugPlugin>() {
+        app.add_plugins(ClothDebugPlugin).insert_resource(ClothDebug::only(["contours"]));
+    }
     app.add_systems(Startup, (panel, pen))
         .add_systems(PostStartup, adopt)
-        .add_systems(Update, (curves, three_states::curves, state::remember))
+        .add_systems(Update, (three_states::curves, state::remember))
         .add_systems(PostUpdate, label::place.after(TransformSystems::Propagate));
 }
 
@@ -49,20 +52,8 @@ fn adopt(mut commands: Commands, cameras: Query<Entity, With<Camera3d>>) {
 
 /// Lines are thick and in front of everything.
 fn pen(mut store: ResMut<GizmoConfigStore>) {
-    let (config, _) = store.config_mut::<DefaultGizmoConfigGroup>();
+    let (config, _) = store.config_mut::<ClothGizmos>();
     (config.line.width, config.depth_bias) = (3.5, -1.0);
-}
-
-/// Every intersection curve as a line, each in a colour of its own.
-fn curves(mut gizmos: Gizmos, groups: Option<Res<ClothGroups>>) {
-    for (curve, [from, to]) in groups.iter().flat_map(|groups| groups.contours()) {
-        gizmos.line(from.as_vec3(), to.as_vec3(), color(curve));
-    }
-}
-
-/// The colour of a curve.
-pub fn color(curve: usize) -> Color {
-    Color::hsl(curve as f32 * 137.5 % 360.0, 1.0, 0.5)
 }
 
 /// What a cloth has to say about itself.

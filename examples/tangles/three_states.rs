@@ -5,7 +5,9 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_drape::debug::{ClothGizmos, contour_color};
 use bevy_drape::prelude::*;
+use bevy_drape::solver::resolve::ContourKind;
 use bevy_drape::{ClothGroups, scenes};
 
 use super::label::label;
@@ -35,7 +37,7 @@ pub struct Cell {
     /// None once they are a picture.
     sheets: Option<[Entity; 2]>,
     /// Where they crossed then [m].
-    curves: Vec<(usize, [Vec3; 2])>,
+    curves: Vec<(ContourKind, [Vec3; 2])>,
     /// The most that ever crossed.
     most: u32,
     /// When nothing crossed any more [s].
@@ -96,7 +98,7 @@ pub fn watch(
         // Those that shall come apart for good go on: they must stay so.
         if state >= cell.until && cell.until != State::Separated {
             let here = |[end, _]: &[Vec3; 2]| ((end - cell.at).abs().xy() * 2.0).cmplt(Vec2::new(APART.0, APART.1)).all();
-            let curves = groups.contours().map(|(curve, ends)| (curve, ends.map(DVec3::as_vec3)));
+            let curves = groups.contours().map(|(kind, ends)| (kind, ends.map(DVec3::as_vec3)));
             let curves = curves.filter(|(_, ends)| here(ends)).collect();
             cell.curves = curves;
             for sheet in pair {
@@ -113,9 +115,9 @@ pub fn watch(
 }
 
 /// Where the sheets of pictures cross.
-pub fn curves(mut gizmos: Gizmos, cells: Query<&Cell>) {
-    for (curve, [from, to]) in cells.iter().flat_map(|cell| &cell.curves) {
-        gizmos.line(*from, *to, super::color(*curve));
+pub fn curves(mut gizmos: Gizmos<ClothGizmos>, cells: Query<&Cell>) {
+    for (kind, [from, to]) in cells.iter().flat_map(|cell| &cell.curves) {
+        gizmos.line(*from, *to, contour_color(*kind));
     }
 }
 

@@ -25,6 +25,7 @@ use crate::systems::colliders::ColliderBody;
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Transform, ColliderBody)]
 pub struct ClothCollider {
     /// The shape, in the space of the entity.

@@ -4,8 +4,9 @@ use bevy::prelude::*;
 
 /// How a cloth meets itself and other cloths.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothCollision {
     /// Whether it meets itself: is untangled from itself and, with `contact`, folds on itself. Default true.
     pub self_collision: bool,

@@ -18,12 +18,9 @@ use crate::solver::settings::Fabric;
 /// *Data-driven elastic models for cloth: modeling and measurement*, 2011. Rubber is a latex sheet of 0.5 mm from
 /// Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching, `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two: take them as starting points.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[cfg_attr(
-    any(feature = "serialize", feature = "gltf"),
-    derive(serde::Serialize, serde::Deserialize),
-    serde(default, deny_unknown_fields)
-)]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothMaterial {
     /// Areal density [kg/m²]. Default 0.2, range 0.01 to 10. Lighter flutters more; very light cloth needs a higher substep rate.
     pub density: f32,

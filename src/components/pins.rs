@@ -22,6 +22,7 @@ use super::checked::Checked;
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothPins {
     /// The sets. Where two hold one vertex, the heavier weight holds it; with equal weights the first.
     #[entities]
@@ -32,8 +33,9 @@ pub struct ClothPins {
 
 /// Vertices that are held by one target.
 #[derive(Clone, Debug, PartialEq, Reflect, MapEntities)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct PinSet {
     /// Which vertices.
     pub select: PinSelect,
@@ -47,7 +49,8 @@ pub struct PinSet {
 /// Which vertices of the mesh a set holds.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Clone, Debug, PartialEq)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum PinSelect {
     /// Vertices of the mesh by index. Indices past the end are ignored and listed in [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
     Vertices(Vec<u32>),
@@ -69,6 +72,7 @@ pub enum PinSelect {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ColorChannel {
     /// Red.
     #[default]
@@ -117,6 +121,7 @@ impl PartialEq for PositionPredicate {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum OnTargetLost {
     /// The set stays where it is.
     #[default]
@@ -127,9 +132,28 @@ pub enum OnTargetLost {
     Despawn,
 }
 
+/// No vertex at all.
+impl Default for PinSelect {
+    fn default() -> Self {
+        Self::Vertices(Vec::new())
+    }
+}
+
+impl Default for PinSet {
+    fn default() -> Self {
+        PinSelect::default().into()
+    }
+}
+
+impl From<PinSelect> for PinSet {
+    fn from(select: PinSelect) -> Self {
+        Self { select, weight: 1.0, target: None }
+    }
+}
+
 impl From<PinSelect> for ClothPins {
     fn from(select: PinSelect) -> Self {
-        Self { sets: vec![PinSet { select, weight: 1.0, target: None }], on_target_lost: OnTargetLost::Hold }
+        Self { sets: vec![select.into()], on_target_lost: OnTargetLost::Hold }
     }
 }
 

@@ -10,6 +10,7 @@ use crate::solver::rest::BuildReport;
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothReport {
     /// Substeps taken in the last frame.
     pub substeps: u32,
@@ -60,6 +61,8 @@ pub struct ClothReport {
     pub evaluate_ms: f32,
     /// Its share of the time spent on looking for what may touch again, where something was untangled [ms].
     pub respond_ms: f32,
+    /// Time spent on the vertices, normals, tangents and bounds of its mesh when it last moved [ms].
+    pub sync_ms: f32,
     /// Pairs of particles and faces, or of edges, of the cloths it can meet that touched in the last substep.
     pub contacts: u32,
     /// Settings that are out of range and used clamped.
@@ -70,6 +73,7 @@ pub struct ClothReport {
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothBuildReport {
     /// Vertices of the mesh.
     pub vertices: u32,

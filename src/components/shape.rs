@@ -7,6 +7,7 @@ use parry3d::shape::SharedShape;
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ColliderShape {
     /// A ball around the origin.
     Ball {
@@ -105,6 +106,7 @@ impl PartialEq for ParryShape {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum MeshFit {
     /// The ball around the centre of its box that holds every vertex.
     Ball,
@@ -122,9 +124,10 @@ pub enum MeshFit {
 }
 
 /// One shape of a compound.
-#[derive(Clone, Debug, PartialEq, Reflect)]
+#[derive(Clone, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Clone, Debug)]
+#[reflect(Default, Clone, Debug)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ColliderPart {
     /// Position in the collider [m].
     pub translation: Vec3,

@@ -7,8 +7,9 @@ use crate::solver::evaluate::{self, EvaluateSettings};
 
 /// What is shown while a cloth is tangled. Time is never skipped: only what is drawn is held, and only for so long.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct SkipFrame {
     /// What to do about tangled frames. Default [`SkipPolicy::Ladder`].
     pub policy: SkipPolicy,
@@ -23,8 +24,9 @@ pub struct SkipFrame {
 
 /// What to do about frames in which a cloth is still tangled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum SkipPolicy {
     /// Hold the tangled part in its last clean shape for a few frames at most, then show the best there is.
     #[default]

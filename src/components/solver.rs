@@ -8,8 +8,9 @@ use crate::solver::settings::Stepping;
 
 /// Accuracy and pace of the simulation of one cloth.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSolver {
     /// Substeps per second [Hz]. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional.
     pub substep_rate: f32,
@@ -33,8 +34,9 @@ pub struct ClothSolver {
 
 /// What a cloth does when its carrier jumps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum TeleportMode {
     /// Nothing: the cloth is dragged along.
     None,
@@ -96,6 +98,7 @@ impl ClothSolver {
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothGravity(pub Vec3);
 
 impl ClothGravity {

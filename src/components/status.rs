@@ -6,6 +6,7 @@ use bevy::prelude::*;
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothStatus {
     /// Something is missing that may still come.
     Waiting(WaitingFor),
@@ -19,11 +20,13 @@ pub enum ClothStatus {
 }
 
 /// What a cloth waits for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Clone, Debug, PartialEq)]
+#[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum WaitingFor {
     /// A `Mesh3d` on the entity.
+    #[default]
     Mesh,
     /// The mesh asset to load.
     Asset,
@@ -50,9 +53,10 @@ impl WaitingFor {
 }
 
 /// Why a cloth cannot be simulated. On the entity for as long as that is so; the authored mesh is drawn meanwhile.
-#[derive(Component, Clone, Debug, PartialEq, Eq, Reflect, thiserror::Error)]
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq, Reflect, thiserror::Error)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Component, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[error("{detail}")]
 pub struct ClothError {
     /// What kind of failure.
@@ -62,9 +66,10 @@ pub struct ClothError {
 }
 
 /// Kinds of failures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
-#[reflect(Clone, Debug, PartialEq)]
+#[reflect(Default, Clone, Debug, PartialEq, Hash)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothErrorKind {
     /// The mesh asset failed to load.
     LoadFailed,
@@ -75,6 +80,7 @@ pub enum ClothErrorKind {
     /// The mesh is made of lines or points.
     NotTriangles,
     /// The mesh has too few vertices, no triangle that can be simulated, or a position that is not finite.
+    #[default]
     BadMesh,
     /// A pin set names a colour channel or attribute that the mesh does not have.
     NoPinAttribute,

@@ -10,8 +10,9 @@ use crate::solver::resolve::{Method, ResolveSettings};
 ///
 /// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one that was spawned first.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Untangle {
     /// Whether it takes part. Default true. A cloth that does not is left as it is, and others get off it.
     pub enabled: bool,
@@ -40,8 +41,9 @@ pub struct Untangle {
 
 /// Methods of taking crossing surfaces apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq, Hash)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum UntangleMethod {
     /// The traditional method (1995): remember on which side of each other particles and faces were, and push them back there.
     History,

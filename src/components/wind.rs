@@ -6,8 +6,9 @@ use super::checked::Checked;
 
 /// Wind everywhere. Default: still air.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct GlobalWind {
     /// Velocity of the air [m/s]. Default 0, at most 200.
     pub velocity: Vec3,
@@ -50,8 +51,9 @@ impl GlobalWind {
 
 /// Wind at one cloth in place of [`GlobalWind`]; [`WindZone`]s still add to it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothWind(pub GlobalWind);
 
 impl ClothWind {
@@ -72,6 +74,7 @@ impl ClothWind {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Transform)]
 pub struct WindZone {
     /// Where it blows, in the space of the entity.
@@ -88,6 +91,7 @@ pub struct WindZone {
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum WindZoneShape {
     /// In a box around the origin.
     Box {

@@ -32,9 +32,6 @@
 //! ```
 
 mod extras;
-mod preset;
-
-pub use preset::{ClothPreset, ClothPresetLoader};
 
 use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues, VertexFormat};
@@ -46,27 +43,12 @@ use crate::components::{
     MeshFit, PinSelect,
 };
 use crate::plugin::ClothSystems;
+use crate::presets::{ClothPresetHandle, PresetOverrides};
 use extras::{ClothExtras, MaterialExtras, Problem};
-use preset::PresetOf;
-
-/// Brings the assets that extras name. Part of [`ClothPlugin`](crate::ClothPlugin), never added by users.
-#[derive(Debug, Default)]
-pub(crate) struct ClothGltfPlugin;
-
-impl Plugin for ClothGltfPlugin {
-    fn build(&self, _: &mut App) {}
-
-    fn finish(&self, app: &mut App) {
-        // Not in `build`, so that this plugin may come before the one that brings assets.
-        if app.world().contains_resource::<AssetServer>() {
-            app.init_asset::<ClothPreset>().register_asset_loader(ClothPresetLoader);
-        }
-    }
-}
 
 /// The systems, for `plugin.rs` to order: before anything is bound.
 pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::system::ScheduleSystem> {
-    (scenes, nodes, preset::apply.run_if(resource_exists::<Assets<ClothPreset>>)).chain().in_set(ClothSystems::Prepare)
+    (scenes, nodes).chain().in_set(ClothSystems::Prepare)
 }
 
 /// Tells Bevy's glTF loader of a float attribute that pins name, such as `"_PIN"`. Call it for each, before the plugin is added.
@@ -195,7 +177,13 @@ fn make_cloth(
         Some(MaterialExtras::File(path)) => match (server, &file.0) {
             (Some(server), Some(gltf)) => match gltf.resolve_embed_str(path) {
                 Ok(path) => {
-                    entity.try_insert(PresetOf { preset: server.load(path), thickness: extras.thickness });
+                    let overrides = PresetOverrides {
+                        thickness: extras.thickness,
+                        substep_rate: extras.substep_rate,
+                        self_collision: extras.self_collision,
+                        layer: extras.layer,
+                    };
+                    entity.try_insert((ClothPresetHandle(server.load(path)), overrides));
                 }
                 Err(error) => problems.push(Problem::new("cloth.material", format!("is not a path: {error}"))),
             },

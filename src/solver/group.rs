@@ -7,6 +7,8 @@
 //! Each cloth lives in a frame of its own; `offset` brings it into that of the group, and 0 for the only cloth of a group changes no bit.
 //! While nothing crosses nothing is written back, so that a clean cloth has the same bits with and without a group.
 
+mod look;
+
 use core::ops::Range;
 
 use glam::{Vec3, Vec4};

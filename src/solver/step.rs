@@ -119,6 +119,15 @@ impl Scratch {
         self.slow_for >= CALM_AFTER
     }
 
+    /// Particles that touched a body in the last substep, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
+    /// `C` the mean push of a substep `h`.
+    pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
+        self.contacts.loads().filter_map(|(_, p, load)| {
+            let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
+            force.is_finite().then_some((p, force))
+        })
+    }
+
     /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
     fn strain(&self) -> f32 {
         self.worst_edge - 1.0

@@ -87,6 +87,7 @@ pub(crate) fn bind(
     time: Res<Time<Real>>,
     mut cloths: Query<Bindable, With<Cloth>>,
 ) {
+    let _span = debug_span!("cloth/prepare").entered();
     let now = time.elapsed_secs_f64();
     for mut cloth in &mut cloths {
         match bind_one(&mut commands, &mut assembly, &mut cloth) {

@@ -28,6 +28,7 @@ pub(crate) fn group(
         With<Cloth>,
     >,
 ) {
+    let _span = debug_span!("cloth/detect").entered();
     groups.begin();
     for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch, _) in &mut cloths {
         let last = scratch.group.take().map(|(group, _)| group);
@@ -56,6 +57,7 @@ pub(crate) fn detect(
     mut groups: ResMut<ClothGroups>,
     cloths: Query<(&ClothParticles, &ClothInputs), With<Cloth>>,
 ) {
+    let _span = debug_span!("cloth/detect").entered();
     let dt = time.delta_secs();
     each(&mut groups.list, |group| {
         if group.asleep {

@@ -16,6 +16,7 @@ use crate::solver::evaluate::{Pose, Shown, Verdict};
 
 /// Looks again where something moved, in parallel over groups.
 pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
+    let _span = debug_span!("cloth/evaluate").entered();
     each(&mut groups.list, |group| {
         if group.asleep {
             return;
@@ -32,6 +33,7 @@ pub(crate) fn judge(
     groups: Res<ClothGroups>,
     mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
 ) {
+    let _span = debug_span!("cloth/evaluate").entered();
     let dt = time.delta_secs();
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
         |(inputs, scratch, mut particles, mut report)| {

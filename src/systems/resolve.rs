@@ -22,6 +22,7 @@ const AT_LOAD: u32 = 300;
 
 /// Untangles, in parallel over groups.
 pub(crate) fn resolve(time: Res<Time>, mut groups: ResMut<ClothGroups>, cloths: Springs) {
+    let _span = debug_span!("cloth/resolve").entered();
     let dt = time.delta_secs();
     each(&mut groups.list, |group| {
         if group.asleep {

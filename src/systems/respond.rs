@@ -9,6 +9,7 @@ use crate::groups::ClothGroups;
 
 /// Makes up the contacts of every group, in parallel over groups.
 pub(crate) fn respond(mut groups: ResMut<ClothGroups>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
+    let _span = debug_span!("cloth/respond").entered();
     each(&mut groups.list, |group| {
         if group.asleep {
             return;

@@ -7,8 +7,9 @@ use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy::time::Fixed;
 
+use super::stopwatch;
 use crate::bind::seen_from;
-use crate::components::Cloth;
+use crate::components::{Cloth, ClothReport};
 use crate::plugin::ClothClock;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown};
 use crate::solver::rest::RestShape;
@@ -18,14 +19,19 @@ use crate::solver::surface;
 pub(crate) fn shape(
     clock: Res<ClothClock>,
     fixed: Option<Res<Time<Fixed>>>,
-    mut cloths: Query<(&ClothRest, &ClothParticles, &ClothInputs, &GlobalTransform, &mut ClothShown), With<Cloth>>,
+    mut cloths: Query<
+        (&ClothRest, &ClothParticles, &ClothInputs, &GlobalTransform, &mut ClothShown, &mut ClothReport),
+        With<Cloth>,
+    >,
 ) {
+    let _span = debug_span!("cloth/sync").entered();
     let overstep = match fixed {
         Some(fixed) if clock.interpolates => fixed.overstep_fraction(),
         _ => 1.0,
     };
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
-        |(rest, particles, inputs, global, mut shown)| {
+        |(rest, particles, inputs, global, mut shown, mut report)| {
+            let clock = stopwatch();
             let affine = global.affine();
             let lies = affine.is_finite() && affine.matrix3.determinant() != 0.0;
             if !(inputs.active && lies && particles.state.positions.len() == rest.0.positions.len()) {
@@ -44,6 +50,7 @@ pub(crate) fn shape(
                 show_vertices(&rest.0, inputs, &affine, particles.origin, thickness, shown);
                 shown.forced = false;
                 shown.fresh = true;
+                report.sync_ms = clock();
             }
         },
     );
@@ -125,12 +132,14 @@ fn surface_scale(local: &Mat3) -> f32 {
 /// Hands the vertices to the mesh of each cloth that moved, and the bounds to its entity.
 pub(crate) fn write(
     mut meshes: ResMut<Assets<Mesh>>,
-    mut cloths: Query<(&Binding, &mut ClothShown, Option<&mut Aabb>), With<Cloth>>,
+    mut cloths: Query<(&Binding, &mut ClothShown, &mut ClothReport, Option<&mut Aabb>), With<Cloth>>,
 ) {
-    for (binding, mut shown, aabb) in &mut cloths {
+    let _span = debug_span!("cloth/sync").entered();
+    for (binding, mut shown, mut report, aabb) in &mut cloths {
         if !shown.fresh {
             continue;
         }
+        let clock = stopwatch();
         let shown = &mut *shown;
         shown.fresh = false;
         let (low, high) = shown.bounds;
@@ -152,6 +161,7 @@ pub(crate) fn write(
                 *out = t.to_array();
             }
         }
+        report.sync_ms += clock();
     }
 }
 

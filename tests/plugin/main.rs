@@ -6,6 +6,8 @@ mod common;
 mod bind;
 mod bodies;
 mod contact;
+mod debug;
+mod diagnostics;
 mod frame;
 #[cfg(feature = "gltf")]
 mod gltf;
@@ -15,6 +17,8 @@ mod pins;
 mod query;
 mod rest;
 mod sleep;
+mod presets;
+mod reflection;
 mod sync;
 mod touch;
 mod untangle;

@@ -164,6 +164,12 @@ impl Detector {
     pub fn tree(&mut self) -> &mut Tree {
         &mut self.tree
     }
+
+    /// The search tree, to be looked at.
+    #[must_use]
+    pub fn tree_ref(&self) -> &Tree {
+        &self.tree
+    }
 }
 
 #[inline]

@@ -19,6 +19,8 @@
 //! A cloth with a particle that is not finite or absurdly far is *quarantined*: its leaves get the empty box, which meets nothing,
 //! so it contributes no pair and changes no box that another cloth's pairs depend on.
 
+mod levels;
+
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::surface::{Surface, is_sane};

@@ -1,12 +1,13 @@
 //! The piece that a contour cuts off goes back through it.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
-use super::contour::ContourKind;
+use super::contour::{ContourGraph, ContourKind};
 use super::probe::largest_area;
-use super::region::Region;
+use super::region::{Flood, Region};
 use super::share::{Load, load, shares};
 use super::{ResolveSettings, Resolver, View, latch};
+use crate::solver::detect::{Crossing, Surface};
 use crate::solver::rest::NONE;
 
 /// A contour that ends inside a sheet is prolonged to the border over at most this fraction of its length.
@@ -17,33 +18,32 @@ const SPREAD: f32 = 8.0;
 const MOST_RINGS: usize = 1000;
 
 impl Resolver {
-    /// Cuts a sheet along a contour: edges of odd parity on `side`, loop vertices, and where the contour ends inside the sheet a
-    /// prolongation to the nearest border. `None` when there is no way to close the cut.
-    pub(super) fn cut(&mut self, view: View<'_>, contour: usize, side: u8) -> Option<()> {
-        let c = self.graph.contours[contour];
-        let both = c.kind == ContourKind::Ll;
-        self.flood.begin(view.surface);
-        for &i in self.graph.nodes_of(contour) {
-            if both || self.graph.side[i as usize] == side {
-                self.flood.toggle(view.crossings[i as usize].edge);
-            }
-        }
-        c.loops.into_iter().for_each(|v| self.flood.cut_at(v));
-        if c.kind == ContourKind::Bibi {
-            let end = c.border_ends.into_iter().find(|&n| n != NONE && self.graph.side[n as usize] != side)?;
-            let most = (PROLONG * c.length / c.edge) as usize + 2;
-            self.flood.prolong(view.surface, view.crossings[end as usize].face, most)?;
-        }
-        Some(())
-    }
-
     /// The region to push on a side, smaller first.
     pub(super) fn region(&mut self, view: View<'_>, contour: usize, side: u8, seed: u32) -> Option<Region> {
-        self.cut(view, contour, side)?;
-        let nodes = self.graph.nodes_of(contour);
-        let mut edges = nodes.iter().map(|&i| view.crossings[i as usize].edge);
-        let start = edges.find(|&e| self.flood.can_start(view.surface, e))?;
-        self.flood.smaller(view.surface, view.positions, start, (seed != NONE).then_some(seed))
+        region(&self.graph, &mut self.flood, view, contour, side, seed)
+    }
+
+    /// Calls `found` with the number of each contour analysed last that cuts a piece off, and with the particles of that piece.
+    pub fn regions(
+        &self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &[Vec4],
+        flood: &mut Flood,
+        mut found: impl FnMut(usize, &[u32]),
+    ) {
+        let view = View { surface, crossings, positions };
+        for (k, contour) in self.graph.contours.iter().enumerate().filter(|(_, c)| c.kind.separates()) {
+            for side in match contour.kind {
+                ContourKind::Bbii | ContourKind::Cross => contour.border_side..=contour.border_side,
+                ContourKind::Ll => 0..=0,
+                _ => 0..=1,
+            } {
+                if region(&self.graph, flood, view, k, side, NONE).is_some() {
+                    found(k, flood.region());
+                }
+            }
+        }
     }
 
     /// Pushes the smaller region that a contour cuts off back through it; `false` when there is none.
@@ -129,4 +129,32 @@ impl Resolver {
         }
         true
     }
+}
+
+/// Cuts a sheet along a contour: edges of odd parity on `side`, loop vertices, and where the contour ends inside the sheet a
+/// prolongation to the nearest border. `None` when there is no way to close the cut.
+fn cut(graph: &ContourGraph, flood: &mut Flood, view: View<'_>, contour: usize, side: u8) -> Option<()> {
+    let c = graph.contours[contour];
+    let both = c.kind == ContourKind::Ll;
+    flood.begin(view.surface);
+    for &i in graph.nodes_of(contour) {
+        if both || graph.side[i as usize] == side {
+            flood.toggle(view.crossings[i as usize].edge);
+        }
+    }
+    c.loops.into_iter().for_each(|v| flood.cut_at(v));
+    if c.kind == ContourKind::Bibi {
+        let end = c.border_ends.into_iter().find(|&n| n != NONE && graph.side[n as usize] != side)?;
+        let most = (PROLONG * c.length / c.edge) as usize + 2;
+        flood.prolong(view.surface, view.crossings[end as usize].face, most)?;
+    }
+    Some(())
+}
+
+/// See [`Resolver::region`].
+fn region(graph: &ContourGraph, flood: &mut Flood, view: View<'_>, contour: usize, side: u8, seed: u32) -> Option<Region> {
+    cut(graph, flood, view, contour, side)?;
+    let mut edges = graph.nodes_of(contour).iter().map(|&i| view.crossings[i as usize].edge);
+    let start = edges.find(|&e| flood.can_start(view.surface, e))?;
+    flood.smaller(view.surface, view.positions, start, (seed != NONE).then_some(seed))
 }

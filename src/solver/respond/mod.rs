@@ -15,6 +15,7 @@
 mod contact;
 mod find;
 mod guard;
+mod touching;
 
 use glam::{Vec3, Vec4};
 
@@ -23,6 +24,7 @@ use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::rest::NONE;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
+pub use touching::Touching;
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +52,8 @@ pub struct Contacts {
     loads: Vec<(u8, [u32; 4], f32)>,
     /// Pairs that touched in the last [`Self::solve`].
     touching: u32,
+    /// Substep of the last [`Self::solve`] [s].
+    substep: f32,
 }
 
 /// Level of a particle that lies on nothing.
@@ -211,7 +215,7 @@ impl Contacts {
 
     /// Keeps all pairs apart at the end of a substep of `h` [s]. What lies below, along `gravity`, carries what lies on it.
     pub fn solve(&mut self, h: f32, gravity: Vec3, calm: bool) {
-        self.touching = 0;
+        (self.touching, self.substep) = (0, h);
         let up = -gravity.normalize_or_zero();
         let Self { particles: ids, now, old, levels, .. } = self;
         let mut particles = Particles { ids, now, old, levels, up };

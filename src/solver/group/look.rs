@@ -1,0 +1,35 @@
+//! What a group knows, to be looked at.
+
+use glam::{Vec3, Vec4};
+
+use super::Group;
+use crate::solver::detect::tree::Bounds;
+use crate::solver::resolve::ContourKind;
+use crate::solver::resolve::region::Flood;
+
+impl Group {
+    /// Positions [m] in the frame of the group, `w` inverse mass [1/kg], as gathered last and moved since.
+    #[must_use]
+    pub fn particles(&self) -> &[Vec4] {
+        &self.positions
+    }
+
+    /// The points [m] where edges cross faces, in the frame of the group, each with the kind of its contour.
+    pub fn crossing_points(&self) -> impl Iterator<Item = (ContourKind, Vec3)> + '_ {
+        let resolver = &self.untangler.resolver;
+        let graph = resolver.graph();
+        let kind = |i: usize| graph.contours[graph.contour_of[i] as usize].kind;
+        resolver.points().iter().enumerate().map(move |(i, &point)| (kind(i), point))
+    }
+
+    /// The boxes of the search tree down to a `depth`, each with its own [m]: around where particles are and are foreseen to be, less the motion that all
+    /// share; as of the last look.
+    pub fn boxes(&self, depth: u32) -> impl Iterator<Item = (u32, Bounds)> + '_ {
+        self.untangler.detector.tree_ref().boxes(depth)
+    }
+
+    /// Calls `found` with the number of each contour that cuts a piece off a cloth, and with the particles of that piece.
+    pub fn regions(&self, flood: &mut Flood, found: impl FnMut(usize, &[u32])) {
+        self.untangler.resolver.regions(&self.surface, self.crossings(), &self.positions, flood, found);
+    }
+}

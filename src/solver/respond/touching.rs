@@ -1,0 +1,40 @@
+//! The pairs that touch, to be looked at.
+
+use glam::Vec3;
+
+use super::Contacts;
+use crate::solver::detect::ProximityKind;
+
+/// A pair that touched in the last substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touching {
+    /// Whether a particle touched a face, or two edges each other.
+    pub kind: ProximityKind,
+    /// The closest points of the first primitive and the second [m], in the frame of the group.
+    pub points: [Vec3; 2],
+    /// Unit vector from the second towards the first, on the side where it belongs.
+    pub normal: Vec3,
+    /// With what the pair is pushed apart, on average over the last substeps [N].
+    pub force: f32,
+}
+
+impl Contacts {
+    /// The pairs that touched when last [solved](Self::solve). The next look for pairs forgets them.
+    ///
+    /// Force `F = C / (h² Σ w² m⁻¹)`, `C` the mean push of a substep `h`, `w` the weights of the closest points.
+    pub fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
+        self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(|pair| {
+            let [Some(a), Some(b), Some(c), Some(d)] = pair.slots.map(|s| self.now.get(s as usize)) else { return None };
+            let x = [a, b, c, d];
+            let of = |range: core::ops::Range<usize>, sign: f32| -> Vec3 {
+                range.map(|i| x[i].truncate() * (sign * pair.weights[i])).sum()
+            };
+            let split = pair.first();
+            let mobility: f32 = (0..4).map(|i| pair.weights[i] * pair.weights[i] * x[i].w).sum();
+            let force = pair.load / (mobility * self.substep * self.substep);
+            let points = [of(0..split, 1.0), of(split..4, -1.0)];
+            let touching = Touching { kind: pair.kind, points, normal: pair.normal, force };
+            (force.is_finite() && points.iter().all(|p| p.is_finite())).then_some(touching)
+        })
+    }
+}

@@ -1,0 +1,125 @@
+//! What cloth costs and how it fares, as Bevy's diagnostics; spans for tracers.
+
+use std::sync::{Arc, Mutex};
+
+use bevy::diagnostic::DiagnosticsStore;
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::log::tracing;
+use bevy::log::tracing_subscriber::layer::{Context, Layer, SubscriberExt};
+use bevy::log::tracing_subscriber::registry;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_drape::ClothDiagnosticsPlugin;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+fn measured(schedule: ClothPlugin) -> App {
+    let mut app = App::new();
+    // In any order of plugins.
+    app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin, ClothDiagnosticsPlugin, schedule));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(FRAME)));
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+fn value(app: &App, path: &bevy::diagnostic::DiagnosticPath) -> f64 {
+    let store = app.world().resource::<DiagnosticsStore>();
+    store
+        .get(path)
+        .unwrap_or_else(|| panic!("{path} is not registered"))
+        .value()
+        .unwrap_or_else(|| panic!("{path} has no value"))
+}
+
+/// Two sheets that stick in each other, and one far off; the first two are 9 x 9, the third is 5 x 5.
+fn crowd(app: &mut App) {
+    let skip = SkipFrame::default();
+    let still = Untangle { iterations: 0, ..default() };
+    spawn(app, sheet(9), (skip, still));
+    let upright = Transform::from_rotation(Quat::from_rotation_x(1.5)).with_translation(Vec3::new(0.03, 0.0, 0.02));
+    spawn(app, sheet(9), (upright, skip, still));
+    spawn(app, sheet(5), Transform::from_xyz(10.0, 0.0, 0.0));
+}
+
+#[test]
+fn every_stage_and_every_count_is_measured() {
+    let mut app = measured(ClothPlugin::default());
+    crowd(&mut app);
+    run(&mut app, 3);
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::PARTICLES), f64::from(81 + 81 + 25));
+    let springs: f64 = [9.0, 9.0, 5.0].map(|n: f64| 2.0 * n * (n - 1.0) + (n - 1.0) * (n - 1.0)).into_iter().sum();
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::SPRINGS), springs);
+    let reports: Vec<ClothReport> = app.world_mut().query::<&ClothReport>().iter(app.world()).cloned().collect();
+    assert!(reports[0].crossings > 0 && reports[0].crossings == reports[1].crossings, "{reports:?}");
+    // A crossing of two cloths is one.
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::CROSSINGS), f64::from(reports[0].crossings));
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::CONTOURS), f64::from(reports[0].contours));
+    let held = reports.iter().map(|r| r.held_frames).max().expect("reports");
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::HELD_FRAMES), f64::from(held));
+    for path in ClothDiagnosticsPlugin::TIMES.into_iter().chain(ClothDiagnosticsPlugin::COUNTS) {
+        assert!(path.as_str().starts_with("cloth/") && value(&app, &path) >= 0.0, "{path}");
+    }
+    for path in [ClothDiagnosticsPlugin::INTEGRATE, ClothDiagnosticsPlugin::DETECT, ClothDiagnosticsPlugin::SYNC] {
+        let ms = value(&app, &path);
+        assert!(ms > 0.0 && ms < 1000.0, "{path} took {ms} ms");
+    }
+    let sum: f64 = reports.iter().map(|r| f64::from(r.integrate_ms)).sum();
+    assert!((value(&app, &ClothDiagnosticsPlugin::INTEGRATE) - sum).abs() < 1.0e-3);
+}
+
+#[test]
+fn contacts_with_bodies_and_cloth_are_counted() {
+    let mut app = measured(ClothPlugin::default());
+    app.world_mut().spawn((Transform::from_xyz(0.0, -0.02, 0.0), ClothCollider::ground()));
+    spawn(&mut app, sheet(5), Transform::default());
+    run(&mut app, 60);
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::CONTACTS), 25.0);
+}
+
+#[test]
+fn a_fixed_clock_is_measured_too() {
+    let mut app = measured(ClothPlugin::new(FixedPostUpdate));
+    spawn(&mut app, sheet(5), border());
+    run(&mut app, 5);
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::PARTICLES), 25.0);
+    assert!(value(&app, &ClothDiagnosticsPlugin::INTEGRATE) > 0.0);
+}
+
+#[test]
+#[should_panic(expected = "Add it: `app.add_plugins(ClothPlugin::default())`")]
+fn without_cloth_the_plugin_says_what_to_write() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, ClothDiagnosticsPlugin));
+    app.finish();
+}
+
+/// Collects names of spans.
+struct Names(Arc<Mutex<Vec<&'static str>>>);
+
+impl<S: tracing::Subscriber> Layer<S> for Names {
+    fn on_new_span(&self, attributes: &tracing::span::Attributes<'_>, _: &tracing::span::Id, _: Context<'_, S>) {
+        self.0.lock().expect("names").push(attributes.metadata().name());
+    }
+}
+
+#[test]
+fn every_stage_is_a_span_in_the_order_of_the_frame() {
+    let mut app = measured(ClothPlugin::default());
+    crowd(&mut app);
+    run(&mut app, 3);
+    app.edit_schedule(PostUpdate, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    });
+    let names = Arc::new(Mutex::new(Vec::new()));
+    let subscriber = registry().with(Names(names.clone()));
+    tracing::subscriber::with_default(subscriber, || app.update());
+    let mut names: Vec<&str> = names.lock().expect("names").iter().copied().filter(|name| name.starts_with("cloth/")).collect();
+    names.dedup();
+    let stages =
+        ["cloth/prepare", "cloth/integrate", "cloth/detect", "cloth/resolve", "cloth/evaluate", "cloth/respond", "cloth/sync"];
+    assert_eq!(names, stages);
+}
