@@ -20,6 +20,7 @@ use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::state::ClothState;
 use crate::solver::step::{Anchors, FrameInput, Scratch, StepReport};
 use crate::solver::wind::Wind;
+use crate::systems::couple::Coupled;
 
 /// What changed since a cloth was bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -192,6 +193,8 @@ pub(crate) struct ClothInputs {
     /// Radius of the ball around the shape at rest [m].
     pub radius: f32,
     pub bodies: Vec<Body>,
+    /// The bodies that take what the cloth gives.
+    pub coupled: Coupled,
     pub wind: Wind,
     /// Whether fabric or anchors changed since the solver was prepared.
     pub stale: bool,
@@ -230,6 +233,7 @@ impl ClothInputs {
             placement,
             radius,
             bodies: Vec::new(),
+            coupled: Coupled::default(),
             wind: Wind::default(),
             stale: true,
             checked: Checked::default(),

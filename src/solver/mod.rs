@@ -8,6 +8,7 @@ pub mod settings;
 pub mod rest;
 pub mod state;
 pub mod body;
+pub mod couple;
 pub mod wind;
 pub mod integrate;
 pub mod step;
