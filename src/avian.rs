@@ -49,7 +49,6 @@ pub(crate) fn masses(
         &ComputedAngularInertia,
         &ComputedCenterOfMass,
         &LinearVelocity,
-        &AngularVelocity,
         &Rotation,
         Option<&LockedAxes>,
         Has<RigidBodyDisabled>,
@@ -60,7 +59,7 @@ pub(crate) fn masses(
     let made = (physics.elapsed_secs_f64() - seen.0) as f32;
     seen.0 = physics.elapsed_secs_f64();
     let lockstep = (made - time.delta_secs()).abs() <= LOCKSTEP * time.delta_secs();
-    for (kind, coupling, mut rigid, mass, inertia, center, linear, angular, rotation, locked, disabled, asleep) in &mut bodies {
+    for (kind, coupling, mut rigid, mass, inertia, center, linear, rotation, locked, disabled, asleep) in &mut bodies {
         if *coupling == ClothCoupling::OneWay {
             continue;
         }
@@ -78,8 +77,7 @@ pub(crate) fn masses(
             let free = Mat3::from_diagonal(free(locked, 0b000_100));
             inverse_inertia = axes.transpose() * free * axes * inverse_inertia * axes.transpose() * free * axes;
         }
-        // Its velocity is that of its centre of mass.
-        let _ = angular;
+        // `LinearVelocity` is that of the centre of mass.
         let velocity = (lockstep && !asleep).then_some(linear.0);
         rigid.set_if_neq(ClothRigidBody { inverse_mass, inverse_inertia, center_of_mass: center.0, velocity });
     }
@@ -100,19 +98,24 @@ type Colliders<'a> = (
     Option<&'a ClothLayers>,
     Option<&'a Friction>,
     Option<&'a CollisionMargin>,
-    &'a mut ColliderBody,
+    Option<&'a mut ColliderBody>,
 );
 
 type Meets = (Without<ClothCollider>, Without<Sensor>, Without<ColliderDisabled>, Without<NoClothCollision>);
 
 /// Adds the colliders of avian's bodies to the bodies that cloth meets.
 pub(crate) fn colliders(
+    mut commands: Commands,
     mut world: ResMut<WorldBodies>,
     default_friction: Option<Res<DefaultFriction>>,
     bodies: Query<Option<&Friction>, (With<RigidBody>, Without<RigidBodyDisabled>, Without<NoClothCollision>)>,
     mut colliders: Query<Colliders, Meets>,
 ) {
-    for (entity, collider, of, global, layers, own_layers, friction, margin, mut body) in &mut colliders {
+    for (entity, collider, of, global, layers, own_layers, friction, margin, body) in &mut colliders {
+        let Some(mut body) = body else {
+            commands.entity(entity).try_insert(ColliderBody::default());
+            continue;
+        };
         let (_, rotation, translation) = global.to_scale_rotation_translation();
         let (Ok(of_body), true) = (bodies.get(of.body), rotation.is_finite() && translation.is_finite()) else {
             body.pose = None;

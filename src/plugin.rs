@@ -16,7 +16,9 @@ use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
-use bevy::transform::systems::{StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
+use bevy::transform::systems::{
+    StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,
+};
 
 #[cfg(feature = "avian")]
 use crate::avian;
@@ -160,7 +162,6 @@ impl Plugin for ClothPlugin {
         #[cfg(feature = "avian")]
         {
             let takes_over = (avian::give, avian::show).chain().after(couple::give);
-            app.try_register_required_components::<avian3d::prelude::Collider, colliders::ColliderBody>().ok();
             app.add_systems(
                 self.schedule,
                 (

@@ -178,7 +178,8 @@ fn a_ball_that_flies_into_a_free_sheet_keeps_the_momentum_of_both() {
     for (mass, offset) in [(1.0, 0.0), (0.05, 0.2), (20.0, 0.3)] {
         let still = Fabric { density: 0.3, drag: 0.0, damping: 0.0, ..fabric() };
         let mut cloth = sheet(20, 1.0, Vec3::ZERO, still, |_, _| false);
-        let mut ball = Ball { gravity: 0.0, velocity: Vec3::NEG_Y * 4.0, ..Ball::new(mass, 0.15, Vec3::new(offset, 0.3, 0.05)) };
+        let mut ball =
+            Ball { gravity: 0.0, velocity: Vec3::NEG_Y * 4.0, ..Ball::new(mass, 0.15, Vec3::new(offset, 0.3, 0.05)) };
         let total = |cloth: &SceneCloth, ball: &Ball| {
             let (_, p, l) = momentum(cloth);
             let own = ball.velocity * ball.mass;
@@ -202,9 +203,17 @@ fn a_ball_that_flies_into_a_free_sheet_keeps_the_momentum_of_both() {
 #[test]
 fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
     // What is much heavier than the cloth under it takes more substeps to be held; at the default rate it stretches its way through.
-    for (mass, rate) in
-        [(0.001, 360.0), (0.01, 360.0), (0.1, 360.0), (1.0, 360.0), (3.0, 720.0), (10.0, 1440.0), (3.0, 360.0), (100.0, 360.0), (1000.0, 360.0)]
-    {
+    for (mass, rate) in [
+        (0.001, 360.0),
+        (0.01, 360.0),
+        (0.1, 360.0),
+        (1.0, 360.0),
+        (3.0, 720.0),
+        (10.0, 1440.0),
+        (3.0, 360.0),
+        (100.0, 360.0),
+        (1000.0, 360.0),
+    ] {
         let mut net = net(20, 1.0, fabric());
         net.stepping.substep_rate = rate;
         let mut ball = Ball::new(mass, 0.15, Vec3::new(0.03, 0.3, 0.0));
@@ -220,7 +229,10 @@ fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
             }
         }
         let edge = net.report.worst_edge;
-        println!("{mass} kg in a net at {rate} Hz: at {}, {fastest} m/s in the last second, edge {edge}, worst {worst}", ball.at);
+        println!(
+            "{mass} kg in a net at {rate} Hz: at {}, {fastest} m/s in the last second, edge {edge}, worst {worst}",
+            ball.at
+        );
         if mass < 3.0 || rate > 360.0 {
             assert!(ball.at.y > -0.5, "a ball of {mass} kg fell to {}", ball.at);
             assert!(fastest < 0.5, "a ball of {mass} kg still moves at {fastest} m/s");

@@ -10,6 +10,11 @@ use crate::systems::couple::CoupledBody;
 ///
 /// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is.
 ///
+/// A body lighter than the cloth is as stable as a heavier one. One that is much heavier takes more substeps to be held: a net of 0.3 kg catches 1 kg
+/// at the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz, 3 kg at 720 Hz and 10 kg at 1440 Hz; with fewer they stretch it until they slip through between
+/// its particles. A net that gives way ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) brings what falls into it to rest; one at its
+/// strain limit quivers.
+///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;

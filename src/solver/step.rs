@@ -355,6 +355,8 @@ impl Stepped<'_> {
         scratch.shortened = scratch.strain() > STRAINED * fabric.strain_limit;
         if scratch.shortened {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
+            // Pins on bodies that cloth moves have a mass, but stay where they are.
+            scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
         Some(report)

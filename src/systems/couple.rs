@@ -70,14 +70,7 @@ pub(crate) fn bodies(
     }
 }
 
-fn in_world(
-    entity: Entity,
-    rigid: &ClothRigidBody,
-    from: Isometry3d,
-    to: Isometry3d,
-    known: bool,
-    givers: u32,
-) -> WorldRigid {
+fn in_world(entity: Entity, rigid: &ClothRigidBody, from: Isometry3d, to: Isometry3d, known: bool, givers: u32) -> WorldRigid {
     let axes = Mat3::from_quat(to.rotation);
     WorldRigid {
         entity,

@@ -181,10 +181,9 @@ fn avian_a_sheet_drapes_over_children_and_scaled_colliders() {
     let mut app = physics(FixedPostUpdate);
     let cloth = spawn(&mut app, sheet(24), Transform::from_xyz(0.0, 0.6, 0.0));
     // A ball of 0.15 m at twice the scale, as a child that is set off from its body.
-    app.world_mut().spawn((RigidBody::Static, Transform::from_xyz(0.0, -1.0, 0.0))).with_child((
-        Collider::sphere(0.15),
-        Transform::from_xyz(0.0, 1.0, 0.0).with_scale(Vec3::splat(2.0)),
-    ));
+    app.world_mut()
+        .spawn((RigidBody::Static, Transform::from_xyz(0.0, -1.0, 0.0)))
+        .with_child((Collider::sphere(0.15), Transform::from_xyz(0.0, 1.0, 0.0).with_scale(Vec3::splat(2.0))));
     app.world_mut().spawn((RigidBody::Static, Collider::half_space(Vec3::Y), Transform::from_xyz(0.0, -0.6, 0.0)));
     run(&mut app, 180);
     let nearest = particles(&app, cloth).iter().map(|p| p.length()).fold(f32::MAX, f32::min);
@@ -274,7 +273,8 @@ fn avian_a_flag_on_a_moving_mast_does_not_lag_in_either_schedule() {
         let local: Vec<Vec3> = held.iter().map(|&i| particles(&app, cloth)[i] - at(&app, mast)).collect();
         assert_eq!(held.len(), 12);
         run(&mut app, 60);
-        let lag = held.iter().zip(&local).map(|(&i, at_start)| (particles(&app, cloth)[i] - at(&app, mast)).distance(*at_start));
+        let lag =
+            held.iter().zip(&local).map(|(&i, at_start)| (particles(&app, cloth)[i] - at(&app, mast)).distance(*at_start));
         let lag = lag.fold(0.0, f32::max);
         println!("{name}: the flag is {lag} m behind after {} m", at(&app, mast).x);
         assert!(lag < 1.0e-4, "{name}: the flag is {lag} m behind its mast");
@@ -330,7 +330,7 @@ fn avian_a_one_way_body_feels_nothing_and_a_sleeping_two_way_body_wakes() {
 fn avian_locked_axes_paused_physics_and_disabled_coupling_hold() {
     let mut app = physics(FixedPostUpdate);
     let cloth = spawn(&mut app, net(16), (rim(), elastic()));
-    let locked = LockedAxes::new().lock_translation_y().lock_rotation();
+    let locked = LockedAxes::ROTATION_LOCKED.lock_translation_y();
     let body = app.world_mut().spawn((ball(1.0, 0.2, Vec3::new(0.0, -0.2, 0.0)), locked)).id();
     run(&mut app, 60);
     assert!((at(&app, body).y + 0.2).abs() < 1.0e-4, "a locked ball is at {}", at(&app, body));

@@ -87,8 +87,15 @@ impl Scene {
                 self.positions[b] -= push.extend(0.0);
             }
             let before = self.previous.clone();
-            self.touching =
-                self.contacts.project(bodies, s0, s1, &mut self.positions, &mut self.previous, &touch(self.friction), &mut Coupling::default());
+            self.touching = self.contacts.project(
+                bodies,
+                s0,
+                s1,
+                &mut self.positions,
+                &mut self.previous,
+                &touch(self.friction),
+                &mut Coupling::default(),
+            );
             check(s0, s1, &before, &self.positions);
         }
     }

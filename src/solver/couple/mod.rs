@@ -27,8 +27,8 @@ mod pins;
 use glam::{Mat3, Quat, Vec3, Vec4};
 use parry3d::math::Pose;
 
-pub(crate) use pins::Pull;
 use pins::Pins;
+pub(crate) use pins::Pull;
 
 use super::step::Anchors;
 

@@ -185,8 +185,7 @@ impl Pins {
         }
         // Pins on a line bear no moment along it.
         let least = 1.0e-3 * (spread.x_axis.x + spread.y_axis.y + spread.z_axis.z);
-        let turn =
-            if least > 0.0 { (spread + Mat3::from_diagonal(Vec3::splat(least))).inverse() * moment } else { Vec3::ZERO };
+        let turn = if least > 0.0 { (spread + Mat3::from_diagonal(Vec3::splat(least))).inverse() * moment } else { Vec3::ZERO };
         for k in (0..anchors.particles.len()).filter(pinned) {
             self.borne[k] += turn.cross(at(k) - middle);
             // What the pinned particle weighs itself.
