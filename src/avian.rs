@@ -144,8 +144,10 @@ pub(crate) fn colliders(
 
 /// Gives dynamic bodies what cloth gave them. A body that cloth touches does not sleep.
 pub(crate) fn give(
+    mut commands: Commands,
     mut bodies: Query<
         (
+            Entity,
             &RigidBody,
             &ClothImpulse,
             &ClothRigidBody,
@@ -154,11 +156,12 @@ pub(crate) fn give(
             &mut LinearVelocity,
             &mut AngularVelocity,
             Option<&mut SleepTimer>,
+            Has<Sleeping>,
         ),
         (With<ClothCoupling>, Without<RigidBodyDisabled>),
     >,
 ) {
-    for (kind, impulse, rigid, mut position, mut rotation, mut linear, mut angular, sleep) in &mut bodies {
+    for (entity, kind, impulse, rigid, mut position, mut rotation, mut linear, mut angular, sleep, asleep) in &mut bodies {
         if !kind.is_dynamic() || impulse.is_zero() {
             continue;
         }
@@ -173,6 +176,9 @@ pub(crate) fn give(
         position.0 = center - rotation.0 * center_of_mass;
         if let Some(mut sleep) = sleep {
             sleep.0 = 0.0;
+        }
+        if asleep {
+            commands.entity(entity).try_remove::<Sleeping>();
         }
     }
 }

@@ -79,7 +79,7 @@ impl ClothImpulse {
 /// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of [`ClothImpulse`] after
 /// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next frame of the cloth goes on from there. The component of a body
 /// of avian is kept up to date from its mass properties.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ClothRigidBody {
@@ -92,6 +92,13 @@ pub struct ClothRigidBody {
     /// Velocity of the centre of mass at the end of the frame, without what cloth gives it in this frame [m/s]. Default none: as its transforms say.
     /// Physics that adds gravity before it moves its bodies ends a frame faster than its way in the frame tells.
     pub velocity: Option<Vec3>,
+}
+
+impl Default for ClothRigidBody {
+    fn default() -> Self {
+        // The default of a matrix is the identity, not zero.
+        Self { inverse_mass: Vec3::ZERO, inverse_inertia: Mat3::ZERO, center_of_mass: Vec3::ZERO, velocity: None }
+    }
 }
 
 impl ClothRigidBody {

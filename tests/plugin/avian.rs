@@ -338,12 +338,14 @@ fn avian_locked_axes_paused_physics_and_disabled_coupling_hold() {
 
     app.world_mut().entity_mut(body).remove::<LockedAxes>();
     app.world_mut().resource_mut::<Time<Physics>>().pause();
+    // Avian makes one more tick.
+    run(&mut app, 2);
     let before = at(&app, body);
     run(&mut app, 30);
     assert_eq!(at(&app, body), before, "physics is paused");
     app.world_mut().resource_mut::<Time<Physics>>().unpause();
-    run(&mut app, 5);
-    assert_ne!(at(&app, body), before);
+    run(&mut app, 30);
+    assert!(at(&app, body).distance(before) > 0.01, "physics goes on, and the ball is still at {}", at(&app, body));
 
     app.world_mut().entity_mut(body).remove::<ClothCoupling>();
     run(&mut app, 5);
