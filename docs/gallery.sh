@@ -10,6 +10,7 @@ pictures=(
     "hello_cloth hello_cloth --frames 240 --out"
     "flag flag --frames 240 --out"
     "drape drape --frames 240 --out"
+    "net net --frames 300 --out"
     "gltf gltf --frames 84 --out"
     "stack stack --frames 180 --out"
     "curtain curtain --frames 100 --out"

@@ -10,6 +10,8 @@ pub mod gltf;
 pub mod inspector;
 #[cfg(feature = "presets")]
 pub mod presets;
+#[cfg(feature = "avian")]
+mod avian;
 mod bind;
 mod groups;
 mod notices;
@@ -24,30 +26,32 @@ pub mod scenes;
 
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
-    ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothLastResort, ClothLayers, ClothMaterial,
-    ClothPins, ClothRecovered, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost,
-    ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderPart, ColliderShape, ColorChannel, GlobalWind,
-    MeshFit, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
-    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
+    ClothCoupling, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse, ClothLastResort,
+    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver,
+    ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
+    ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet,
+    PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor,
+    WindZone, WindZoneShape,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use groups::ClothGroups;
 pub use plugin::{ClothPlugin, ClothSystems};
-pub use query::{ClothHit, ClothQuery};
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};
+pub use query::{ClothHit, ClothQuery};
 pub use simulation::{ClothParticles, ClothRest};
 
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothError,
-        ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothLastResort, ClothLayers, ClothMaterial, ClothParticles,
-        ClothPins, ClothPlugin, ClothQuery, ClothRecovered, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothStatus,
-        ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
-        ColliderShape, ColorChannel, GlobalWind, MeshFit, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode,
-        Untangle, UntangleMethod, WindZone, WindZoneShape,
+        Cloth, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothCoupling,
+        ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse, ClothLastResort, ClothLayers,
+        ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothQuery, ClothRecovered, ClothReport, ClothRigidBody,
+        ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported,
+        ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision,
+        OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone,
+        WindZoneShape,
     };
 }

@@ -17,7 +17,12 @@ use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleLabel};
 use bevy::ecs::system::ScheduleSystem;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
+use bevy::transform::systems::{
+    StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,
+};
 
+#[cfg(feature = "avian")]
+use crate::avian;
 use crate::bind::{RestCache, Sources};
 use crate::components::{ClothGravity, GlobalWind};
 use crate::groups::ClothGroups;
@@ -25,14 +30,14 @@ use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
 use crate::systems::{
-    bind, colliders, detect, evaluate, grab, inputs, integrate, release, resolve, respond, sleep, sources, sync, touch,
+    bind, colliders, couple, detect, evaluate, grab, inputs, integrate, release, resolve, respond, sleep, sources, sync, touch,
 };
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
 ///
 /// By default in [`PostUpdate`], after transforms are propagated: animation is done, so that pinned cloth never lags. In a
-/// fixed schedule, `ClothPlugin::new(FixedPostUpdate)`, it runs in lockstep with physics, sees the transforms of the last frame,
-/// and what is shown is interpolated.
+/// fixed schedule, `ClothPlugin::new(FixedPostUpdate)`, it runs in lockstep with physics, after it, sees what was moved in the same tick, and what is shown
+/// is interpolated. What is animated in `PostUpdate` it sees a frame late.
 ///
 /// # Panics
 /// When it is added twice, to a schedule that runs once, or without meshes and their assets.
@@ -112,6 +117,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothGroups>()
             .add_observer(release::on_remove_cloth)
             .add_observer(release::on_remove_collider)
+            .add_observer(couple::on_remove_coupling)
             .add_observer(release::on_remove_zone);
 
         #[cfg(feature = "presets")]
@@ -126,8 +132,15 @@ impl Plugin for ClothPlugin {
         app.add_systems(self.schedule, crate::gltf::systems().before(crate::presets::apply));
 
         order(app, self.schedule);
-        if shows != self.schedule {
+        if interpolates {
             order(app, shows);
+            // What moved in this tick is seen in this tick.
+            app.init_resource::<StaticTransformOptimizations>().add_systems(
+                self.schedule,
+                (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms)
+                    .chain()
+                    .in_set(TransformSystems::Propagate),
+            );
         }
         app.add_systems(
             self.schedule,
@@ -138,19 +151,21 @@ impl Plugin for ClothPlugin {
                     colliders::shapes,
                     (
                         colliders::poses,
+                        couple::bodies,
                         inputs::air,
                         inputs::settings,
                         inputs::anchors,
                         grab::grabs,
                         sleep::watch,
                         inputs::surroundings,
+                        couple::couple,
                     )
                         .chain()
                         .run_if(time_flows),
                 )
                     .chain()
                     .in_set(ClothSystems::Prepare),
-                integrate::integrate.run_if(time_flows).in_set(ClothSystems::Integrate),
+                (integrate::integrate, couple::give).chain().run_if(time_flows).in_set(ClothSystems::Integrate),
                 (detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
                 (resolve::resolve, resolve::scatter).chain().run_if(time_flows).in_set(ClothSystems::Resolve),
                 ((evaluate::look, evaluate::judge, evaluate::tell).chain().run_if(time_flows), evaluate::recoveries)
@@ -160,6 +175,22 @@ impl Plugin for ClothPlugin {
             ),
         )
         .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));
+
+        #[cfg(feature = "avian")]
+        {
+            let takes_over = (avian::give, avian::show).chain().after(couple::give);
+            app.add_systems(
+                self.schedule,
+                (
+                    (avian::masses, avian::colliders.after(colliders::poses))
+                        .chain()
+                        .before(couple::bodies)
+                        .in_set(ClothSystems::Prepare),
+                    takes_over.in_set(ClothSystems::Integrate),
+                )
+                    .run_if(time_flows),
+            );
+        }
     }
 
     fn finish(&self, app: &mut App) {

@@ -22,6 +22,7 @@ use crate::solver::slew::Slew;
 use crate::solver::state::ClothState;
 use crate::solver::step::{Anchors, FrameInput, Scratch, StepReport};
 use crate::solver::wind::Wind;
+use crate::systems::couple::Coupled;
 use crate::systems::sleep::Slumber;
 
 /// What changed since a cloth was bound.
@@ -223,6 +224,8 @@ pub(crate) struct ClothInputs {
     pub bodies: Vec<Body>,
     /// The entity of each body.
     pub body_entities: Vec<Entity>,
+    /// The bodies that take what the cloth gives.
+    pub coupled: Coupled,
     pub wind: Wind,
     /// Whether fabric or anchors changed since the solver was prepared.
     pub stale: bool,
@@ -265,6 +268,7 @@ impl ClothInputs {
             radius,
             bodies: Vec::new(),
             body_entities: Vec::new(),
+            coupled: Coupled::default(),
             wind: Wind::default(),
             stale: true,
             checked: Checked::default(),

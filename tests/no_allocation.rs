@@ -98,3 +98,36 @@ fn a_cloth_that_comes_to_rest_allocates_nothing() {
     let allocations = COUNT.with(Cell::get) - before;
     assert_eq!(allocations, 0, "{allocations} allocations in 120 frames");
 }
+
+#[test]
+fn a_warm_step_that_gives_bodies_something_allocates_nothing() {
+    use bevy_drape::scenes;
+    use bevy_drape::solver::body::{Body, Pose, shape};
+    use bevy_drape::solver::couple::Rigid;
+    use bevy_drape::solver::step::FrameInput;
+    use bevy_drape::solver::wind::Wind;
+    use glam::{Mat3, Vec3};
+
+    let mut cloth = scenes::hang(32).cloths.remove(0);
+    let at = Vec3::new(0.0, -0.4, 0.0);
+    let rigid = Rigid { inverse_mass: Vec3::ONE, inverse_inertia: Mat3::IDENTITY, ..Rigid::immovable(at, at) };
+    let ball = shape::ball(0.2).expect("a ball");
+    let bodies = [Body { rigid: Some(0), ..Body::at_rest(ball, Pose::from_parts(at, glam::Quat::IDENTITY)) }];
+    let wind = Wind::default();
+    let mut given = 0.0;
+    let mut frame = |given: &mut f32| {
+        let coupling = cloth.scratch.coupling_mut();
+        coupling.clear();
+        let slots = [coupling.add(rigid), coupling.add(Rigid::immovable(Vec3::ZERO, Vec3::ZERO))];
+        coupling.hold(0, slots[1]);
+        cloth.step(&FrameInput { dt: 1.0 / 60.0, gravity: Vec3::NEG_Y * 9.81, bodies: &bodies, wind: &wind });
+        *given +=
+            cloth.scratch.coupling().given(slots[0]).linear.length() * cloth.scratch.coupling().given(slots[1]).linear.length();
+    };
+    (0..240).for_each(|_| frame(&mut given));
+    let before = COUNT.with(Cell::get);
+    (0..120).for_each(|_| frame(&mut given));
+    let allocations = COUNT.with(Cell::get) - before;
+    assert_eq!(allocations, 0, "{allocations} allocations in 120 frames");
+    assert!(given > 0.0, "nothing was given");
+}

@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::body::{Approach, Body, BodyContacts, Touch};
+use super::couple::{Coupling, Pull};
 use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
@@ -70,6 +71,7 @@ pub struct Scratch {
     leash: leash::Leash,
     overlong: spring::Overlong,
     contacts: BodyContacts,
+    coupling: Coupling,
     wind: WindForces,
     pulls: pull::Pulls,
     rigid: Vec<u32>,
@@ -126,6 +128,18 @@ impl Scratch {
             let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
             force.is_finite().then_some((p, force))
         })
+    }
+
+    /// The bodies that take what the cloth gives them.
+    #[must_use]
+    pub fn coupling(&self) -> &Coupling {
+        &self.coupling
+    }
+
+    /// The bodies that take what the cloth gives them; filled before each frame. When the pins on movable bodies or those bodies' masses change,
+    /// [`prepare`] must follow.
+    pub fn coupling_mut(&mut self) -> &mut Coupling {
+        &mut self.coupling
     }
 
     /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
@@ -186,8 +200,16 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
         x.w = 1.0 / (fabric.density * area).max(1.0e-9);
     }
-    let rigid = anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= anchor::RIGID);
-    let rigid: Vec<u32> = rigid.map(|(&p, _)| p).collect();
+    scratch.coupling.weigh(anchors);
+    let mut rigid = Vec::new();
+    for (k, (&p, &weight)) in anchors.particles.iter().zip(&anchors.weights).enumerate() {
+        let w = scratch.coupling.weight(k);
+        if w > 0.0 {
+            state.positions[p as usize].w = w;
+        } else if weight >= anchor::RIGID {
+            rigid.push(p);
+        }
+    }
     for &p in &rigid {
         state.positions[p as usize].w = 0.0;
     }
@@ -307,6 +329,8 @@ impl Stepped<'_> {
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
+        scratch.coupling.begin(dt, anchors, &state.positions);
+        scratch.contacts.leave_out(scratch.coupling.welded(anchors));
         scratch.frame = Some(Frame {
             dt,
             h,
@@ -348,8 +372,11 @@ impl Stepped<'_> {
             predict::predict_uniform(x, old, input.gravity.extend(0.0), carry, push);
         }
         state.substep = h;
-        anchor::solve(anchors, frame.span().1, h, x);
-        scratch.pulls.solve(frame.span().1, h, x);
+        let (_, s) = frame.span();
+        anchor::solve(anchors, s, h, x);
+        scratch.coupling.advance(h);
+        scratch.coupling.place(anchors, s, x);
+        scratch.pulls.solve(s, h, x);
         // Turn about: tethers are at a bound, which holds for more than one substep. Both at once in a calm cloth.
         if state.substeps.is_multiple_of(frame.bend_every) {
             bend::solve(&rest.bends, &scratch.bends, x);
@@ -364,6 +391,8 @@ impl Stepped<'_> {
         for _ in 0..if frame.taut { TAUT_SWEEPS * if frame.bend_every == 1 { 2 } else { 1 } } else { 0 } {
             spring::limit(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         }
+        let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
+        scratch.coupling.react(&pull, x);
         state.substeps += 1;
         true
     }
@@ -373,8 +402,8 @@ impl Stepped<'_> {
         let Some(frame) = &mut scratch.frame else { return };
         let (s0, s1) = frame.span();
         let touch = Touch::of(self.fabric);
-        frame.report.body_contacts =
-            scratch.contacts.project(self.input.bodies, s0, s1, &mut state.positions, &mut state.previous, &touch);
+        let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
+        frame.report.body_contacts = scratch.contacts.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
     }
 
     /// Ends the frame; nothing when none was begun.
@@ -388,6 +417,8 @@ impl Stepped<'_> {
         scratch.shortened = !scratch.is_calm() && scratch.strain() > STRAINED * fabric.strain_limit;
         if scratch.shortened {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
+            // Pins on bodies that cloth moves have a mass, but stay where they are.
+            scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
         let bound = if scratch.is_calm() { 2.0 * CALM_SPEED } else { CALM_SPEED };
@@ -432,7 +463,7 @@ fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut Cloth
         }
     }
     let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
-    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip);
+    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }

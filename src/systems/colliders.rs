@@ -8,6 +8,7 @@ use crate::components::checked::Checked;
 use crate::components::{ClothCollider, ClothLayers, ColliderShape, MeshFit};
 use crate::notices::{Notices, label};
 use crate::solver::body::{SharedShape, shape};
+use crate::solver::couple::Given;
 
 /// Shape of a collider as it was made, and where it was.
 #[derive(Component, Default)]
@@ -18,7 +19,8 @@ pub(crate) struct ColliderBody {
     unscaled: Option<SharedShape>,
     scale: Vec3,
     mesh: Option<AssetId<Mesh>>,
-    pose: Option<Isometry3d>,
+    /// Where it was at the end of the last frame.
+    pub pose: Option<Isometry3d>,
     reach: f32,
 }
 
@@ -47,13 +49,32 @@ pub(crate) struct WorldBody {
     pub margin: f32,
     pub static_friction: f32,
     pub dynamic_friction: f32,
+    /// Place in [`WorldBodies::rigids`] of the body that takes what cloth does to it.
+    pub rigid: Option<u32>,
+}
+
+/// A body in the world that takes what cloth does to it.
+pub(crate) struct WorldRigid {
+    pub entity: Entity,
+    /// Centre of mass at both ends of the frame [m].
+    pub from: Vec3,
+    pub to: Vec3,
+    pub velocity: Option<Vec3>,
+    pub inverse_mass: Vec3,
+    pub inverse_inertia: Mat3,
+    /// Cloths that gave it something in the last frame, and what and how many do in this one.
+    pub givers: u32,
+    pub given: Given,
+    pub gave: u32,
 }
 
 /// Every body, in the order of entities.
 #[derive(Resource, Default)]
 pub(crate) struct WorldBodies {
     pub bodies: Vec<WorldBody>,
-    checked: Checked,
+    /// In the order of entities, too.
+    pub rigids: Vec<WorldRigid>,
+    pub checked: Checked,
 }
 
 /// Makes shapes of new colliders, and of those whose data, scale or mesh changed.
@@ -145,7 +166,7 @@ pub(crate) fn poses(
     mut notices: ResMut<Notices>,
     mut colliders: Query<(Entity, Option<&Name>, &ClothCollider, &GlobalTransform, Option<&ClothLayers>, &mut ColliderBody)>,
 ) {
-    let WorldBodies { bodies, checked } = &mut *world;
+    let WorldBodies { bodies, checked, .. } = &mut *world;
     bodies.clear();
     for (entity, name, collider, global, layers, mut body) in &mut colliders {
         let Some(shape) = body.shape.clone().filter(|_| collider.enabled) else {
@@ -165,13 +186,16 @@ pub(crate) fn poses(
         let from = body.pose.filter(|from| !jumped(from, &to, body.reach)).unwrap_or(to);
         body.pose = Some(to);
         let layers = layers.copied().unwrap_or_default();
-        bodies.push(WorldBody { entity, shape, from, to, layers, margin, static_friction, dynamic_friction });
+        bodies.push(WorldBody { entity, shape, from, to, layers, margin, static_friction, dynamic_friction, rigid: None });
     }
     bodies.sort_unstable_by_key(|body| body.entity);
 }
 
+/// Jumps shorter than this are motion [m].
+pub(super) const LEAST_JUMP: f32 = 2.0;
+
 /// A body that jumps further than cloth teleports sweeps nothing on its way.
-fn jumped(from: &Isometry3d, to: &Isometry3d, reach: f32) -> bool {
-    let limit = if reach.is_finite() { (3.0 * reach).max(2.0) } else { f32::INFINITY };
+pub(crate) fn jumped(from: &Isometry3d, to: &Isometry3d, reach: f32) -> bool {
+    let limit = if reach.is_finite() { (3.0 * reach).max(LEAST_JUMP) } else { f32::INFINITY };
     !(from.translation.distance(to.translation) <= limit)
 }

@@ -292,6 +292,8 @@ pub(crate) fn surroundings(
             static_friction: body.static_friction,
             dynamic_friction: body.dynamic_friction,
             margin: body.margin,
+            // Its place in the world's list, until `couple` makes a slot of it.
+            rigid: body.rigid,
         }));
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
         inputs.wind.origin = origin;

@@ -3,6 +3,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[cfg(feature = "avian")]
+mod avian;
 mod bind;
 mod bodies;
 mod contact;

@@ -10,6 +10,7 @@ use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
 use super::sweep::{plane_at, sweep};
+use crate::solver::couple::{Coupling, Gain, Slot};
 use crate::solver::settings::Fabric;
 
 /// What a frame may bring: the bound on how far a particle can get.
@@ -131,7 +132,9 @@ impl BodyContacts {
             let (Some(from), Some(to)) = (valid(body.from), valid(body.to)) else {
                 continue;
             };
-            let reach = way + finite_or_zero(body.margin);
+            // A body that cloth moves gets no farther off its way than cloth does.
+            let off = if body.rigid.is_some() { way } else { 0.0 };
+            let reach = way + off + finite_or_zero(body.margin);
             geometry::for_each_part(&*body.shape.0, |index, local, shape| {
                 let Some(local) = valid(local) else {
                     return;
@@ -171,6 +174,15 @@ impl BodyContacts {
         }
     }
 
+    /// Takes out particles that are pinned to bodies, sorted or not.
+    pub(crate) fn leave_out(&mut self, particles: impl Iterator<Item = u32>) {
+        for out in particles {
+            for candidate in self.candidates.iter_mut().filter(|c| c.particle == out) {
+                candidate.particle = u32::MAX;
+            }
+        }
+    }
+
     fn gather_box(&mut self, swept: &Aabb, reach: f32, positions: &[Vec4]) {
         // The fourth lane asks for a positive inverse mass. NaN fails every comparison.
         let low = (swept.mins - Vec3::splat(reach)).extend(f32::MIN_POSITIVE);
@@ -199,7 +211,8 @@ impl BodyContacts {
     /// Once per substep, after every other constraint: resolves contacts.
     ///
     /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the substep is
-    /// recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Returns the number of contacts.
+    /// recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling` are moved by what they do
+    /// to the cloth, unless no time passes. Returns the number of contacts.
     pub fn project(
         &mut self,
         bodies: &[Body],
@@ -208,8 +221,10 @@ impl BodyContacts {
         positions: &mut [Vec4],
         previous: &mut [Vec4],
         touch: &Touch,
+        coupling: &mut Coupling,
     ) -> u32 {
-        let recovery = RECOVERY_SPEED * (s1 - s0).max(0.0) * self.dt;
+        let h = (s1 - s0).max(0.0) * self.dt;
+        let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
         for part in &self.parts {
             let Some(body) = bodies.get(part.body as usize) else {
@@ -220,13 +235,18 @@ impl BodyContacts {
             };
             let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
             let geometry = Geometry::of(shape, planes);
-            let motion = Motion::new(body, part, s0, s1);
+            let slot = body.rigid.and_then(|slot| coupling.slot_mut(slot));
+            let mut motion = Motion::new(body, part, s0, s1);
+            if let Some(slot) = &slot {
+                motion.follow(slot, part.radius);
+            }
             let Some(candidates) = self.candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize) else {
                 continue;
             };
             let keep = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
             let setting = Setting {
                 motion,
+                rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding { slot, s: s1, h, several: 1.0, gain: Gain::default() }),
                 keep,
                 clip: geometry.inner_radius().min(0.5 * keep),
                 recovery,
@@ -301,27 +321,87 @@ struct Motion {
     translation1: Vec3A,
     /// Farthest that a point of the body moves in the substep [m]; infinite for a half-space that turns.
     way: f32,
+    /// The poses that its own way leads it to, and when.
+    planned: (Pose, Pose),
+    s: (f32, f32),
 }
 
 impl Motion {
     fn new(body: &Body, part: &Part, s0: f32, s1: f32) -> Self {
         let start = blend(&body.from, &body.to, s0) * part.local;
         let end = blend(&body.from, &body.to, s1) * part.local;
+        let mut motion = Self {
+            rotation0: Mat3A::IDENTITY,
+            translation0: Vec3A::ZERO,
+            rotation1: Mat3A::IDENTITY,
+            translation1: Vec3A::ZERO,
+            way: 0.0,
+            planned: (start, end),
+            s: (s0, s1),
+        };
+        motion.set(&start, &end, part.radius);
+        motion
+    }
+
+    fn set(&mut self, start: &Pose, end: &Pose, radius: f32) {
         let turn = chord(start.rotation, end.rotation);
-        let turning = if turn > 0.0 { turn * part.radius } else { 0.0 };
-        Self {
-            rotation0: Mat3A::from_quat(start.rotation),
-            translation0: start.translation.into(),
-            rotation1: Mat3A::from_quat(end.rotation),
-            translation1: end.translation.into(),
-            way: (end.translation - start.translation).length() + turning,
+        let turning = if turn > 0.0 { turn * radius } else { 0.0 };
+        self.rotation0 = Mat3A::from_quat(start.rotation);
+        self.translation0 = start.translation.into();
+        self.rotation1 = Mat3A::from_quat(end.rotation);
+        self.translation1 = end.translation.into();
+        self.way = (end.translation - start.translation).length() + turning;
+    }
+
+    /// Follows a body that cloth moves.
+    fn follow(&mut self, slot: &Slot, radius: f32) {
+        if slot.is_movable() {
+            let (start, end) = self.planned;
+            self.set(&slot.moved(start, self.s.0, true), &slot.moved(end, self.s.1, false), radius);
         }
     }
 }
 
+/// A body that takes what it does to the cloth.
+struct Yielding<'a> {
+    slot: &'a mut Slot,
+    /// Share of the frame at the end of the substep.
+    s: f32,
+    /// Length of the substep [s].
+    h: f32,
+    /// Contacts that share the body.
+    several: f32,
+    gain: Gain,
+}
+
+impl Yielding<'_> {
+    /// How much more readily particle and body give way along the surface than across it (dimensionless).
+    fn slide(&self, w: f32, at: Vec3A, normal: Vec3A) -> f32 {
+        let k = self.slot.compliance(w, self.slot.arm(at.into(), self.s), self.several);
+        let normal = Vec3::from(normal);
+        let across = normal.dot(k * normal);
+        let along = 0.5 * (k.x_axis.x + k.y_axis.y + k.z_axis.z - across);
+        if across > 0.0 { along / across } else { 1.0 }
+    }
+
+    /// Splits a correction `by` of a particle at `at`, of which `silent` gives no speed, between it and the body. Returns the particle's parts of both.
+    fn split(&mut self, w: f32, at: Vec3A, by: Vec3A, silent: Vec3A) -> (Vec3A, Vec3A) {
+        let r = self.slot.arm(at.into(), self.s);
+        let inverse = self.slot.compliance(w, r, self.several).inverse();
+        let (push, quiet) = (inverse * Vec3::from(by), inverse * Vec3::from(silent));
+        if !(push.is_finite() && quiet.is_finite()) {
+            return (by, silent);
+        }
+        self.gain.add(r, -push, -quiet);
+        ((push * w).into(), (quiet * w).into())
+    }
+}
+
 /// Everything that is the same for all candidates of one part in one substep.
-struct Setting {
+struct Setting<'a> {
     motion: Motion,
+    /// The body, if it takes what it does to the cloth.
+    rigid: Option<Yielding<'a>>,
     keep: f32,
     /// How deep a straight path may cut a corner between two points outside [m].
     clip: f32,
@@ -329,11 +409,11 @@ struct Setting {
     friction: Friction,
 }
 
-impl Setting {
+impl Setting<'_> {
     /// `COSTLY`: a sample is a search in a tree, so remember how far away nothing is.
     #[inline]
     fn project<const COSTLY: bool>(
-        &self,
+        mut self,
         candidates: &mut [Candidate],
         particles: &mut Particles<'_>,
         sample: impl Fn(Vec3A, f32) -> Sample,
@@ -342,6 +422,16 @@ impl Setting {
         let to_body0 = self.motion.rotation0.transpose();
         let band = BAND * self.keep;
         let mut contacts = 0;
+        if let Some(rigid) = self.rigid.as_mut().filter(|rigid| rigid.slot.is_movable()) {
+            let touches = candidates.iter().filter(|candidate| {
+                let Some(x) = particles.positions.get(candidate.particle as usize) else { return false };
+                let q = to_body1 * (Vec3A::from_vec4(*x) - self.motion.translation1);
+                let off = (q - Vec3A::from(candidate.clear_at)).length();
+                let clear = COSTLY && candidate.clear - off >= self.keep + band;
+                !clear && sample(q, self.keep + band).distance < self.keep + band
+            });
+            rigid.several = touches.count().max(1) as f32;
+        }
         for candidate in candidates {
             let i = candidate.particle as usize;
             let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {
@@ -400,17 +490,38 @@ impl Setting {
             if swept.is_none() && gap1 >= 0.0 && candidate.load <= 0.0 {
                 continue;
             }
-            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, self.friction);
+            let friction = match &self.rigid {
+                Some(rigid) if rigid.slot.is_movable() => {
+                    let at = self.motion.rotation1 * end + self.motion.translation1;
+                    self.friction.times(rigid.slide(position.w, at, self.motion.rotation1 * plane.normal))
+                }
+                _ => self.friction,
+            };
+            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, friction);
             if !response.end.is_finite() {
                 continue;
             }
             candidate.load = response.load;
             contacts += 1;
             // As differences: a particle that stays keeps its bits.
-            *position += (self.motion.rotation1 * (response.end - q1)).extend(0.0);
+            let mut by = self.motion.rotation1 * (response.end - q1);
+            let mut silent = Vec3A::ZERO;
             if response.shift != Vec3A::ZERO {
-                *before += (self.motion.rotation0 * response.shift).extend(0.0);
+                silent = self.motion.rotation0 * response.shift;
             }
+            if let Some(rigid) = &mut self.rigid
+                && by != Vec3A::ZERO
+            {
+                let at = self.motion.rotation1 * response.end + self.motion.translation1;
+                (by, silent) = rigid.split(position.w, at, by, silent);
+            }
+            *position += by.extend(0.0);
+            if silent != Vec3A::ZERO {
+                *before += silent.extend(0.0);
+            }
+        }
+        if let Some(rigid) = self.rigid.filter(|rigid| rigid.gain.is_some()) {
+            rigid.slot.give(&rigid.gain, rigid.h);
         }
         contacts
     }

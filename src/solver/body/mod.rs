@@ -45,13 +45,15 @@ pub struct Body {
     pub dynamic_friction: f32,
     /// Distance kept to the shape on top of the fabric's thickness [m]. Default 0, range 0 to 1.
     pub margin: f32,
+    /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default none: cloth does nothing to it.
+    pub rigid: Option<u32>,
 }
 
 impl Body {
     /// A body with default friction and no margin that moves from one pose to another in the frame.
     #[must_use]
     pub fn new(shape: SharedShape, from: Pose, to: Pose) -> Self {
-        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0 }
+        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None }
     }
 
     /// A body at rest.

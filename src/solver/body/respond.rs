@@ -44,6 +44,11 @@ impl Friction {
         let sliding = mean(body.1, fabric.1);
         Self { fixed: mean(body.0, fabric.0).max(sliding), sliding }
     }
+
+    /// Both coefficients times `factor`.
+    pub(super) fn times(self, factor: f32) -> Self {
+        Self { fixed: self.fixed * factor, sliding: self.sliding * factor }
+    }
 }
 
 /// The contact plane `n · q = c`.

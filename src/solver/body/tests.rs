@@ -6,6 +6,7 @@ use parry3d::query::Ray;
 use parry3d::shape::{SharedShape, TypedShape};
 
 use super::*;
+use crate::solver::couple::Coupling;
 
 const RATE: f32 = 480.0;
 const SUBSTEPS: u32 = 8;
@@ -86,8 +87,15 @@ impl Scene {
                 self.positions[b] -= push.extend(0.0);
             }
             let before = self.previous.clone();
-            self.touching =
-                self.contacts.project(bodies, s0, s1, &mut self.positions, &mut self.previous, &touch(self.friction));
+            self.touching = self.contacts.project(
+                bodies,
+                s0,
+                s1,
+                &mut self.positions,
+                &mut self.previous,
+                &touch(self.friction),
+                &mut Coupling::default(),
+            );
             check(s0, s1, &before, &self.positions);
         }
     }

@@ -1,0 +1,187 @@
+//! Bodies of [avian](https://docs.rs/avian3d): their colliders meet cloth, and what takes part is given impulses back.
+//!
+//! ```text
+//!  FixedPostUpdate   PhysicsSystems ─ TransformSystems::Propagate ─ ClothSystems, with `ClothPlugin::new(FixedPostUpdate)`
+//!  PostUpdate                         TransformSystems::Propagate ─ ClothSystems, by default
+//! ```
+//!
+//! Avian puts its sets before `TransformSystems::Propagate` of its schedule and cloth comes after it, so that in either schedule cloth sees bodies where physics
+//! left them, whatever the order in which the plugins were added.
+//!
+//! *In lockstep* (both in one schedule, or a tick in every frame) a frame of the cloth covers the tick that physics just made. The body goes the way that
+//! physics had it go, is pushed off it within the substeps, and afterwards `LinearVelocity += J / M`, `Position += d`: momentum stays, to rounding.
+//! *Out of lockstep* a frame may cover no tick, or several; the sums stay right, but a frame with a tick in it sees its bodies as much faster as it is shorter.
+
+use avian3d::prelude::{
+    AngularVelocity, Collider, ColliderDisabled, ColliderOf, CollisionLayers, CollisionMargin, ComputedAngularInertia,
+    ComputedCenterOfMass, ComputedMass, DefaultFriction, Friction, LinearVelocity, LockedAxes, Physics, PhysicsTime, Position,
+    RigidBody, RigidBodyDisabled, Rotation, Sensor, SleepTimer, Sleeping,
+};
+use bevy::prelude::*;
+
+use crate::components::{ClothCollider, ClothCoupling, ClothImpulse, ClothLayers, ClothRigidBody, NoClothCollision};
+use crate::systems::colliders::{ColliderBody, WorldBodies, WorldBody, jumped};
+
+impl From<CollisionLayers> for ClothLayers {
+    /// The same bits.
+    fn from(layers: CollisionLayers) -> Self {
+        Self::new(layers.memberships.0, layers.filters.0)
+    }
+}
+
+/// Share of a frame by which the time that physics made may differ from it in lockstep (dimensionless).
+const LOCKSTEP: f32 = 1.0e-3;
+
+/// Time that physics had made when cloth last looked [s].
+#[derive(Default)]
+pub(crate) struct Seen(f64);
+
+/// Takes the mass of bodies that take part from avian.
+pub(crate) fn masses(
+    time: Res<Time>,
+    physics: Option<Res<Time<Physics>>>,
+    mut seen: Local<Seen>,
+    mut bodies: Query<(
+        &RigidBody,
+        &ClothCoupling,
+        &mut ClothRigidBody,
+        &ComputedMass,
+        &ComputedAngularInertia,
+        &ComputedCenterOfMass,
+        &LinearVelocity,
+        &Rotation,
+        Option<&LockedAxes>,
+        Has<RigidBodyDisabled>,
+        Has<Sleeping>,
+    )>,
+) {
+    let Some(physics) = physics else { return };
+    let made = (physics.elapsed_secs_f64() - seen.0) as f32;
+    seen.0 = physics.elapsed_secs_f64();
+    let lockstep = (made - time.delta_secs()).abs() <= LOCKSTEP * time.delta_secs();
+    for (kind, coupling, mut rigid, mass, inertia, center, linear, rotation, locked, disabled, asleep) in &mut bodies {
+        if *coupling == ClothCoupling::OneWay {
+            continue;
+        }
+        if !kind.is_dynamic() || disabled || physics.is_paused() {
+            rigid.set_if_neq(ClothRigidBody::default());
+            continue;
+        }
+        let tensor = inertia.inverse();
+        let mut inverse_inertia = Mat3::from_cols(tensor * Vec3::X, tensor * Vec3::Y, tensor * Vec3::Z);
+        let mut inverse_mass = Vec3::splat(mass.inverse());
+        if let Some(locked) = locked {
+            inverse_mass *= free(locked, 0b100_000);
+            // Avian locks the axes of the world.
+            let axes = Mat3::from_quat(rotation.0);
+            let free = Mat3::from_diagonal(free(locked, 0b000_100));
+            inverse_inertia = axes.transpose() * free * axes * inverse_inertia * axes.transpose() * free * axes;
+        }
+        // `LinearVelocity` is that of the centre of mass.
+        let velocity = (lockstep && !asleep).then_some(linear.0);
+        rigid.set_if_neq(ClothRigidBody { inverse_mass, inverse_inertia, center_of_mass: center.0, velocity });
+    }
+}
+
+/// 1 along the axes that are not locked; `first` is the bit of x.
+fn free(locked: &LockedAxes, first: u8) -> Vec3 {
+    let free = |bit: u8| if locked.to_bits() & bit == 0 { 1.0 } else { 0.0 };
+    Vec3::new(free(first), free(first >> 1), free(first >> 2))
+}
+
+type Colliders<'a> = (
+    Entity,
+    &'a Collider,
+    &'a ColliderOf,
+    &'a GlobalTransform,
+    Option<&'a CollisionLayers>,
+    Option<&'a ClothLayers>,
+    Option<&'a Friction>,
+    Option<&'a CollisionMargin>,
+    Option<&'a mut ColliderBody>,
+);
+
+type Meets = (Without<ClothCollider>, Without<Sensor>, Without<ColliderDisabled>, Without<NoClothCollision>);
+
+/// Adds the colliders of avian's bodies to the bodies that cloth meets.
+pub(crate) fn colliders(
+    mut commands: Commands,
+    mut world: ResMut<WorldBodies>,
+    default_friction: Option<Res<DefaultFriction>>,
+    bodies: Query<Option<&Friction>, (With<RigidBody>, Without<RigidBodyDisabled>, Without<NoClothCollision>)>,
+    mut colliders: Query<Colliders, Meets>,
+) {
+    for (entity, collider, of, global, layers, own_layers, friction, margin, body) in &mut colliders {
+        let Some(mut body) = body else {
+            commands.entity(entity).try_insert(ColliderBody::default());
+            continue;
+        };
+        let (_, rotation, translation) = global.to_scale_rotation_translation();
+        let (Ok(of_body), true) = (bodies.get(of.body), rotation.is_finite() && translation.is_finite()) else {
+            body.pose = None;
+            continue;
+        };
+        let shape = collider.shape_scaled();
+        let to = Isometry3d::new(translation, rotation.normalize());
+        let reach = shape.compute_local_bounding_sphere().radius;
+        let from = body.pose.filter(|from| !jumped(from, &to, reach)).unwrap_or(to);
+        body.pose = Some(to);
+        let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
+        world.bodies.push(WorldBody {
+            entity,
+            shape: shape.clone(),
+            from,
+            to,
+            layers: own_layers.copied().unwrap_or_else(|| layers.copied().unwrap_or_default().into()),
+            margin: margin.map_or(0.0, |m| m.0),
+            static_friction: friction.static_coefficient,
+            dynamic_friction: friction.dynamic_coefficient,
+            rigid: None,
+        });
+    }
+    world.bodies.sort_unstable_by_key(|body| body.entity);
+}
+
+/// Gives dynamic bodies what cloth gave them. A body that cloth touches does not sleep.
+pub(crate) fn give(
+    mut commands: Commands,
+    mut bodies: Query<
+        (
+            Entity,
+            &RigidBody,
+            &ClothImpulse,
+            &ClothRigidBody,
+            &mut Position,
+            &mut Rotation,
+            &mut LinearVelocity,
+            &mut AngularVelocity,
+            Option<&mut SleepTimer>,
+            Has<Sleeping>,
+        ),
+        (With<ClothCoupling>, Without<RigidBodyDisabled>),
+    >,
+) {
+    for (entity, kind, impulse, rigid, mut position, mut rotation, mut linear, mut angular, sleep, asleep) in &mut bodies {
+        if !kind.is_dynamic() || impulse.is_zero() {
+            continue;
+        }
+        let ClothRigidBody { inverse_mass, inverse_inertia, center_of_mass, .. } = *rigid;
+        let axes = Mat3::from_quat(rotation.0);
+        let center = position.0 + rotation.0 * center_of_mass + impulse.displacement;
+        linear.0 += inverse_mass * impulse.linear;
+        angular.0 += axes * (inverse_inertia * (axes.transpose() * impulse.angular));
+        if impulse.turn != Quat::IDENTITY {
+            rotation.0 = (impulse.turn * rotation.0).normalize();
+        }
+        position.0 = center - rotation.0 * center_of_mass;
+        if let Some(mut sleep) = sleep {
+            sleep.0 = 0.0;
+        }
+        if asleep {
+            commands.entity(entity).try_remove::<Sleeping>();
+        }
+    }
+}
+
+/// Shows bodies where cloth moved them.
+pub(crate) use avian3d::physics_transform::position_to_transform as show;

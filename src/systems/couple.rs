@@ -1,0 +1,268 @@
+//! What cloth gives bodies: who takes it (Prepare), and their sums (Integrate).
+
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+use super::colliders::{ColliderBody, WorldBodies, WorldRigid};
+use crate::components::{Cloth, ClothCoupling, ClothImpulse, ClothRigidBody};
+use crate::notices::Notices;
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::solver::couple::{Given, Rigid};
+
+/// Where a body that takes part was at the end of the last frame, and how many cloths gave it something.
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct CoupledBody {
+    pose: Option<Isometry3d>,
+    givers: u32,
+}
+
+/// Finds the entity that takes what is done to another: itself or the nearest ancestor that says so.
+#[derive(SystemParam)]
+pub(crate) struct Takers<'w, 's> {
+    couplings: Query<'w, 's, &'static ClothCoupling>,
+    parents: Query<'w, 's, &'static ChildOf>,
+}
+
+impl Takers<'_, '_> {
+    fn of(&self, entity: Entity) -> Option<Entity> {
+        let mut at = entity;
+        loop {
+            match self.couplings.get(at) {
+                Ok(ClothCoupling::TwoWay) => return Some(at),
+                Ok(ClothCoupling::OneWay) => return None,
+                Err(_) => at = self.parents.get(at).ok()?.parent(),
+            }
+        }
+    }
+}
+
+/// Lists the bodies that take part, and tells colliders which is theirs.
+pub(crate) fn bodies(
+    mut world: ResMut<WorldBodies>,
+    mut notices: ResMut<Notices>,
+    takers: Takers,
+    mut coupled: Query<(Entity, Option<&Name>, &ClothCoupling, &ClothRigidBody, &GlobalTransform, &mut CoupledBody)>,
+) {
+    let WorldBodies { bodies, rigids, checked } = &mut *world;
+    rigids.clear();
+    for (entity, name, coupling, rigid, global, mut body) in &mut coupled {
+        let (_, rotation, translation) = global.to_scale_rotation_translation();
+        if *coupling == ClothCoupling::OneWay || !(rotation.is_finite() && translation.is_finite()) {
+            body.pose = None;
+            continue;
+        }
+        let to = Isometry3d::new(translation, rotation.normalize());
+        let known = body.pose.filter(|from| from.translation.distance(to.translation) <= super::colliders::LEAST_JUMP);
+        let from = known.unwrap_or(to);
+        body.pose = Some(to);
+        checked.clear();
+        rigids.push(in_world(entity, &rigid.checked(checked), from, to, known.is_some(), body.givers));
+        notices.clamped(entity, name, "coupled body", &checked.clamped);
+    }
+    rigids.sort_unstable_by_key(|rigid| rigid.entity);
+    if rigids.is_empty() {
+        return;
+    }
+    for body in bodies {
+        let taker = takers.of(body.entity);
+        body.rigid = taker.and_then(|taker| index_of(rigids, taker));
+    }
+}
+
+fn in_world(entity: Entity, rigid: &ClothRigidBody, from: Isometry3d, to: Isometry3d, known: bool, givers: u32) -> WorldRigid {
+    let axes = Mat3::from_quat(to.rotation);
+    WorldRigid {
+        entity,
+        from: from * rigid.center_of_mass,
+        to: to * rigid.center_of_mass,
+        velocity: rigid.velocity.filter(|_| known),
+        inverse_mass: rigid.inverse_mass,
+        inverse_inertia: axes * rigid.inverse_inertia * axes.transpose(),
+        givers,
+        given: Given::default(),
+        gave: 0,
+    }
+}
+
+fn index_of(rigids: &[WorldRigid], entity: Entity) -> Option<u32> {
+    rigids.binary_search_by_key(&entity, |rigid| rigid.entity).ok().and_then(|i| u32::try_from(i).ok())
+}
+
+/// Tells each cloth which bodies take what it gives, and which of its pins are on them.
+pub(crate) fn couple(
+    world: Res<WorldBodies>,
+    takers: Takers,
+    mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &mut ClothScratch), With<Cloth>>,
+) {
+    for (entity, particles, mut inputs, mut scratch) in &mut cloths {
+        let ClothInputs { bodies, sets, skin, coupled, stale, .. } = &mut *inputs;
+        let coupling = scratch.solver.coupling_mut();
+        coupling.clear();
+        coupled.begin();
+        for body in bodies.iter_mut() {
+            body.rigid = body.rigid.map(|index| coupled.slot_of(index));
+        }
+        if !world.rigids.is_empty() {
+            for (set, at) in sets.sets.iter().enumerate() {
+                let Some(holder) = at.target.or_else(|| skin.is_none().then_some(entity)) else { continue };
+                if let Some(index) = takers.of(holder).and_then(|taker| index_of(&world.rigids, taker)) {
+                    let slot = coupled.slot_of(index);
+                    coupled.pinned.push((set as u32, slot));
+                }
+            }
+        }
+        for &index in &coupled.rigids {
+            let body = &world.rigids[index as usize];
+            let others = body.givers.saturating_sub(u32::from(coupled.gave_before.contains(&body.entity)));
+            let share = (others + 1) as f32;
+            coupled.shares.push(share);
+            let seen = |at: Vec3| (at.as_dvec3() - particles.origin).as_vec3();
+            let rigid = Rigid {
+                inverse_mass: body.inverse_mass * share,
+                inverse_inertia: body.inverse_inertia * share,
+                from: seen(body.from),
+                to: seen(body.to),
+                velocity: body.velocity,
+            };
+            coupling.add(rigid);
+        }
+        for &(set, slot) in &coupled.pinned {
+            for (anchor, _) in sets.set_of.iter().enumerate().filter(|(_, of)| **of == set) {
+                coupling.hold(anchor as u32, slot);
+            }
+        }
+        // Pins on a movable body weigh what it does.
+        if coupled.pins_changed(&world.rigids) {
+            *stale = true;
+        }
+    }
+}
+
+/// Adds up what the cloths gave each body, in the order of entities, and moves what remembers where the bodies are.
+pub(crate) fn give(
+    mut world: ResMut<WorldBodies>,
+    mut order: Local<Vec<Entity>>,
+    mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &ClothScratch), With<Cloth>>,
+    mut takers: Query<(&mut ClothImpulse, &mut CoupledBody)>,
+    mut colliders: Query<&mut ColliderBody>,
+) {
+    let WorldBodies { bodies, rigids, .. } = &mut *world;
+    if rigids.is_empty() {
+        return;
+    }
+    order.clear();
+    order.extend(cloths.iter().map(|(entity, ..)| entity));
+    order.sort_unstable();
+    for &entity in &*order {
+        let Ok((_, _, mut inputs, scratch)) = cloths.get_mut(entity) else { continue };
+        let coupled = &mut inputs.coupled;
+        coupled.gave_before.clear();
+        for (slot, (&index, &share)) in (0..).zip(coupled.rigids.iter().zip(&coupled.shares)) {
+            let given = scratch.solver.coupling().given(slot);
+            let finite = given.linear.is_finite() && given.angular.is_finite() && given.shift.is_finite();
+            let Some(body) = rigids.get_mut(index as usize).filter(|_| finite && given != Given::default()) else { continue };
+            let Given { linear, angular, shift, turn } = &mut body.given;
+            *linear += given.linear;
+            *angular += given.angular;
+            *shift += given.shift / share;
+            *turn = (Quat::IDENTITY.lerp(given.turn, 1.0 / share) * *turn).normalize();
+            body.gave += 1;
+            coupled.gave_before.push(body.entity);
+        }
+    }
+    for rigid in rigids.iter() {
+        let Ok((mut impulse, mut body)) = takers.get_mut(rigid.entity) else { continue };
+        let Given { linear, angular, shift, turn } = rigid.given;
+        impulse.set_if_neq(ClothImpulse { linear, angular, displacement: shift, turn });
+        body.givers = rigid.gave;
+        body.pose = body.pose.map(|pose| rigid.moved(pose));
+    }
+    for body in bodies.iter().filter(|body| body.rigid.is_some()) {
+        let rigid = body.rigid.and_then(|index| rigids.get(index as usize)).filter(|rigid| rigid.is_moved());
+        if let (Some(rigid), Ok(mut collider)) = (rigid, colliders.get_mut(body.entity)) {
+            collider.pose = collider.pose.map(|pose| rigid.moved(pose));
+        }
+    }
+    for (_, particles, mut inputs, _) in &mut cloths {
+        let origin = particles.origin;
+        let ClothInputs { coupled, anchors, sets, .. } = &mut *inputs;
+        for &(set, slot) in &coupled.pinned {
+            let rigid = coupled.rigids.get(slot as usize).and_then(|&index| rigids.get(index as usize));
+            let Some(rigid) = rigid.filter(|rigid| rigid.is_moved()) else { continue };
+            let center = (rigid.to.as_dvec3() - origin).as_vec3();
+            for (to, _) in anchors.to.iter_mut().zip(&sets.set_of).filter(|(_, of)| **of == set) {
+                *to = center + rigid.given.shift + rigid.given.turn * (*to - center);
+            }
+        }
+    }
+}
+
+impl WorldRigid {
+    /// Whether cloth moved it in this frame.
+    fn is_moved(&self) -> bool {
+        self.given.shift != Vec3::ZERO || self.given.turn != Quat::IDENTITY
+    }
+
+    /// A pose that goes with the body, moved as cloth moved it.
+    fn moved(&self, pose: Isometry3d) -> Isometry3d {
+        let Given { shift, turn, .. } = self.given;
+        let translation = self.to + shift + turn * (Vec3::from(pose.translation) - self.to);
+        Isometry3d::new(translation, (turn * pose.rotation).normalize())
+    }
+}
+
+/// The bodies that take what one cloth gives, by slot of the solver. Buffers are reused.
+#[derive(Debug, Default)]
+pub(crate) struct Coupled {
+    /// Place of each body in the world's list.
+    rigids: Vec<u32>,
+    /// How many cloths share each.
+    shares: Vec<f32>,
+    /// Pin sets on bodies: number of the set and slot.
+    pinned: Vec<(u32, u32)>,
+    /// Bodies that this cloth gave something to in the last frame.
+    gave_before: Vec<Entity>,
+    /// Pin sets on movable bodies and the inverse masses of those, when the solver was prepared.
+    weighed: Vec<(u32, Vec3)>,
+}
+
+impl Coupled {
+    fn begin(&mut self) {
+        self.rigids.clear();
+        self.shares.clear();
+        self.pinned.clear();
+    }
+
+    /// The slot of a body of the world's list.
+    fn slot_of(&mut self, index: u32) -> u32 {
+        let known = self.rigids.iter().position(|&rigid| rigid == index);
+        known.unwrap_or_else(|| {
+            self.rigids.push(index);
+            self.rigids.len() - 1
+        }) as u32
+    }
+
+    /// Whether pins lie on other bodies, or on lighter or heavier ones, than when this was last asked.
+    fn pins_changed(&mut self, rigids: &[WorldRigid]) -> bool {
+        let Self { rigids: own, shares, pinned, weighed, .. } = self;
+        let now = pinned.iter().map(|&(set, slot)| {
+            let slot = slot as usize;
+            (set, rigids[own[slot] as usize].inverse_mass * shares[slot])
+        });
+        if now.clone().eq(weighed.iter().copied()) {
+            return false;
+        }
+        weighed.clear();
+        weighed.extend(now);
+        true
+    }
+}
+
+/// Forgets what was told of a body.
+pub(crate) fn on_remove_coupling(removed: On<Remove, ClothCoupling>, mut commands: Commands, mut notices: ResMut<Notices>) {
+    notices.forget(removed.entity);
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<(CoupledBody, ClothImpulse)>();
+    }
+}

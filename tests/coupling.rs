@@ -1,0 +1,336 @@
+//! What cloth gives bodies, without an engine: momentum, weight, stability.
+
+use std::sync::Arc;
+
+use bevy_drape::scenes::{SceneCloth, fabric, grid};
+use bevy_drape::solver::body::{Body, Pose, SharedShape};
+use bevy_drape::solver::couple::{Given, Rigid};
+use bevy_drape::solver::rest::RestShape;
+use bevy_drape::solver::settings::Fabric;
+use bevy_drape::solver::step::{FrameInput, prepare, step};
+use bevy_drape::solver::wind::Wind;
+use glam::{Mat3, Quat, Vec3};
+
+const DT: f32 = 1.0 / 60.0;
+const G: f32 = 9.81;
+
+/// A ball as a physics engine would have it.
+#[derive(Clone)]
+struct Ball {
+    at: Vec3,
+    turn: Quat,
+    velocity: Vec3,
+    spin: Vec3,
+    mass: f32,
+    radius: f32,
+    gravity: f32,
+    given: Given,
+}
+
+impl Ball {
+    fn new(mass: f32, radius: f32, at: Vec3) -> Self {
+        let (velocity, spin) = (Vec3::ZERO, Vec3::ZERO);
+        Self { at, turn: Quat::IDENTITY, velocity, spin, mass, radius, gravity: G, given: Given::default() }
+    }
+
+    fn inertia(&self) -> f32 {
+        0.4 * self.mass * self.radius * self.radius
+    }
+
+    /// Moves by a frame without cloth. Returns the body for the cloth, and the shape.
+    fn advance(&mut self) -> (Rigid, Body) {
+        let from = Pose::from_parts(self.at, self.turn);
+        self.at += self.velocity * DT - Vec3::Y * (0.5 * self.gravity * DT * DT);
+        self.velocity.y -= self.gravity * DT;
+        self.turn = (Quat::from_scaled_axis(self.spin * DT) * self.turn).normalize();
+        let rigid = Rigid {
+            inverse_mass: Vec3::splat(1.0 / self.mass),
+            inverse_inertia: Mat3::from_diagonal(Vec3::splat(1.0 / self.inertia())),
+            from: from.translation,
+            to: self.at,
+            velocity: Some(self.velocity),
+        };
+        (rigid, Body::new(SharedShape::ball(self.radius), from, Pose::from_parts(self.at, self.turn)))
+    }
+
+    fn take(&mut self, given: Given) {
+        self.velocity += given.linear / self.mass;
+        self.spin += given.angular / self.inertia();
+        self.at += given.shift;
+        self.turn = (given.turn * self.turn).normalize();
+        self.given = given;
+    }
+}
+
+/// Steps a cloth and a ball by a frame. `hold`: places of pins in the anchors that hang on the ball. Returns what each of `masts` was given.
+fn frame(cloth: &mut SceneCloth, ball: Option<&mut Ball>, hold: &[u32], masts: &[(Vec3, &[u32])], gravity: Vec3) -> Vec<Given> {
+    let coupling = cloth.scratch.coupling_mut();
+    coupling.clear();
+    for (at, pins) in masts {
+        let slot = coupling.add(Rigid::immovable(*at, *at));
+        pins.iter().for_each(|&pin| coupling.hold(pin, slot));
+    }
+    let mut bodies = Vec::new();
+    let mut movable = None;
+    if let Some(ball) = ball {
+        let (rigid, body) = ball.advance();
+        let slot = coupling.add(rigid);
+        hold.iter().for_each(|&pin| coupling.hold(pin, slot));
+        if hold.is_empty() {
+            bodies.push(Body { rigid: Some(slot), ..body });
+        } else {
+            // Pins follow the way of the ball.
+            for &pin in hold {
+                let to = cloth.anchors.to[pin as usize];
+                cloth.anchors.from[pin as usize] = to;
+                cloth.anchors.to[pin as usize] =
+                    ball.at + body.to.rotation * body.from.rotation.inverse() * (to - body.from.translation);
+            }
+        }
+        movable = Some((ball, slot));
+    }
+    let wind = Wind { density: if gravity == Vec3::ZERO { 0.0 } else { Wind::default().density }, ..Wind::default() };
+    let input = FrameInput { dt: DT, gravity, bodies: &bodies, wind: &wind };
+    if cloth.state.substeps == 0 {
+        prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+    }
+    let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = cloth;
+    let done = step(rest, fabric, stepping, anchors, &input, state, scratch);
+    assert!(done.worst_edge.is_finite(), "the cloth blew up");
+    cloth.report = done;
+    if let Some((ball, slot)) = movable {
+        let given = cloth.scratch.coupling().given(slot);
+        ball.take(given);
+        for &pin in hold {
+            let to = &mut cloth.anchors.to[pin as usize];
+            *to = ball.at + given.turn * (*to - (ball.at - given.shift));
+        }
+    }
+    (0..masts.len() as u32).map(|slot| cloth.scratch.coupling().given(slot)).collect()
+}
+
+/// A sheet of `size` [m] with n by n vertices in xz, its middle at `at`.
+fn sheet(n: u32, size: f32, at: Vec3, fabric: Fabric, pinned: impl Fn(u32, u32) -> bool) -> SceneCloth {
+    let source = grid(n, n, |u, v| Vec3::new((u - 0.5) * size, 0.0, (v - 0.5) * size));
+    let (rest, _) = RestShape::build(&source).expect("a sound sheet");
+    let pins: Vec<u32> = (0..n * n).filter(|i| pinned(i / n, i % n)).collect();
+    SceneCloth::new(Arc::new(rest), fabric, at, &pins)
+}
+
+/// A net of `n` by `n` vertices, hung up by its border with a tenth to spare.
+fn net(n: u32, size: f32, fabric: Fabric) -> SceneCloth {
+    let mut net = sheet(n, size, Vec3::ZERO, fabric, border(n));
+    for x in net.anchors.from.iter_mut().chain(&mut net.anchors.to) {
+        *x *= 0.9;
+    }
+    for x in net.state.positions.iter_mut().chain(&mut net.state.previous) {
+        *x = (x.truncate() * 0.9).extend(x.w);
+    }
+    net
+}
+
+fn border(n: u32) -> impl Fn(u32, u32) -> bool {
+    move |i, j| i == 0 || j == 0 || i == n - 1 || j == n - 1
+}
+
+/// Mass [kg], momentum [kg m/s] and angular momentum about the origin [kg m²/s] of the free particles.
+fn momentum(cloth: &SceneCloth) -> (f32, Vec3, Vec3) {
+    let mut sum = (0.0, Vec3::ZERO, Vec3::ZERO);
+    for (i, x) in cloth.state.positions.iter().enumerate().filter(|(_, x)| x.w > 0.0) {
+        let p = cloth.state.velocity(i) / x.w;
+        sum = (sum.0 + 1.0 / x.w, sum.1 + p, sum.2 + x.truncate().cross(p));
+    }
+    sum
+}
+
+fn weight_of(cloth: &SceneCloth) -> f32 {
+    cloth.fabric.density * cloth.rest.areas.iter().sum::<f32>() * G
+}
+
+#[test]
+fn a_ball_of_a_kilogram_comes_to_rest_in_a_net_whose_pins_bear_its_weight() {
+    // An elastic net brings it to rest; at the strain limit a net quivers, and the ball rolls about in it.
+    let elastic = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..fabric() };
+    for (fabric, slowest) in [(elastic, 0.05), (fabric(), 0.5)] {
+        let mut net = net(24, 2.0, fabric);
+        let all: Vec<u32> = (0..net.anchors.particles.len() as u32).collect();
+        let mut ball = Ball::new(1.0, 0.2, Vec3::new(0.0, 0.5, 0.0));
+        let (mut sum, mut lowest, mut fastest) = (0.0, f32::MAX, 0.0_f32);
+        for f in 0..900 {
+            let given = frame(&mut net, Some(&mut ball), &[], &[(Vec3::ZERO, &all)], Vec3::NEG_Y * G);
+            lowest = lowest.min(ball.at.y);
+            if f >= 840 {
+                sum += given[0].linear.y / DT / 60.0;
+                fastest = fastest.max(ball.velocity.length());
+            }
+        }
+        let expected = -(G + weight_of(&net));
+        let error = (sum / expected - 1.0).abs();
+        println!("pins bear {sum} N of {expected} N ({error}), lowest {lowest} m, now {} m, fastest {fastest} m/s", ball.at);
+        assert!(error < 0.02, "pins bear {sum} N of {expected} N");
+        assert!(fastest < slowest, "the ball still moves at {fastest} m/s");
+        assert!(ball.at.y > -0.6 && ball.at.y < 0.0, "the ball is at {}", ball.at);
+    }
+}
+
+#[test]
+fn a_ball_that_flies_into_a_free_sheet_keeps_the_momentum_of_both() {
+    for (mass, offset) in [(1.0, 0.0), (0.05, 0.2), (20.0, 0.3)] {
+        let still = Fabric { density: 0.3, drag: 0.0, damping: 0.0, ..fabric() };
+        let mut cloth = sheet(20, 1.0, Vec3::ZERO, still, |_, _| false);
+        let mut ball =
+            Ball { gravity: 0.0, velocity: Vec3::NEG_Y * 4.0, ..Ball::new(mass, 0.15, Vec3::new(offset, 0.3, 0.05)) };
+        let total = |cloth: &SceneCloth, ball: &Ball| {
+            let (_, p, l) = momentum(cloth);
+            let own = ball.velocity * ball.mass;
+            (p + own, l + ball.at.cross(own) + ball.spin * ball.inertia())
+        };
+        let before = total(&cloth, &ball);
+        for _ in 0..30 {
+            frame(&mut cloth, Some(&mut ball), &[], &[], Vec3::ZERO);
+        }
+        let after = total(&cloth, &ball);
+        let linear = (after.0 - before.0).length() / before.0.length();
+        let scale = before.0.length() * 0.5;
+        let angular = (after.1 - before.1).length() / scale;
+        println!("{mass} kg: momentum off by {linear}, angular by {angular}, ball {} m/s", ball.velocity.y);
+        assert!(ball.velocity.y > -3.99, "the ball of {mass} kg met nothing");
+        assert!(linear < 0.01, "momentum of {mass} kg and cloth is off by {linear}");
+        assert!(angular < 0.01, "angular momentum of {mass} kg and cloth is off by {angular}");
+    }
+}
+
+#[test]
+fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
+    // What is much heavier than the cloth under it takes more substeps to be held; at the default rate it stretches its way through.
+    for (mass, rate) in [
+        (0.001, 360.0),
+        (0.01, 360.0),
+        (0.1, 360.0),
+        (1.0, 360.0),
+        (3.0, 720.0),
+        (10.0, 1440.0),
+        (3.0, 360.0),
+        (100.0, 360.0),
+        (1000.0, 360.0),
+    ] {
+        let mut net = net(20, 1.0, fabric());
+        net.stepping.substep_rate = rate;
+        let mut ball = Ball::new(mass, 0.15, Vec3::new(0.03, 0.3, 0.0));
+        let (mut fastest, mut worst) = (0.0_f32, 0.0_f32);
+        for f in 0..360 {
+            frame(&mut net, Some(&mut ball), &[], &[], Vec3::NEG_Y * G);
+            assert!(ball.at.is_finite() && ball.velocity.is_finite(), "a ball of {mass} kg is at {}", ball.at);
+            // Nothing is thrown up higher than it fell from.
+            assert!(ball.at.y < 0.31, "a ball of {mass} kg was thrown to {}", ball.at);
+            worst = worst.max(net.report.worst_edge);
+            if f > 300 {
+                fastest = fastest.max(ball.velocity.length());
+            }
+        }
+        let edge = net.report.worst_edge;
+        println!(
+            "{mass} kg in a net at {rate} Hz: at {}, {fastest} m/s in the last second, edge {edge}, worst {worst}",
+            ball.at
+        );
+        if mass < 3.0 || rate > 360.0 {
+            assert!(ball.at.y > -0.5, "a ball of {mass} kg fell to {}", ball.at);
+            assert!(fastest < 0.5, "a ball of {mass} kg still moves at {fastest} m/s");
+        } else {
+            assert!(edge < 1.2, "the net that {mass} kg went through is stretched to {edge}");
+        }
+        // A heavy sheet falls on it, and both fall on.
+        let mut sheet = sheet(20, 1.0, Vec3::Y * 0.3, Fabric { density: 1.0, ..fabric() }, |_, _| false);
+        let mut ball = Ball { gravity: 0.0, ..Ball::new(mass, 0.15, Vec3::ZERO) };
+        for _ in 0..60 {
+            frame(&mut sheet, Some(&mut ball), &[], &[], Vec3::NEG_Y * G);
+        }
+        println!("{mass} kg under a sheet: {} m/s", ball.velocity);
+        assert!(ball.velocity.y < 0.0 && ball.velocity.y > -G, "a ball of {mass} kg moves at {}", ball.velocity);
+    }
+}
+
+#[test]
+fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
+    // Each is stepped without knowing of the other: they share the ball.
+    let run = |share: f32| {
+        let mut sheets = [0, 1].map(|_| sheet(12, 0.6, Vec3::Y * 0.25, Fabric { density: 1.0, ..fabric() }, |_, _| false));
+        let mut ball = Ball { gravity: 0.0, ..Ball::new(0.005, 0.15, Vec3::ZERO) };
+        let mut fastest = 0.0_f32;
+        for _ in 0..60 {
+            let (rigid, body) = ball.advance();
+            let mut sum = Given::default();
+            for cloth in &mut sheets {
+                let coupling = cloth.scratch.coupling_mut();
+                coupling.clear();
+                let slot = coupling.add(Rigid {
+                    inverse_mass: rigid.inverse_mass * share,
+                    inverse_inertia: rigid.inverse_inertia * share,
+                    ..rigid
+                });
+                let bodies = [Body { rigid: Some(slot), ..body.clone() }];
+                cloth.step(&FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &Wind::default() });
+                let given = cloth.scratch.coupling().given(slot);
+                sum.linear += given.linear;
+                sum.shift += given.shift / share;
+            }
+            ball.take(sum);
+            fastest = fastest.max(ball.velocity.length());
+        }
+        fastest
+    };
+    let (apart, shared) = (run(1.0), run(2.0));
+    println!("a light ball under two sheets gets as fast as {shared} m/s, {apart} m/s if each takes it for its own");
+    assert!(shared < 10.0, "the ball got as fast as {shared} m/s");
+}
+
+#[test]
+fn two_masts_bear_their_shares_of_a_hanging_sheet() {
+    let n = 20;
+    let mut cloth = sheet(n, 1.0, Vec3::ZERO, fabric(), |i, j| j == 0 && (i < 2 || i >= n - 2));
+    let (left, right): (Vec<u32>, Vec<u32>) =
+        (0..cloth.anchors.particles.len() as u32).partition(|&k| cloth.anchors.to[k as usize].x < 0.0);
+    let masts = [(Vec3::NEG_X * 0.5, &left[..]), (Vec3::X * 0.5, &right[..])];
+    let mut sums = [Vec3::ZERO; 2];
+    for f in 0..600 {
+        let given = frame(&mut cloth, None, &[], &masts, Vec3::NEG_Y * G);
+        if f >= 540 {
+            (0..2).for_each(|i| sums[i] += given[i].linear / DT / 60.0);
+        }
+    }
+    let weight = weight_of(&cloth);
+    println!("masts bear {sums:?} N of {weight} N");
+    for (i, sum) in sums.iter().enumerate() {
+        assert!((sum.y / (-0.5 * weight) - 1.0).abs() < 0.02, "mast {i} bears {} N of {weight} N", sum.y);
+    }
+    assert!(sums[0].x > 0.0 && sums[1].x < 0.0, "the sheet draws its masts together: {sums:?}");
+}
+
+#[test]
+fn a_weight_on_the_corner_of_a_hanging_sheet_is_borne_by_the_other_end() {
+    let n = 16;
+    for mass in [0.02, 0.2, 2.0] {
+        let source = grid(n, n, |u, v| Vec3::new(u - 0.5, -v, 0.0));
+        let (rest, _) = RestShape::build(&source).expect("a sound sheet");
+        let pins: Vec<u32> = (0..n).flat_map(|i| [i * n, i * n + n - 1]).collect();
+        let mut cloth = SceneCloth::new(Arc::new(rest), Fabric { drag: 0.5, ..fabric() }, Vec3::ZERO, &pins);
+        let (top, low): (Vec<u32>, Vec<u32>) =
+            (0..cloth.anchors.particles.len() as u32).partition(|&k| cloth.anchors.to[k as usize].y > -0.5);
+        let mut ball = Ball::new(mass, 0.1, Vec3::new(0.0, -1.0, 0.0));
+        let (mut sum, mut fastest) = (0.0, 0.0_f32);
+        for f in 0..600 {
+            let given = frame(&mut cloth, Some(&mut ball), &low, &[(Vec3::ZERO, &top)], Vec3::NEG_Y * G);
+            if f >= 540 {
+                sum += given[0].linear.y / DT / 60.0;
+                fastest = fastest.max(ball.velocity.length());
+            }
+        }
+        // What is pinned to the ball weighs nothing.
+        let own: f32 = low.iter().map(|&k| cloth.rest.areas[cloth.anchors.particles[k as usize] as usize]).sum();
+        let expected = -(mass * G + weight_of(&cloth) - own * cloth.fabric.density * G);
+        println!("{mass} kg: pins bear {sum} N of {expected} N, ball at {}, {fastest} m/s", ball.at);
+        assert!((sum / expected - 1.0).abs() < 0.02, "pins bear {sum} N of {expected} N");
+        assert!(ball.at.y > -1.2, "the weight of {mass} kg is at {}", ball.at);
+        assert!(fastest < 0.02, "the weight of {mass} kg still moves at {fastest} m/s");
+    }
+}
