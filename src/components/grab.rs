@@ -33,7 +33,8 @@ pub struct ClothGrab {
     pub radius: f32,
     /// Compliance [m/N]. Default 0.001, range 0 to 100.
     pub compliance: f32,
-    /// Largest force [N]. Default 20, range 0 to 10,000. Some ten times the weight of the cloth drags it briskly; far more stretches it.
+    /// Largest force [N]. Default 20, range 0 to 10,000. Some ten times the weight of the cloth drags it briskly; more than
+    /// twenty times that weight is never used.
     pub max_force: f32,
 }
 

@@ -8,6 +8,9 @@ use crate::notices::Notices;
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::pull::Pull;
 
+/// Largest force over the mass of the free particles [m/s²], twenty times the weight of the cloth: beyond it, springs that are solved once a substep give way.
+const MOST_ACCELERATION: f32 = 20.0 * 9.81;
+
 /// What a grip holds, found once.
 #[derive(Component, Default)]
 #[component(clone_behavior = Ignore)]
@@ -55,6 +58,8 @@ pub(crate) fn grabs(
         }
         let from = grip.target.replace(grab.target).unwrap_or(grab.target);
         let [from, to] = [from, grab.target].map(|p| (p.as_dvec3() - particles.origin).as_vec3());
+        let mass: f32 = particles.state.positions.iter().filter(|x| x.w > 0.0).map(|x| 1.0 / x.w).sum();
+        let force = force.min(MOST_ACCELERATION * mass);
         let pull = Pull { from, to, compliance, force };
         scratch.solver.pulls_mut().add(pull, grip.shares.iter().copied());
         particles.disturbed = true;
