@@ -306,6 +306,8 @@ fn a_loaded_cloth_is_simulated() {
     scene.write_to_world(app.world_mut(), &mut map).expect("a scene that can be spawned");
     let twin = map[&cloth];
     assert_ne!(twin, cloth);
+    // Or they would lie on each other.
+    app.world_mut().despawn(cloth);
     let mesh = add(&mut app, sheet(5));
     app.world_mut().entity_mut(twin).insert(Mesh3d(mesh));
     run(&mut app, 20);
