@@ -14,12 +14,17 @@ use super::detect::{Crossing, Surface};
 /// How far a particle may have gone in the frame, relative to the mean, in mean edges: what was moved farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
+/// Frames in a row in which a particle is taken back: what crosses again and again, as cloths do that start in the same place, has to be taken apart.
+const MOST_FRAMES: u8 = 8;
+
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default)]
 pub struct Retreat {
     /// Positions [m] at the end of the last frame; empty when it did not end clean.
     clean: Vec<Vec4>,
     taken: Vec<bool>,
+    /// Frames in a row in which each particle was taken back.
+    frames: Vec<u8>,
     mean: Vec3A,
 }
 
@@ -27,6 +32,11 @@ impl Retreat {
     /// Notes how a frame ended; nothing is known of one that was not clean.
     pub fn note(&mut self, positions: &[Vec4], is_clean: bool) {
         self.clean.clear();
+        self.frames.resize(positions.len(), 0);
+        self.taken.resize(positions.len(), false);
+        for (frames, taken) in self.frames.iter_mut().zip(&mut self.taken) {
+            *frames = if std::mem::take(taken) { frames.saturating_add(1) } else { 0 };
+        }
         if is_clean {
             self.clean.extend_from_slice(positions);
         }
@@ -37,8 +47,6 @@ impl Retreat {
         if self.clean.len() != positions.len() {
             return false;
         }
-        self.taken.clear();
-        self.taken.resize(positions.len(), false);
         let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
         for (now, then) in positions.iter().zip(&self.clean) {
             let way = Vec3A::from_vec4(*now - *then);
@@ -60,6 +68,7 @@ impl Retreat {
             for v in e.into_iter().chain(f).map(|v| v as usize) {
                 let by = self.mean - Vec3A::from_vec4(positions[v] - self.clean[v]);
                 if positions[v].w > 0.0
+                    && self.frames[v] < MOST_FRAMES
                     && by.length_squared() < farthest * farthest
                     && !std::mem::replace(&mut self.taken[v], true)
                 {

@@ -111,6 +111,10 @@ impl Ways<'_> {
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
         let gap = separation(n, first, from);
+        // What started in the same place has no side to stay on.
+        if !(gap > 0.0) {
+            return false;
+        }
         let free = (gap - (KEPT * gap).max(FLOOR * pair.thickness)).max(0.0);
         let share = if self.pass <= OWN_PASSES { free / closing } else { 0.0 };
         // NaN passes no comparison.
