@@ -43,7 +43,7 @@ fn main() -> AppExit {
 }
 
 /// What R drops again.
-#[derive(Component)]
+#[derive(Component, Clone, Copy)]
 struct Dropped;
 
 /// A mast that can lean.
