@@ -111,6 +111,9 @@ fn hangings(
             Transform::from_translation(place),
             Cloth,
             cloth,
+            // What a kilogram falls into takes more substeps than a flag, and hangs in the lee.
+            ClothSolver { substep_rate: 720.0, ..default() },
+            ClothWind::default(),
             ClothPins::where_position(|p| p.x.abs().max(p.z.abs()) > HALF - 0.001).to(frame),
         ));
     }
