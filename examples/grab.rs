@@ -101,7 +101,7 @@ fn blast(
     window: Single<&Window>,
     camera: Single<(&Camera, &GlobalTransform)>,
     buttons: Res<ButtonInput<MouseButton>>,
-    mut ask: ParamSet<(ClothQuery, Query<&mut bevy_drape::ClothParticles>)>,
+    mut ask: ParamSet<(ClothQuery, Query<&mut ClothParticles>)>,
 ) {
     if !buttons.just_pressed(MouseButton::Right) {
         return;
@@ -144,7 +144,7 @@ fn script(
     }
 }
 
-fn report(cloth: Single<(&ClothReport, &bevy_drape::ClothParticles)>) -> String {
+fn report(cloth: Single<(&ClothReport, &ClothParticles)>) -> String {
     let (report, particles) = *cloth;
     let far = particles.world_positions().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
     format!("worst edge {:.3} of rest, farthest particle at x = {far:.2} m", report.worst_edge)
