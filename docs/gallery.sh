@@ -11,6 +11,7 @@ pictures=(
     "flag flag --frames 240 --out"
     "drape drape --frames 240 --out"
     "net net --frames 300 --out"
+    "grab grab --frames 60 --out"
     "gltf gltf --frames 84 --out"
     "stack stack --frames 180 --out"
     "curtain curtain --frames 100 --out"
