@@ -7,6 +7,8 @@
 
 mod stage;
 
+use std::f32::consts::FRAC_PI_2;
+
 use avian3d::prelude::*;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
@@ -95,7 +97,7 @@ fn hangings(
                 ChildOf(frame),
             ));
         }
-        for (side, turn) in [(Vec3::X, Quat::from_rotation_x(1.5708)), (Vec3::Z, Quat::from_rotation_z(1.5708))] {
+        for (side, turn) in [(Vec3::X, Quat::from_rotation_x(FRAC_PI_2)), (Vec3::Z, Quat::from_rotation_z(FRAC_PI_2))] {
             for end in [-HALF - 0.02, HALF + 0.02] {
                 commands.spawn((
                     Mesh3d(rail.clone()),
@@ -225,7 +227,7 @@ fn drop(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials:
         Transform::from_translation(NET + Vec3::new(0.1, 0.75, 0.05)),
         Collider::sphere(0.2),
         Mass(1.0),
-        body.clone(),
+        body,
     ));
     commands.spawn((
         Mesh3d(meshes.add(Cuboid::new(0.85, 0.05, 0.22))),

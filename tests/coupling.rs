@@ -166,7 +166,6 @@ fn a_ball_of_a_kilogram_comes_to_rest_in_a_net_whose_pins_bear_its_weight() {
         }
         let expected = -(G + weight_of(&net));
         let error = (sum / expected - 1.0).abs();
-        println!("pins bear {sum} N of {expected} N ({error}), lowest {lowest} m, now {} m, fastest {fastest} m/s", ball.at);
         assert!(error < 0.02, "pins bear {sum} N of {expected} N");
         assert!(fastest < slowest, "the ball still moves at {fastest} m/s");
         assert!(ball.at.y > -0.6 && ball.at.y < 0.0, "the ball is at {}", ball.at);
@@ -193,7 +192,6 @@ fn a_ball_that_flies_into_a_free_sheet_keeps_the_momentum_of_both() {
         let linear = (after.0 - before.0).length() / before.0.length();
         let scale = before.0.length() * 0.5;
         let angular = (after.1 - before.1).length() / scale;
-        println!("{mass} kg: momentum off by {linear}, angular by {angular}, ball {} m/s", ball.velocity.y);
         assert!(ball.velocity.y > -3.99, "the ball of {mass} kg met nothing");
         assert!(linear < 0.01, "momentum of {mass} kg and cloth is off by {linear}");
         assert!(angular < 0.01, "angular momentum of {mass} kg and cloth is off by {angular}");
@@ -229,10 +227,6 @@ fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
             }
         }
         let edge = net.report.worst_edge;
-        println!(
-            "{mass} kg in a net at {rate} Hz: at {}, {fastest} m/s in the last second, edge {edge}, worst {worst}",
-            ball.at
-        );
         if mass < 3.0 || rate > 360.0 {
             assert!(ball.at.y > -0.5, "a ball of {mass} kg fell to {}", ball.at);
             assert!(fastest < 0.5, "a ball of {mass} kg still moves at {fastest} m/s");
@@ -245,16 +239,21 @@ fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
         for _ in 0..60 {
             frame(&mut sheet, Some(&mut ball), &[], &[], Vec3::NEG_Y * G);
         }
-        println!("{mass} kg under a sheet: {} m/s", ball.velocity);
         assert!(ball.velocity.y < 0.0 && ball.velocity.y > -G, "a ball of {mass} kg moves at {}", ball.velocity);
     }
 }
 
 #[test]
 fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
+    /// Speed at which both come down on it [m/s].
+    const SPEED: f32 = 4.0;
     // Each is stepped without knowing of the other: they share the ball.
     let run = |share: f32| {
         let mut sheets = [0, 1].map(|_| sheet(12, 0.6, Vec3::Y * 0.25, Fabric { density: 1.0, ..fabric() }, |_, _| false));
+        for sheet in &mut sheets {
+            sheet.state.substep = 1.0 / 360.0;
+            sheet.state.previous.iter_mut().for_each(|x| x.y += SPEED / 360.0);
+        }
         let mut ball = Ball { gravity: 0.0, ..Ball::new(0.005, 0.15, Vec3::ZERO) };
         let mut fastest = 0.0_f32;
         for _ in 0..60 {
@@ -269,7 +268,8 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
                     ..rigid
                 });
                 let bodies = [Body { rigid: Some(slot), ..body.clone() }];
-                cloth.step(&FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &Wind::default() });
+                let wind = Wind { density: 0.0, ..Wind::default() };
+                cloth.step(&FrameInput { dt: DT, gravity: Vec3::ZERO, bodies: &bodies, wind: &wind });
                 let given = cloth.scratch.coupling().given(slot);
                 sum.linear += given.linear;
                 sum.shift += given.shift / share;
@@ -280,8 +280,8 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
         fastest
     };
     let (apart, shared) = (run(1.0), run(2.0));
-    println!("a light ball under two sheets gets as fast as {shared} m/s, {apart} m/s if each takes it for its own");
-    assert!(shared < 10.0, "the ball got as fast as {shared} m/s");
+    assert!(shared < 1.1 * SPEED, "a light ball is hit at {SPEED} m/s and gets as fast as {shared} m/s");
+    assert!(apart > 1.3 * SPEED, "if each took it for its own, it would get as fast as {apart} m/s");
 }
 
 #[test]
@@ -299,7 +299,6 @@ fn two_masts_bear_their_shares_of_a_hanging_sheet() {
         }
     }
     let weight = weight_of(&cloth);
-    println!("masts bear {sums:?} N of {weight} N");
     for (i, sum) in sums.iter().enumerate() {
         assert!((sum.y / (-0.5 * weight) - 1.0).abs() < 0.02, "mast {i} bears {} N of {weight} N", sum.y);
     }
@@ -328,7 +327,6 @@ fn a_weight_on_the_corner_of_a_hanging_sheet_is_borne_by_the_other_end() {
         // What is pinned to the ball weighs nothing.
         let own: f32 = low.iter().map(|&k| cloth.rest.areas[cloth.anchors.particles[k as usize] as usize]).sum();
         let expected = -(mass * G + weight_of(&cloth) - own * cloth.fabric.density * G);
-        println!("{mass} kg: pins bear {sum} N of {expected} N, ball at {}, {fastest} m/s", ball.at);
         assert!((sum / expected - 1.0).abs() < 0.02, "pins bear {sum} N of {expected} N");
         assert!(ball.at.y > -1.2, "the weight of {mass} kg is at {}", ball.at);
         assert!(fastest < 0.02, "the weight of {mass} kg still moves at {fastest} m/s");

@@ -98,7 +98,6 @@ fn avian_a_ball_comes_to_rest_in_a_net_whose_mast_bears_its_weight_in_either_sch
             fastest = fastest.max(velocity(&app, ball).length());
         }
         let expected = -(G + weight(&app, cloth));
-        println!("{name}: the mast bears {sum} N of {expected} N, ball at {}, {fastest} m/s", at(&app, ball));
         assert!((sum / expected - 1.0).abs() < 0.02, "{name}: the mast bears {sum} N of {expected} N");
         assert!(fastest < 0.05, "{name}: the ball still moves at {fastest} m/s");
         assert!(at(&app, ball).y > -0.9 && at(&app, ball).y < 0.0, "{name}: the ball is at {}", at(&app, ball));
@@ -120,7 +119,6 @@ fn avian_a_ball_and_a_free_sheet_keep_their_momentum() {
         let before = total(&app);
         run(&mut app, 40);
         let off = (total(&app) - before).length() / before.length();
-        println!("{mass} kg: momentum is off by {off}, ball {} m/s", velocity(&app, ball));
         assert!(velocity(&app, ball).y > -3.995, "the ball of {mass} kg met nothing");
         assert!(off < 0.01, "momentum of {mass} kg and cloth is off by {off}");
     }
@@ -140,7 +138,6 @@ fn avian_bodies_from_a_gram_to_a_tonne_stay_stable_on_a_net_and_on_the_floor() {
             assert!(y.is_finite() && y > -1.1, "{mass} kg: the ball is at {y} m");
             highest = highest.max(y);
         }
-        println!("{mass} kg: at {}, {} m/s", at(&app, ball), velocity(&app, ball));
         assert!(highest < 0.31, "{mass} kg: the ball was thrown to {highest} m");
         assert!(velocity(&app, ball).length() < 0.5, "{mass} kg: the ball moves at {}", velocity(&app, ball));
     }
@@ -276,7 +273,6 @@ fn avian_a_flag_on_a_moving_mast_does_not_lag_in_either_schedule() {
         let lag =
             held.iter().zip(&local).map(|(&i, at_start)| (particles(&app, cloth)[i] - at(&app, mast)).distance(*at_start));
         let lag = lag.fold(0.0, f32::max);
-        println!("{name}: the flag is {lag} m behind after {} m", at(&app, mast).x);
         assert!(lag < 1.0e-4, "{name}: the flag is {lag} m behind its mast");
     }
 }
@@ -299,7 +295,6 @@ fn avian_what_hangs_on_a_sheet_is_held_up_and_bears_on_the_mast() {
         }
         // The particles that are pinned to the lantern weigh nothing: a half of a row of eleven.
         let expected = -(mass * G + weight(&app, cloth) * (1.0 - 1.0 / 22.0));
-        println!("{mass} kg: the mast bears {sum} N of {expected} N, lantern at {}, {fastest} m/s", at(&app, lantern));
         assert!((sum.y / expected - 1.0).abs() < 0.02, "{mass} kg: the mast bears {sum} N of {expected} N");
         assert!((at(&app, lantern).y + 1.0).abs() < 0.2, "{mass} kg: the lantern is at {}", at(&app, lantern));
     }
@@ -373,7 +368,6 @@ fn avian_physics_of_your_own_is_told_of_impulses() {
         run(&mut app, 1);
     }
     let at = app.world().get::<Transform>(ball).expect("a body").translation;
-    println!("ball at {at}, {speed}");
     assert!(at.y < -0.2 && at.y > -0.9 && speed.length() < 0.3, "the ball is at {at}, {speed}");
     assert!(report(&app, cloth).body_contacts > 0);
 }

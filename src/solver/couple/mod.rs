@@ -225,7 +225,7 @@ impl Coupling {
         (self.slots.len() - 1) as u32
     }
 
-    /// Says that pin `anchor` (its place in [`Anchors`](super::step::Anchors)) is on body `slot`. Pins that are not rigid give it nothing.
+    /// Says that pin `anchor` (its place in [`Anchors`]) is on body `slot`. Pins that are not rigid give it nothing.
     pub fn hold(&mut self, anchor: u32, slot: u32) {
         self.pins.hold(anchor, slot);
     }
