@@ -32,6 +32,7 @@ use crate::systems::couple::CoupledBody;
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(ClothImpulse, ClothRigidBody, CoupledBody)]
 pub enum ClothCoupling {
     /// Cloth gives it nothing. On a child of a two-way body: that child takes no part.
@@ -49,6 +50,7 @@ pub enum ClothCoupling {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothImpulse {
     /// Impulse [N s]. Divided by the length of the frame: the mean force [N].
     pub linear: Vec3,
@@ -82,6 +84,7 @@ impl ClothImpulse {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothRigidBody {
     /// Inverse mass along each axis of the world [1/kg]. Default 0, range 0 to 1e6; 0: cloth does not move it that way.
     pub inverse_mass: Vec3,
@@ -152,4 +155,5 @@ impl ClothRigidBody {
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct NoClothCollision;

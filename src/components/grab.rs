@@ -19,9 +19,12 @@ use crate::query::ClothHit;
 /// }
 /// ```
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
-#[reflect(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothGrab {
     /// The cloth.
+    #[entities]
     pub cloth: Entity,
     /// Particles around the point.
     pub particles: [u32; 3],
@@ -38,19 +41,26 @@ pub struct ClothGrab {
     pub max_force: f32,
 }
 
-impl ClothGrab {
-    /// Grabs a point that a query found, where it is.
-    #[must_use]
-    pub fn at(hit: &ClothHit) -> Self {
+impl Default for ClothGrab {
+    /// Grips nothing.
+    fn default() -> Self {
         Self {
-            cloth: hit.entity,
-            particles: hit.particles,
-            weights: hit.barycentric,
-            target: hit.point,
+            cloth: Entity::PLACEHOLDER,
+            particles: [0; 3],
+            weights: Vec3::X,
+            target: Vec3::ZERO,
             radius: 0.05,
             compliance: 0.001,
             max_force: 20.0,
         }
+    }
+}
+
+impl ClothGrab {
+    /// Grabs a point that a query found, where it is.
+    #[must_use]
+    pub fn at(hit: &ClothHit) -> Self {
+        Self { cloth: hit.entity, particles: hit.particles, weights: hit.barycentric, target: hit.point, ..Self::default() }
     }
 
     /// The same grip on so much around the point [m].

@@ -8,6 +8,7 @@ use super::checked::Checked;
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothContactEvents {
     /// Time without touch after which a contact has ended [s]. Default 0.1, range 0 to 10. 0: cloth that bounces or flutters tells of every touch.
     pub patience: f32,

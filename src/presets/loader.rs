@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn a_value_of_the_wrong_kind_names_its_field() {
         let value = wrong("(\n  // `solver: 3` is what it was\n  solver: (substep_rate: \"fast\"))");
-        assert!(value.starts_with("a.cloth.ron:3:26: `solver.substep_rate`: "), "{value}");
+        assert!(value.starts_with("a.cloth.ron:3:25: `solver.substep_rate`: "), "{value}");
         let variant = wrong("(untangle: (method: ByEndTyp))");
         assert!(variant.contains("`untangle.method`: `ByEndTyp` is not known: did you mean `ByEndType`?"), "{variant}");
         let twice = wrong("(material: (density: 1.0, density: 2.0))");

@@ -82,38 +82,3 @@ impl Retreat {
         any
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use glam::{Vec3Swizzles, Vec4};
-
-    use crate::scenes;
-    use crate::solver::detect::SurfaceError;
-    use crate::solver::evaluate::EvaluateSettings;
-    use crate::solver::group::UntangleSettings;
-
-    #[test]
-    fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() -> Result<(), SurfaceError> {
-        let mut scene = scenes::sheets(12).untangled(UntangleSettings::default(), EvaluateSettings::default(), true)?;
-        scene.step(1.0 / 60.0);
-        assert_eq!(scene.crossings(), 0);
-        let [first, second] = [0, 1].map(|k| scene.cloths[k].state.positions[0].y);
-        let (upper, gap) = if first > second { (0, first - second) } else { (1, second - first) };
-        // The particle over the middle of both goes through the other sheet, as a whole.
-        let middle = |x: &Vec4| x.truncate().xz().length();
-        let positions = &scene.cloths[upper].state.positions;
-        let v =
-            (0..positions.len()).min_by(|&a, &b| middle(&positions[a]).total_cmp(&middle(&positions[b]))).unwrap_or_default();
-        let (before, velocity) = (positions[v], scene.cloths[upper].state.velocity(v));
-        let state = &mut scene.cloths[upper].state;
-        for x in [&mut state.positions[v], &mut state.previous[v]] {
-            x.y -= 2.0 * gap;
-        }
-        assert!(scene.look().crossings > 0);
-        scene.settle(1.0 / 60.0);
-        assert_eq!(scene.crossings(), 0);
-        let state = &scene.cloths[upper].state;
-        assert!(state.positions[v].distance(before) < 0.01 * gap && state.velocity(v).distance(velocity) < 1e-3);
-        Ok(())
-    }
-}

@@ -122,7 +122,7 @@ impl Scratch {
     }
 
     /// Particles that touched a body in the last substep, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
-    /// `C` the mean push of a substep `h`.
+    /// `C` the mean push of a substep `h`. What other cloth lies on them is not in it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
         self.contacts.loads().filter_map(|(_, p, load)| {
             let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
@@ -177,6 +177,9 @@ const CALM_DRAG: f32 = 5.0;
 
 /// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
+
+/// The same at the end of a frame of a calm cloth: what is shortened moves.
+const CALM_STRAINED: f32 = 1.9;
 
 /// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
@@ -414,7 +417,8 @@ impl Stepped<'_> {
         state.time += f64::from(frame.dt);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
-        scratch.shortened = !scratch.is_calm() && scratch.strain() > STRAINED * fabric.strain_limit;
+        let limits = if scratch.is_calm() { CALM_STRAINED } else { STRAINED };
+        scratch.shortened = scratch.strain() > limits * fabric.strain_limit;
         if scratch.shortened {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
             // Pins on bodies that cloth moves have a mass, but stay where they are.

@@ -205,6 +205,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 .and(ClothPins::color(ColorChannel::G))
                 .and(ClothPins::attribute("_PIN").weighted(0.25)),
             ClothSolver { substep_rate: 480.0, teleport: TeleportMode::Reset, ..default() },
+            (ClothSleep { delay: 2.0, ..default() }, ClothContactEvents { patience: 0.5, ..default() }),
             ClothCollision { layer: -2, contact: false, ..default() },
             ClothLayers::new(0b110, 0b011),
             Untangle { iterations: 11, ..default() }.with_method(UntangleMethod::LocalGradient),
@@ -225,8 +226,11 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             Name::new("body"),
             ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01),
             WindZone::cuboid(Vec3::ONE, Vec3::Y),
+            (ClothCoupling::TwoWay, NoClothCollision, ClothImpulse { linear: Vec3::Y, ..default() }),
+            ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },
         ))
         .id();
+    world.entity_mut(body).insert(ClothGrab { cloth, target: Vec3::Z, ..default() });
     [hand, cloth, body]
 }
 
@@ -273,7 +277,7 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
         let (old, new) = (components(app.world(), &registry, old), components(other.world(), &registry, new));
         assert_eq!(old.keys().collect::<Vec<_>>(), new.keys().collect::<Vec<_>>());
         for (name, old) in &old {
-            if !["ClothPins", "ClothPresetHandle"].contains(&name.as_str()) {
+            if !["ClothGrab", "ClothPins", "ClothPresetHandle"].contains(&name.as_str()) {
                 assert_eq!(old.reflect_partial_eq(&*new[name]), Some(true), "{name}: {old:?} is now {:?}", new[name]);
             }
         }
@@ -282,6 +286,7 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
     for name in deriving("Component") {
         assert!(seen.contains(&name) || KEPT.contains(&name.as_str()), "{name} is not in the scene");
     }
+    assert_eq!(other.world().get::<ClothGrab>(body).map(|grab| grab.cloth), Some(cloth));
     // The hand is another entity now, and the cloth hangs on that.
     let [old, mut new] =
         [(&app, spawned[1]), (&other, cloth)].map(|(app, e)| app.world().get::<ClothPins>(e).expect("pins").clone());

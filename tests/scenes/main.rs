@@ -42,7 +42,7 @@ fn two_strips_fall_crosswise() {
 
 #[test]
 fn a_ball_swings_into_a_curtain() {
-    shows_no_crossing("curtain", 240, 1.25, || scenes::curtain(20));
+    shows_no_crossing("curtain", 240, 1.4, || scenes::curtain(20));
 }
 
 #[test]
