@@ -178,8 +178,8 @@ const CALM_DRAG: f32 = 5.0;
 /// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
-/// The same at the end of a frame of a calm cloth: what is shortened moves.
-const CALM_STRAINED: f32 = 1.9;
+/// The same at the end of a frame of a calm cloth: what is shortened moves, and is shortened in the next frame again.
+const CALM_STRAINED: f32 = 2.5;
 
 /// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
 const TAUT: f32 = 2.0;
@@ -189,6 +189,9 @@ const EASED: f32 = 0.5;
 
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
+
+/// The same for a calm cloth, whose edges are not shortened at the end of a frame.
+const CALM_SWEEPS: u32 = 8;
 
 /// Passes over edges that are beyond the strain limit at the end of a frame.
 const FINISH_PASSES: u32 = 8;
@@ -391,7 +394,8 @@ impl Stepped<'_> {
             scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
         }
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
-        for _ in 0..if frame.taut { TAUT_SWEEPS * if frame.bend_every == 1 { 2 } else { 1 } } else { 0 } {
+        let sweeps = if frame.bend_every == 1 { CALM_SWEEPS } else { TAUT_SWEEPS };
+        for _ in 0..if frame.taut { sweeps } else { 0 } {
             spring::limit(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         }
         let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
