@@ -83,6 +83,7 @@ pub(crate) struct ClothClock {
     /// Whether shown positions lie between the last two frames of a fixed clock.
     pub interpolates: bool,
     /// Where all stages run but Sync.
+    #[cfg(feature = "debug")]
     schedule: Interned<dyn ScheduleLabel>,
     /// Where Sync runs.
     shows: Interned<dyn ScheduleLabel>,
@@ -106,7 +107,13 @@ impl Plugin for ClothPlugin {
         let interpolates = fixed.contains(&self.schedule);
         let shows = if interpolates { PostUpdate.intern() } else { self.schedule };
 
-        app.insert_resource(ClothClock { interpolates, schedule: self.schedule, shows })
+        let clock = ClothClock {
+            interpolates,
+            #[cfg(feature = "debug")]
+            schedule: self.schedule,
+            shows,
+        };
+        app.insert_resource(clock)
             .init_resource::<ClothGravity>()
             .init_resource::<GlobalWind>()
             .init_resource::<RestCache>()
