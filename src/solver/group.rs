@@ -529,7 +529,7 @@ impl Group {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        self.retreat.note(&self.positions, self.total.is_clean());
+        self.retreat.note(&self.positions, self.total.is_clean() && !self.contacts.coincide());
         self.total
     }
 

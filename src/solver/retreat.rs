@@ -5,7 +5,8 @@
 //! ```
 //!
 //! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their guard know the
-//! pairs in the next frame. Tangles that were there before, that are held, or that came from far are left to [`resolve`](super::resolve).
+//! pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that
+//! started in the same place are left to [`resolve`](super::resolve).
 
 use glam::{Vec3A, Vec4};
 
@@ -14,8 +15,8 @@ use super::detect::{Crossing, Surface};
 /// How far a particle may have gone in the frame, relative to the mean, in mean edges: what was moved farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
-/// Frames in a row in which a particle is taken back: what crosses again and again, as cloths do that start in the same place, has to be taken apart.
-const MOST_FRAMES: u8 = 8;
+/// Frames in a row in which a particle is taken back: what is pressed through for seconds has to be taken apart.
+const MOST_FRAMES: u8 = 120;
 
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default)]

@@ -203,6 +203,7 @@ impl Finder {
             let normal = delta / pair.distance;
             // Exactly in touch, there is no side to be on.
             if !normal.is_finite() || ids.iter().any(|&v| left_out(v)) {
+                contacts.coincide |= !normal.is_finite();
                 return;
             }
             let far = |thickness: f32| {

@@ -50,6 +50,8 @@ pub struct Contacts {
     behind: Vec<(u8, [u32; 4])>,
     /// Mean pushes of pairs that touched before the last look [m]: they go on from there.
     loads: Vec<(u8, [u32; 4], f32)>,
+    /// Whether primitives lay in the same place at the last look.
+    coincide: bool,
     /// Pairs that touched in the last [`Self::solve`].
     touching: u32,
     /// Substep of the last [`Self::solve`] [s].
@@ -73,6 +75,7 @@ impl Contacts {
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
     fn begin(&mut self) {
+        self.coincide = false;
         self.note_loads();
         let Self { pairs, particles, .. } = self;
         pairs.retain(|pair| pair.behind);
@@ -86,6 +89,12 @@ impl Contacts {
         }
         self.pairs = kept;
         self.note_behind();
+    }
+
+    /// Whether primitives lay in the same place at the last look, so that nobody can say on which side of each other they belong.
+    #[must_use]
+    pub fn coincide(&self) -> bool {
+        self.coincide
     }
 
     /// Number of pairs that may touch.
