@@ -63,6 +63,7 @@ fn bare(ui: &mut Ui, values: &mut [f32], text: &mut [String], points: &[[f64; 2]
 }
 
 #[test]
+#[ignore = "a measurement: cargo test --test inspector -- --ignored"]
 #[expect(clippy::print_stdout, reason = "the figures of the documentation")]
 fn the_panel_costs_less_than_a_millisecond_on_top_of_egui() {
     let mut app = app_with_panel();
