@@ -9,7 +9,7 @@ use crate::solver::pick::{self, Pick};
 
 /// Asks cloths as they are drawn, held and interpolated shapes included. A cloth that was not drawn yet, or cannot be simulated, is not found.
 ///
-/// Every triangle of the cloths whose box is met is asked: some 0.1 ms for a cloth of 64² vertices.
+/// Every triangle of the cloths whose box is met is asked.
 #[derive(SystemParam)]
 pub struct ClothQuery<'w, 's> {
     cloths: Query<'w, 's, (Entity, &'static ClothRest, &'static ClothShown), With<Cloth>>,

@@ -42,7 +42,7 @@ pub struct ClothMaterial {
     /// Largest elongation of an edge as a fraction of its length (dimensionless). Default 0.05, range 0 to 10; infinite switches it off.
     pub strain_limit: f32,
     /// Thickness [m]: distance kept to bodies. Default 0.005, range 1e-4 to 1. Thin cloth may show what it lies on.
-    /// As the distance from centre to centre between layers of cloth it is reserved: has no effect yet.
+    /// Two layers of cloth keep the mean of theirs, from centre to centre.
     pub thickness: f32,
     /// Coulomb coefficient below which it sticks (dimensionless). Default 0.5, range 0 to 10; combined with a body's by the geometric mean.
     pub static_friction: f32,

@@ -1,7 +1,8 @@
 //! Cloths that can meet, untangled together as one surface.
 //!
 //! ```text
-//! gather ─► detect ─► resolve: (advance ─► springs ─► look)* ─► scatter what moved ─► evaluate: look again, one verdict per cloth
+//! step: (constrain ─► keep apart ─► bodies ─► guard)* ─► finish ─► guard
+//! gather ─► detect ─► resolve: take back what is new ─► (advance ─► springs ─► look)* ─► scatter what moved ─► evaluate: look again, one verdict per cloth
 //! ```
 //!
 //! Each cloth lives in a frame of its own; `offset` brings it into that of the group, and 0 for the only cloth of a group changes no bit.

@@ -1,6 +1,6 @@
 //! Where a ray meets a surface, and which of its points is nearest to a place.
 //!
-//! Every face is asked: shown positions may be held, faded or interpolated, and no search tree is kept of those. 8,000 faces take some 0.1 ms.
+//! Every face is asked: shown positions may be held, faded or interpolated, and no search tree is kept of those.
 
 use glam::Vec3;
 

@@ -87,19 +87,11 @@ pub struct Scratch {
     /// Substeps between those in which the factors of bending are for.
     bend_every: u64,
     frame: Option<Frame>,
-    /// Whether the last frame ended with overlong edges shortened.
-    shortened: bool,
     /// Substep the factors were computed for [s]; 0: none yet.
     factors_for: f32,
 }
 
 impl Scratch {
-    /// Whether the last frame ended with overlong edges shortened.
-    #[must_use]
-    pub fn has_shortened(&self) -> bool {
-        self.shortened
-    }
-
     /// What pulls at the cloth in the frames to come; it stays until it is changed.
     pub fn pulls_mut(&mut self) -> &mut pull::Pulls {
         &mut self.pulls
@@ -422,8 +414,7 @@ impl Stepped<'_> {
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
         let limits = if scratch.is_calm() { CALM_STRAINED } else { STRAINED };
-        scratch.shortened = scratch.strain() > limits * fabric.strain_limit;
-        if scratch.shortened {
+        if scratch.strain() > limits * fabric.strain_limit {
             shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
             // Pins on bodies that cloth moves have a mass, but stay where they are.
             scratch.coupling.place(self.anchors, 1.0, &mut state.positions);

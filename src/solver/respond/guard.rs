@@ -33,8 +33,11 @@ impl Contacts {
         let Self { pairs, start, now, cut, .. } = self;
         cut.clear();
         cut.resize(now.len(), 0);
-        let shared = shared_motion(start, now);
+        let mut shared = Vec3::ZERO;
         for pass in 1..=MOST_PASSES {
+            if pass == MEAN_PASSES + 1 {
+                shared = shared_motion(start, now);
+            }
             let mut ways = Ways { start, now, cut, shared, pass };
             let mut any = false;
             for pair in &*pairs {
@@ -76,7 +79,7 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all.
     cut: &'a mut [u8],
-    /// What all do [m].
+    /// What all do [m]; worked out when it is first needed.
     shared: Vec3,
     pass: u8,
 }
