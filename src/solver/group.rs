@@ -102,6 +102,8 @@ pub struct Group {
     horizon: f32,
     share: f32,
     looks: u32,
+    /// Whether what was found at the last look is still known, as long as nothing moves far.
+    known: bool,
 }
 
 impl Group {
@@ -147,8 +149,10 @@ impl Group {
 
     /// Says that the pairs will be wanted that may touch within the next `dt` [s]: `touch` says of each cloth how it does, `takes_part` whether it does.
     pub fn expect(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
+        let parts = self.surface.parts.len();
+        self.known &= self.touch == touch && (0..parts).map(&takes_part).eq(self.takes_part.iter().copied());
         self.takes_part.clear();
-        self.takes_part.extend((0..self.surface.parts.len()).map(takes_part));
+        self.takes_part.extend((0..parts).map(takes_part));
         self.touch.clear();
         self.touch.extend_from_slice(touch);
         (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
@@ -166,6 +170,7 @@ impl Group {
     /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
     fn find(&mut self, strayed: bool) {
         self.looks += 1;
+        self.known = false;
         if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
             self.contacts.clear();
             return;
@@ -390,11 +395,14 @@ impl Group {
             self.contacts.rest();
             self.look();
         } else if self.total.is_clean() {
-            self.look_and_find();
+            if !self.look_where_drifted() {
+                self.look_and_find();
+            }
         } else {
             // Still tangled, most likely: what may touch is found when nothing moves any more.
             self.look();
         }
+        self.finder.note(&self.positions);
         self.total
     }
 
@@ -404,12 +412,34 @@ impl Group {
         let moment = Moment { positions, previous, substep, touch };
         finder.begin(surface, &moment, self.horizon, contacts);
         let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
-        let ask = finder.ask(surface, &moment, left_out, contacts);
+        let ask = finder.ask(surface, &moment, left_out, contacts, false);
         let crossings = untangler.detector.detect_and(surface, positions, Some(finder.ahead()), Finder::reach(&moment), ask);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;
+        self.known = self.total.is_clean();
         self.sum_up();
+    }
+
+    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved is looked anew. False where
+    /// that is not so, or something crosses.
+    fn look_where_drifted(&mut self) -> bool {
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
+        let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
+        let moment = Moment { positions, previous, substep, touch };
+        let detector = &mut untangler.detector;
+        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, left_out, contacts)) {
+            return false;
+        }
+        let crossings = detector.detect_among(surface, positions, contacts.close_faces());
+        if !crossings.is_empty() {
+            return false;
+        }
+        self.total = untangler.resolver.analyse(surface, crossings, positions);
+        self.looks = 1;
+        self.stale = false;
+        self.sum_up();
+        true
     }
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
@@ -535,7 +565,7 @@ impl Group {
     }
 
     fn look(&mut self) {
-        self.stale = false;
+        (self.stale, self.known) = (false, false);
         self.total = self.untangler.look(&self.surface, &self.positions);
         self.sum_up();
     }

@@ -70,6 +70,7 @@ pub struct Scratch {
     hubs: net::Hubs,
     leash: leash::Leash,
     overlong: spring::Overlong,
+    tight: spring::Tight,
     contacts: BodyContacts,
     coupling: Coupling,
     wind: WindForces,
@@ -167,13 +168,17 @@ const CALM_AFTER: f32 = 0.25;
 /// What a calm cloth loses of its velocities on top of drag [1/s]: what one sweep over constraints in a row leaves over keeps going around for ever otherwise.
 const CALM_DRAG: f32 = 5.0;
 
+/// What got less far within a frame than this share of the way its speed would take it, is stuck, in a calm cloth: constraints pull it to and fro between them, and it
+/// has the speed of its mean motion.
+const STUCK: f32 = 0.25;
+
 /// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
 /// The same at the end of a frame of a calm cloth: what is shortened moves, and is shortened in the next frame again.
 const CALM_STRAINED: f32 = 2.5;
 
-/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame its springs are also swept [`TAUT_SWEEPS`] times for their limit alone.
+/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame those of its springs that are close to the limit are also swept [`TAUT_SWEEPS`] times for it alone.
 const TAUT: f32 = 2.0;
 
 /// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would do it every other frame.
@@ -327,6 +332,12 @@ impl Stepped<'_> {
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
+        if taut {
+            scratch.tight.find(&rest.springs, fabric.strain_limit, &state.positions);
+        }
+        if calm {
+            scratch.before.clone_from(&state.positions);
+        }
         scratch.coupling.begin(dt, anchors, &state.positions);
         scratch.contacts.leave_out(scratch.coupling.welded(anchors));
         scratch.frame = Some(Frame {
@@ -386,9 +397,9 @@ impl Stepped<'_> {
             scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
         }
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
-        let sweeps = if frame.bend_every == 1 { CALM_SWEEPS } else { TAUT_SWEEPS };
-        for _ in 0..if frame.taut { sweeps } else { 0 } {
-            spring::limit(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        if frame.taut {
+            let sweeps = if frame.bend_every == 1 { CALM_SWEEPS } else { TAUT_SWEEPS };
+            scratch.tight.solve(&rest.springs, &scratch.springs, fabric.strain_limit, sweeps, x);
         }
         let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
         scratch.coupling.react(&pull, x);
@@ -411,6 +422,9 @@ impl Stepped<'_> {
         let Self { rest, fabric, input, .. } = *self;
         let mut report = frame.report;
         state.time += f64::from(frame.dt);
+        if frame.bend_every == 1 {
+            slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
+        }
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
         let limits = if scratch.is_calm() { CALM_STRAINED } else { STRAINED };
@@ -424,6 +438,16 @@ impl Stepped<'_> {
         // False for what is not a number.
         scratch.slow_for = if mean_square_speed(state) <= bound * bound { (scratch.slow_for + frame.dt).min(1.0) } else { 0.0 };
         Some(report)
+    }
+}
+
+/// Gives particles that hardly moved [`STUCK`] since they were `before`, a substep being the `share` of that time, the speed with which they did.
+fn slow_what_is_stuck(before: &[Vec4], share: f32, state: &mut ClothState) {
+    for ((x, old), before) in state.positions.iter().zip(&mut state.previous).zip(before) {
+        let (motion, mean) = (*x - *old, (*x - *before) * share);
+        if mean.length_squared() < STUCK * STUCK * motion.length_squared() {
+            *old = *x - mean;
+        }
     }
 }
 

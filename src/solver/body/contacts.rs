@@ -30,7 +30,7 @@ pub struct Approach {
 }
 
 /// The fabric's side of a contact.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
     /// Distance kept to every body [m].
     pub thickness: f32,

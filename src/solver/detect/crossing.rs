@@ -91,25 +91,33 @@ impl Detector {
             return &self.crossings;
         }
         self.tree.refit(surface, positions, ahead);
-        for (part, out) in surface.parts.iter().zip(&mut self.kinematic) {
-            let range = part.particles.start as usize..part.particles.end as usize;
-            *out = positions[range].iter().all(|p| p.w == 0.0);
-        }
-        self.ties.directions.clear();
-        self.cross(surface, positions, margin, also);
-        if !self.doubtful.is_empty() {
-            self.cross_doubtful(surface, positions);
-        }
-        self.crossings.sort_unstable_by_key(|c| (u64::from(c.edge) << 32) | u64::from(c.face));
+        self.cross(surface, positions, |tree, found| tree.pairs(surface, margin, found), also);
         &self.crossings
     }
 
-    fn cross(&mut self, surface: &Surface, positions: &[Vec4], margin: f32, mut also: impl FnMut(u32, u32)) {
+    /// As [`Self::detect`], where only `pairs` of faces can cross.
+    pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
+        self.cross(surface, positions, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| {});
+        &self.crossings
+    }
+
+    fn cross<F: FnMut(u32, u32)>(
+        &mut self,
+        surface: &Surface,
+        positions: &[Vec4],
+        pairs: impl FnOnce(&mut Tree, &mut dyn FnMut(u32, u32)),
+        mut also: F,
+    ) {
         let Self { tree, asks, kinematic, ties, doubtful, crossings } = self;
+        for (part, out) in surface.parts.iter().zip(kinematic.iter_mut()) {
+            let range = part.particles.start as usize..part.particles.end as usize;
+            *out = positions[range].iter().all(|p| p.w == 0.0);
+        }
+        ties.directions.clear();
         crossings.clear();
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
-        tree.pairs(surface, margin, |f, g| {
+        pairs(tree, &mut |f, g| {
             if crossings.is_empty() {
                 also(f, g);
             }
@@ -127,6 +135,10 @@ impl Detector {
                 doubtful.push((f, g));
             }
         });
+        if !self.doubtful.is_empty() {
+            self.cross_doubtful(surface, positions);
+        }
+        self.crossings.sort_unstable_by_key(|c| (u64::from(c.edge) << 32) | u64::from(c.face));
     }
 
     /// Some points lie exactly in a plane, as borders that are pinned along a line do. Asks the pairs that met such a tie again, with a direction

@@ -76,31 +76,85 @@ const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// Solves every spring once.
 pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
-    sweep::<true>(springs, factors, strain_limit, positions);
-}
-
-/// Shortens every spring beyond the strain limit once. Springs that are too short do not push back, so nothing keeps others from giving way.
-pub fn limit(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
-    sweep::<false>(springs, factors, strain_limit, positions);
-}
-
-fn sweep<const ELASTIC: bool>(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
-    // Without a limit the second term is far below zero.
-    let slack = 1.0 + strain_limit.min(1.0e9);
-    let (hard, slack) = (Vec4::splat(1.0 - slack / 3.0), Vec4::splat(slack));
     let ends = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square);
     let shares = factors.give.iter().zip(&factors.share_a).zip(&factors.share_b);
+    let bound = Bound::new(strain_limit);
     for (((a, b), &inverse_square), ((&give, &share_a), &share_b)) in ends.zip(shares) {
         let (pa, pb, d) = gather(a, b, positions);
-        let q = lengths_squared(d) * inverse_square;
-        let u = Vec4::splat(8.0 / 9.0) / (q + Vec4::splat(1.0 / 3.0));
-        let soft = if ELASTIC { (Vec4::splat(2.0 / 3.0) - u) * give } else { Vec4::ZERO };
-        let s = soft.max(hard - slack * u);
-        let (by_a, by_b) = ((s * share_a).to_array(), (s * share_b).to_array());
-        for lane in 0..LANES {
-            let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
-            positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
-            positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
+        let u = inverse_length(lengths_squared(d) * inverse_square);
+        let s = ((Vec4::splat(2.0 / 3.0) - u) * give).max(bound.least(u));
+        scatter([a, b], [pa, pb], d, [s * share_a, s * share_b], positions);
+    }
+}
+
+/// `L/|d| - 1/3` as in the module, from `|d|²/L²`.
+#[inline(always)]
+fn inverse_length(q: Vec4) -> Vec4 {
+    Vec4::splat(8.0 / 9.0) / (q + Vec4::splat(1.0 / 3.0))
+}
+
+/// The strain limit.
+#[derive(Clone, Copy)]
+struct Bound {
+    hard: Vec4,
+    slack: Vec4,
+}
+
+impl Bound {
+    fn new(strain_limit: f32) -> Self {
+        // Without a limit the bound is far below zero.
+        let slack = 1.0 + strain_limit.min(1.0e9);
+        Self { hard: Vec4::splat(1.0 - slack / 3.0), slack: Vec4::splat(slack) }
+    }
+
+    /// How much a spring is shortened at least, `(1 - (1 + limit) L/|d|)`, from [`inverse_length`].
+    #[inline(always)]
+    fn least(self, u: Vec4) -> Vec4 {
+        self.hard - self.slack * u
+    }
+}
+
+/// Puts the ends of four springs where they go: a share `by` of the difference `d` closer, each.
+#[inline(always)]
+fn scatter([a, b]: [&[u32; LANES]; 2], [pa, pb]: [[Vec4; LANES]; 2], d: [Vec4; LANES], by: [Vec4; 2], positions: &mut [Vec4]) {
+    let [by_a, by_b] = by.map(|by| by.to_array());
+    for lane in 0..LANES {
+        let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
+        positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
+        positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
+    }
+}
+
+/// Springs at, or close to, the strain limit: the only ones that sweeps for the limit alone can change.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tight {
+    batches: Vec<u32>,
+}
+
+/// From this share of the strain limit on a spring is close to it: what is shortened next to it draws at it.
+const TIGHT: f32 = 0.5;
+
+impl Tight {
+    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest.
+    pub fn find(&mut self, springs: &Springs, strain_limit: f32, positions: &[Vec4]) {
+        self.batches.clear();
+        let near = Vec4::splat((1.0 + TIGHT * strain_limit).powi(2));
+        for (k, ((a, b), &inverse_square)) in (0..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
+            let (_, _, d) = gather(a, b, positions);
+            if (lengths_squared(d) * inverse_square).cmpgt(near).any() {
+                self.batches.push(k);
+            }
+        }
+    }
+
+    /// Shortens those beyond the strain limit, `sweeps` times over. Springs that are too short do not push back, so nothing keeps others from giving way.
+    pub fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, sweeps: u32, positions: &mut [Vec4]) {
+        let bound = Bound::new(strain_limit);
+        for k in (0..sweeps).flat_map(|_| &self.batches).map(|&k| k as usize) {
+            let (a, b) = (&springs.a[k], &springs.b[k]);
+            let (pa, pb, d) = gather(a, b, positions);
+            let s = bound.least(inverse_length(lengths_squared(d) * springs.inverse_square[k])).max(Vec4::ZERO);
+            scatter([a, b], [pa, pb], d, [s * factors.share_a[k], s * factors.share_b[k]], positions);
         }
     }
 }
@@ -141,12 +195,7 @@ impl Overlong {
             let (pa, pb, d) = gather(a, b, positions);
             let ratio = (lengths_squared(d) * springs.inverse_square[k]).sqrt().max(Vec4::splat(bound));
             let s = Vec4::ONE - Vec4::splat(bound) / ratio;
-            let (by_a, by_b) = ((s * factors.share_a[k]).to_array(), (s * factors.share_b[k]).to_array());
-            for lane in 0..LANES {
-                let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
-                positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
-                positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
-            }
+            scatter([a, b], [pa, pb], d, [s * factors.share_a[k], s * factors.share_b[k]], positions);
         }
     }
 }

@@ -20,6 +20,17 @@ const MARGIN: f32 = 0.25;
 /// than half of it cannot meet.
 const STRAY: f32 = 0.45;
 
+/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin: two that both drift by
+/// half of it are still a thickness apart, unless they were found.
+const DRIFT: f32 = 0.5;
+/// The same as a share of the least height of the faces around: what was flat, or inside an edge, about stays so.
+const DRIFT_OF_HEIGHT: f32 = 0.05;
+/// Share of the particles that may have drifted; with more, a whole look costs less.
+const MOST_DRIFTED: f32 = 0.2;
+
+/// What went less than this share of the way its speed would take it, is stuck.
+const STUCK: f32 = 0.25;
+
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
 const FARTHEST_EDGES: f32 = 4.0;
 const FARTHEST_THICKNESSES: f32 = 4.0;
@@ -60,6 +71,8 @@ pub struct Finder {
     ahead: Vec<Vec3A>,
     /// Where each particle was at the last look [m].
     start: Vec<Vec3A>,
+    /// Where each particle was a frame ago [m].
+    before: Vec<Vec3A>,
     /// Particles that are elsewhere than foreseen, and faces with one.
     astray: Vec<bool>,
     marked: Vec<bool>,
@@ -69,6 +82,8 @@ pub struct Finder {
     flat: Vec<bool>,
     /// The motion that all share until the next frame [m].
     shared: Vec3A,
+    /// Least height at rest of the faces around each particle [m].
+    heights: Vec<f32>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
 }
@@ -99,7 +114,27 @@ impl Finder {
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
         let (normals, sums) = (vec![Vec3A::ZERO; topology.faces.len()], start.clone());
         let flat = astray.clone();
-        Self { owns, ahead: start.clone(), start, astray, marked, normals, sums, flat, shared: Vec3A::ZERO, longest }
+        let mut heights = vec![f32::INFINITY; surface.len()];
+        for t in &topology.faces {
+            let [a, b, c] = t.map(|v| surface.rest[v as usize]);
+            let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
+            let height = (b - a).cross(c - a).length() / base.max(f32::MIN_POSITIVE);
+            t.iter().for_each(|&v| heights[v as usize] = heights[v as usize].min(height));
+        }
+        Self {
+            owns,
+            ahead: start.clone(),
+            before: start.clone(),
+            start,
+            astray,
+            marked,
+            normals,
+            sums,
+            flat,
+            shared: Vec3A::ZERO,
+            heights,
+            longest,
+        }
     }
 
     /// Prepares for looking at all pairs that may touch within `dt` [s]: with [`Self::ask`], in whatever order [`Tree::pairs`] finds faces within
@@ -123,13 +158,55 @@ impl Finder {
     ) {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        tree.pairs(surface, Self::reach(moment), self.ask(surface, moment, left_out, contacts));
+        tree.pairs(surface, Self::reach(moment), self.ask(surface, moment, left_out, contacts, false));
+    }
+
+    /// Brings the last look at all pairs up to date, if particles have drifted so little that it still holds but for a few, which are looked at anew. False, and
+    /// nothing is done, where they have not.
+    pub fn refresh(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        dt: f32,
+        left_out: impl Fn(u32) -> bool,
+        contacts: &mut Contacts,
+    ) -> bool {
+        if self.shared != Vec3A::ZERO {
+            return false;
+        }
+        let most = (MOST_DRIFTED * surface.len() as f32) as usize;
+        let mut drifted = 0;
+        for ((part, &h), touch) in surface.parts.iter().zip(moment.substep).zip(moment.touch) {
+            let scale = if h > 0.0 { dt / h } else { 0.0 };
+            let limit = DRIFT * MARGIN * touch.thickness;
+            for v in part.particles.start as usize..part.particles.end as usize {
+                let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
+                let motion = foreseen(moment, v, scale, self.before[v]);
+                let limit = limit.min(DRIFT_OF_HEIGHT * self.heights[v]);
+                let farthest = now.distance_squared(start).max((now + motion).distance_squared(start));
+                self.astray[v] = !(farthest <= limit * limit);
+                drifted += usize::from(self.astray[v]);
+            }
+        }
+        if drifted > most {
+            return false;
+        }
+        if drifted > 0 {
+            self.find_strayed(surface, tree, moment, 0.0, dt, left_out, contacts);
+        }
+        true
     }
 
     /// Where each particle is foreseen to be [m], less the motion that all cloths share.
     #[must_use]
     pub fn ahead(&self) -> &[Vec3A] {
         &self.ahead
+    }
+
+    /// Notes where all particles are at the end of a frame [m], to tell in the next which of them are stuck.
+    pub fn note(&mut self, positions: &[Vec4]) {
+        self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
     }
 
     /// How close boxes must come for their faces to be asked [m].
@@ -155,13 +232,14 @@ impl Finder {
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
         contacts.note_loads();
         contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_behind();
         for (part, &h) in surface.parts.iter().zip(moment.substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
                 if core::mem::take(&mut self.astray[v]) {
                     let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
-                    let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
+                    let motion = foreseen(moment, v, scale, self.before[v]);
                     self.ahead[v] = now + limited(motion - self.shared * (1.0 - share), longest);
                     // So that it is here now.
                     self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
@@ -171,17 +249,19 @@ impl Finder {
         self.find_flat(surface, moment.positions);
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
-        tree.pairs_with(surface, Self::reach(moment), &marked, self.ask(surface, moment, left_out, contacts));
+        tree.pairs_with(surface, Self::reach(moment), &marked, self.ask(surface, moment, left_out, contacts, true));
         self.marked = marked;
     }
 
-    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be.
+    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is asked `anew`, of faces nobody has
+    /// looked for crossings at since they were elsewhere.
     pub fn ask<'a>(
         &'a self,
         surface: &'a Surface,
         moment: &Moment<'a>,
         left_out: impl Fn(u32) -> bool + 'a,
         contacts: &'a mut Contacts,
+        anew: bool,
     ) -> impl FnMut(u32, u32) + 'a {
         let &Moment { positions, touch, .. } = moment;
         let reach = Self::reach(moment);
@@ -190,7 +270,7 @@ impl Finder {
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
         let most = MOST_PAIRS * surface.len();
-        let mut ask = move |pair: Proximity, first: usize, faces: [u32; 2]| {
+        let ask = move |contacts: &mut Contacts, pair: Proximity, first: usize, faces: [u32; 2]| {
             if contacts.len() >= most {
                 return;
             }
@@ -253,6 +333,9 @@ impl Finder {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             // Faces of a fan that hardly bends are hardly closer than at rest.
             if tf.iter().any(|v| flat[*v as usize] && tg.contains(v)) {
+                if anew {
+                    contacts.close.push([f, g]);
+                }
                 return;
             }
             let (pf, pg) = (tf.map(path), tg.map(path));
@@ -262,6 +345,7 @@ impl Finder {
             if are_apart(&pf, &pg, reach) {
                 return;
             }
+            contacts.close.push([f, g]);
             let (bf, bg) = (pf.map(Path::bounds), pg.map(Path::bounds));
             for (own, t, u, bt, bu) in [(owns[f as usize], tf, tg, &bf, &bg), (owns[g as usize], tg, tf, &bg, &bf)] {
                 if own & 7 == 0 {
@@ -270,7 +354,7 @@ impl Finder {
                 let face = bu[0].union(bu[1]).union(bu[2]);
                 for k in 0..3 {
                     if own & (1 << k) != 0 && !u.contains(&t[k]) && bt[k].meets(&face, wide) {
-                        ask(vertex_face([t[k], u[0], u[1], u[2]], at), 1, [f, g]);
+                        ask(contacts, vertex_face([t[k], u[0], u[1], u[2]], at), 1, [f, g]);
                     }
                 }
             }
@@ -282,7 +366,7 @@ impl Finder {
                     let (pe, ph) = ([pf[i], pf[(i + 1) % 3]], [pg[j], pg[(j + 1) % 3]]);
                     let meet = || bg[j].union(bg[(j + 1) % 3]).meets(&edge, wide) && may_pass(pe, ph);
                     if !h.contains(&e[0]) && !h.contains(&e[1]) && meet() {
-                        ask(closest_edges([e[0], e[1], h[0], h[1]], at), 2, [f, g]);
+                        ask(contacts, closest_edges([e[0], e[1], h[0], h[1]], at), 2, [f, g]);
                     }
                 }
             }
@@ -351,25 +435,39 @@ impl Finder {
 
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
-        let &Moment { positions, previous, substep, .. } = moment;
+        let &Moment { positions, substep, .. } = moment;
         self.astray.fill(false);
         let mut mean = Vec3A::ZERO;
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
-                let motion = limited(Vec3A::from_vec4(positions[v] - previous[v]) * scale, FARTHEST);
+                let motion = limited(foreseen(moment, v, scale, self.before[v]), FARTHEST);
                 self.start[v] = Vec3A::from_vec4(positions[v]);
                 self.ahead[v] = self.start[v] + motion;
                 mean += motion;
             }
         }
         mean /= surface.len().max(1) as f32;
+        // Cloth that hardly moves is looked at as it is, so that the look holds longer.
+        let hardly = 0.5 * DRIFT * MARGIN * moment.touch.iter().map(|t| t.thickness).fold(f32::INFINITY, f32::min);
+        if mean.length_squared() <= hardly * hardly {
+            mean = Vec3A::ZERO;
+        }
         self.shared = mean;
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
         for (ahead, &start) in self.ahead.iter_mut().zip(&self.start) {
             *ahead = start + limited(*ahead - start - mean, longest);
         }
     }
+}
+
+/// The motion of particle `v` until the next look [m]: that of the last substep times `scale`. Where constraints pull against each other the last substep tells
+/// nothing: what was `before` where it is now, stays.
+#[inline]
+fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A) -> Vec3A {
+    let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
+    let way = Vec3A::from_vec4(moment.positions[v]) - before;
+    if way.length_squared() < (STUCK * STUCK) * motion.length_squared() { way } else { motion }
 }
 
 /// A motion no longer than `longest` [m]: of what goes farther, the rest is looked for when it gets there.

@@ -50,6 +50,8 @@ pub struct Contacts {
     behind: Vec<(u8, [u32; 4])>,
     /// Mean pushes of pairs that touched before the last look [m]: they go on from there.
     loads: Vec<(u8, [u32; 4], f32)>,
+    /// Faces that are close, or may come close: no others can cross before the next look.
+    close: Vec<[u32; 2]>,
     /// Whether primitives lay in the same place at the last look.
     coincide: bool,
     /// Pairs that touched in the last [`Self::solve`].
@@ -71,6 +73,7 @@ impl Contacts {
         self.slots_of.iter_mut().for_each(Vec::clear);
         self.pairs.clear();
         self.behind.clear();
+        self.close.clear();
     }
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
@@ -95,6 +98,12 @@ impl Contacts {
     #[must_use]
     pub fn coincide(&self) -> bool {
         self.coincide
+    }
+
+    /// Faces that are close, or may come close before the next look.
+    #[must_use]
+    pub fn close_faces(&self) -> &[[u32; 2]] {
+        &self.close
     }
 
     /// Number of pairs that may touch.
