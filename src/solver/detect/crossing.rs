@@ -73,18 +73,18 @@ impl Detector {
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
-        self.detect_and(surface, positions, None, 0.0, |_, _| {})
+        self.detect_and(surface, positions, None, 0.0, |_, _| true)
     }
 
     /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes, widened to where particles are `ahead` [m], come within `margin` [m];
-    /// no more once something is known to cross.
+    /// no more once something is known to cross. It says whether they may cross where they are.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
         ahead: Option<&[Vec3A]>,
         margin: f32,
-        also: impl FnMut(u32, u32),
+        also: impl FnMut(u32, u32) -> bool,
     ) -> &[Crossing] {
         if positions.len() != surface.len() {
             self.crossings.clear();
@@ -97,11 +97,11 @@ impl Detector {
 
     /// As [`Self::detect`], where only `pairs` of faces can cross.
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
-        self.cross(surface, positions, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| {});
+        self.cross(surface, positions, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| true);
         &self.crossings
     }
 
-    fn cross<F: FnMut(u32, u32)>(
+    fn cross<F: FnMut(u32, u32) -> bool>(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
@@ -118,8 +118,8 @@ impl Detector {
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
         pairs(tree, &mut |f, g| {
-            if crossings.is_empty() {
-                also(f, g);
+            if crossings.is_empty() && !also(f, g) {
+                return;
             }
             if fixed {
                 let still = |face: u32| kinematic[usize::from(surface.part_of_face(face))];

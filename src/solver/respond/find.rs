@@ -26,7 +26,7 @@ const DRIFT: f32 = 0.5;
 /// The same as a share of the least height of the faces around: what was flat, or inside an edge, about stays so.
 const DRIFT_OF_HEIGHT: f32 = 0.05;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
-const MOST_DRIFTED: f32 = 0.2;
+const MOST_DRIFTED: f32 = 0.4;
 
 /// What went less than this share of the way its speed would take it, is stuck.
 const STUCK: f32 = 0.25;
@@ -76,7 +76,7 @@ pub struct Finder {
     /// Particles that are elsewhere than foreseen, and faces with one.
     astray: Vec<bool>,
     marked: Vec<bool>,
-    /// Unit normals of faces, their sums around particles, and particles around which the cloth hardly bends.
+    /// Normals of faces as long as twice their area, their sums around particles, and particles around which the cloth hardly bends.
     normals: Vec<Vec3A>,
     sums: Vec<Vec3A>,
     flat: Vec<bool>,
@@ -158,7 +158,10 @@ impl Finder {
     ) {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        tree.pairs(surface, Self::reach(moment), self.ask(surface, moment, left_out, contacts, false));
+        let mut ask = self.ask(surface, moment, left_out, contacts, false);
+        tree.pairs(surface, Self::reach(moment), |f, g| {
+            ask(f, g);
+        });
     }
 
     /// Brings the last look at all pairs up to date, if particles have drifted so little that it still holds but for a few, which are looked at anew. False, and
@@ -249,12 +252,16 @@ impl Finder {
         self.find_flat(surface, moment.positions);
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
-        tree.pairs_with(surface, Self::reach(moment), &marked, self.ask(surface, moment, left_out, contacts, true));
+        let mut ask = self.ask(surface, moment, left_out, contacts, true);
+        tree.pairs_with(surface, Self::reach(moment), &marked, |f, g| {
+            ask(f, g);
+        });
+        drop(ask);
         self.marked = marked;
     }
 
     /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is asked `anew`, of faces nobody has
-    /// looked for crossings at since they were elsewhere.
+    /// looked for crossings at since they were elsewhere. Says of two faces whether they may cross now.
     pub fn ask<'a>(
         &'a self,
         surface: &'a Surface,
@@ -262,7 +269,7 @@ impl Finder {
         left_out: impl Fn(u32) -> bool + 'a,
         contacts: &'a mut Contacts,
         anew: bool,
-    ) -> impl FnMut(u32, u32) + 'a {
+    ) -> impl FnMut(u32, u32) -> bool + 'a {
         let &Moment { positions, touch, .. } = moment;
         let reach = Self::reach(moment);
         let topology = &surface.topology;
@@ -336,40 +343,48 @@ impl Finder {
                 if anew {
                     contacts.close.push([f, g]);
                 }
-                return;
+                return true;
             }
-            let (pf, pg) = (tf.map(path), tg.map(path));
+            let (pf, pg) = (corners(tf, path), corners(tg, path));
             // A thick cloth does not make the others look farther.
             let reach = if touch.len() == 1 { reach } else { reach_of(tf[0], tg[0]) };
-            let wide = Vec3A::splat(reach);
             if are_apart(&pf, &pg, reach) {
-                return;
+                return false;
             }
             contacts.close.push([f, g]);
-            let (bf, bg) = (pf.map(Path::bounds), pg.map(Path::bounds));
-            for (own, t, u, bt, bu) in [(owns[f as usize], tf, tg, &bf, &bg), (owns[g as usize], tg, tf, &bg, &bf)] {
-                if own & 7 == 0 {
-                    continue;
-                }
-                let face = bu[0].union(bu[1]).union(bu[2]);
+            let wide = Vec3A::splat(reach);
+            let (bf, bg) = (corners([0, 1, 2], |k: usize| pf[k].bounds()), corners([0, 1, 2], |k: usize| pg[k].bounds()));
+            let (own_f, own_g) = (owns[f as usize], owns[g as usize]);
+            let (whole_f, whole_g) = (bf[0].union(bf[1]).union(bf[2]), bg[0].union(bg[1]).union(bg[2]));
+            for (own, t, u, boxes, whole) in [(own_f, tf, tg, &bf, &whole_g), (own_g, tg, tf, &bg, &whole_f)] {
                 for k in 0..3 {
-                    if own & (1 << k) != 0 && !u.contains(&t[k]) && bt[k].meets(&face, wide) {
+                    if own & (1 << k) != 0 && !u.contains(&t[k]) && boxes[k].meets(whole, wide) {
                         ask(contacts, vertex_face([t[k], u[0], u[1], u[2]], at), 1, [f, g]);
                     }
                 }
             }
-            for i in (0..3).filter(|i| owns[f as usize] & (8 << i) != 0) {
-                let e = [tf[i], tf[(i + 1) % 3]];
-                let edge = bf[i].union(bf[(i + 1) % 3]);
-                for j in (0..3).filter(|j| owns[g as usize] & (8 << j) != 0) {
-                    let h = [tg[j], tg[(j + 1) % 3]];
-                    let (pe, ph) = ([pf[i], pf[(i + 1) % 3]], [pg[j], pg[(j + 1) % 3]]);
-                    let meet = || bg[j].union(bg[(j + 1) % 3]).meets(&edge, wide) && may_pass(pe, ph);
-                    if !h.contains(&e[0]) && !h.contains(&e[1]) && meet() {
+            if own_f & 0b11_1000 == 0 || own_g & 0b11_1000 == 0 {
+                return true;
+            }
+            for (i, next) in CYCLE {
+                let e = [tf[i], tf[next]];
+                let edge = bf[i].union(bf[next]);
+                if own_f & (8 << i) == 0 || !edge.meets(&whole_g, wide) {
+                    continue;
+                }
+                for (j, next_j) in CYCLE {
+                    let h = [tg[j], tg[next_j]];
+                    if own_g & (8 << j) != 0
+                        && !h.contains(&e[0])
+                        && !h.contains(&e[1])
+                        && bg[j].union(bg[next_j]).meets(&edge, wide)
+                        && may_pass([pf[i], pf[next]], [pg[j], pg[next_j]])
+                    {
                         ask(contacts, closest_edges([e[0], e[1], h[0], h[1]], at), 2, [f, g]);
                     }
                 }
             }
+            true
         }
     }
 
@@ -420,15 +435,20 @@ impl Finder {
     fn keep_flat(&mut self, surface: &Surface, at: impl Fn(u32) -> Vec3A) {
         let Self { normals, sums, flat, .. } = self;
         sums.fill(Vec3A::ZERO);
-        for (t, normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
-            let [a, b, c] = t.map(&at);
-            *normal = (b - a).cross(c - a).normalize_or_zero();
-            t.iter().for_each(|&v| sums[v as usize] += *normal);
+        // Any direction will do, so large faces may count for more.
+        for (&[a, b, c], normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
+            let origin = at(a);
+            *normal = (at(b) - origin).cross(at(c) - origin);
+            sums[a as usize] += *normal;
+            sums[b as usize] += *normal;
+            sums[c as usize] += *normal;
         }
-        for (t, normal) in surface.topology.faces.iter().zip(normals.iter()) {
+        for (t, &normal) in surface.topology.faces.iter().zip(normals.iter()) {
+            let limit = 0.5 * normal.length_squared();
             for &v in t {
-                let (sum, along) = (sums[v as usize], normal.dot(sums[v as usize]));
-                flat[v as usize] &= along > 0.0 && along * along > 0.5 * sum.length_squared();
+                let sum = sums[v as usize];
+                let along = normal.dot(sum);
+                flat[v as usize] &= along > 0.0 && along * along > limit * sum.length_squared();
             }
         }
     }
@@ -474,6 +494,15 @@ fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A) -> Vec3A {
 fn limited(motion: Vec3A, longest: f32) -> Vec3A {
     let motion = motion.clamp_length_max(longest);
     if motion.is_finite() { motion } else { Vec3A::ZERO }
+}
+
+/// The corners of a face, each with the next.
+const CYCLE: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+
+/// As `map`, which is not always inlined.
+#[inline(always)]
+fn corners<T: Copy, U>([a, b, c]: [T; 3], of: impl Fn(T) -> U) -> [U; 3] {
+    [of(a), of(b), of(c)]
 }
 
 /// Where a particle is, and where it is foreseen to be [m].
