@@ -363,21 +363,15 @@ impl Group {
     /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them [m] in the frame of the group, the unit
     /// normal towards the first, and the mean push per substep times the mass it moves [kg·m].
     pub fn touches(&self, mut found: impl FnMut([usize; 2], Vec3, Vec3, f32)) {
-        for (ids, weights, normal, load) in self.contacts.pushes() {
+        for (ids, weights, normal, drive) in self.contacts.pushes() {
             let parts = [ids[0], ids[3]].map(|v| usize::from(self.surface.part(v)));
             if parts[0] == parts[1] {
                 continue;
             }
-            let (mut point, mut mobility) = (Vec3::ZERO, 0.0);
-            for (&v, weight) in ids.iter().zip(weights) {
-                let x = self.positions[v as usize];
-                // Weights of either side add up to one.
-                point += x.truncate() * (0.5 * weight.abs());
-                mobility += weight * weight * x.w;
-            }
-            if mobility > 0.0 {
-                found(parts, point, normal, load / mobility);
-            }
+            let at = |(&v, weight): (&u32, f32)| self.positions[v as usize].truncate() * (0.5 * weight.abs());
+            // Weights of either side add up to one.
+            let point = ids.iter().zip(weights).map(at).sum();
+            found(parts, point, normal, drive);
         }
     }
 

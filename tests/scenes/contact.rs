@@ -151,3 +151,31 @@ fn two_free_cloths_that_collide_keep_their_momentum() {
     }
     assert!(touched > 20, "{touched} pairs touched");
 }
+
+/// What pushes the upper of two sheets up [N], on average over a second, once they lie on each other on a floor; and its weight [N].
+fn borne() -> (f32, f32) {
+    let lower = sheet(12, 0.5, Quat::IDENTITY, vec3(0.0, 0.006, 0.0), false);
+    let upper = sheet(12, 0.3, Quat::from_rotation_y(0.3), vec3(0.0, 0.012, 0.0), false);
+    let weight = upper.rest.areas.iter().sum::<f32>() * upper.fabric.density * -GRAVITY.y;
+    let mut scene = Scene::new(vec![lower, upper]);
+    scene.bodies.push(Body::at_rest(shape::half_space(Vec3::Y).expect("a floor"), Pose::IDENTITY));
+    let mut scene = untangled(scene);
+    (0..240).for_each(|_| scene.step(FRAME));
+    let mut sum = 0.0;
+    for _ in 0..60 {
+        scene.step(FRAME);
+        let group = &scene.untangle.as_ref().expect("untangled").group;
+        group.touches(|parts, _, normal, drive| {
+            let h = scene.cloths[0].state.substep;
+            sum += if parts[0] == 1 { normal.y } else { -normal.y } * drive / (h * h * 60.0);
+        });
+    }
+    (sum, weight)
+}
+
+#[test]
+fn cloth_on_cloth_bears_its_weight() {
+    let (force, weight) = borne();
+    // What it has of its own speed is taken from it at the end of a frame, once of six times by nobody's force.
+    assert!((force - weight).abs() < 0.2 * weight, "{force} N of {weight}");
+}

@@ -24,7 +24,7 @@ mod tests;
 pub use contacts::{Approach, BodyContacts, Touch};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
-pub(crate) use respond::{BAND, Friction, Plane, respond};
+pub(crate) use respond::{BAND, Friction, LOAD_SHARE, Plane, respond};
 pub use shape::ShapeError;
 
 /// A rigid body as one cloth sees it in one frame.

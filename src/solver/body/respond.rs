@@ -24,7 +24,7 @@ use glam::Vec3A;
 pub(super) const RECOVERY_SPEED: f32 = 1.0;
 
 /// Share of the newest push in the running mean of the load (dimensionless), range 0.05 to 1. At 1 friction flickers with the springs.
-const LOAD_SHARE: f32 = 0.25;
+pub(crate) const LOAD_SHARE: f32 = 0.25;
 
 /// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
 pub(crate) const BAND: f32 = 0.02;
@@ -72,6 +72,8 @@ pub(crate) struct Response {
     pub(crate) end: Vec3A,
     pub(crate) shift: Vec3A,
     pub(crate) load: f32,
+    /// Push of this substep, recovery aside [m].
+    pub(crate) push: f32,
 }
 
 /// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one).
@@ -108,5 +110,5 @@ pub(crate) fn respond(
     } else {
         end -= slip * (friction.sliding * load / length2.sqrt()).min(1.0);
     }
-    Response { end, shift: n * lift, load }
+    Response { end, shift: n * lift, load, push }
 }

@@ -15,7 +15,7 @@ use core::cmp::Ordering;
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::FREE;
-use crate::solver::body::{BAND, Friction, Plane, respond};
+use crate::solver::body::{BAND, Friction, LOAD_SHARE, Plane, respond};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
@@ -43,6 +43,8 @@ pub(super) struct Contact {
     pub friction: Friction,
     /// Mean push [m].
     pub load: f32,
+    /// Mean of what all pushes of a substep do: push over mobility [kg·m]; divided by the substep it is an impulse.
+    pub drive: f32,
     /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
     pub behind: bool,
     pub was_behind: bool,
@@ -56,6 +58,8 @@ pub(super) struct Particles<'a> {
     pub levels: &'a mut [u8],
     /// Against gravity; zero without.
     pub up: Vec3,
+    /// How often each pair is solved in a substep.
+    pub passes: f32,
 }
 
 impl Contact {
@@ -72,7 +76,7 @@ impl Contact {
         let mut x = self.slots.map(|s| particles.now[s as usize]);
         let along = self.normal.dot(sum(&self.weights, &x));
         if along > FAR * self.thickness {
-            (self.behind, self.load) = (false, 0.0);
+            (self.behind, self.load, self.drive) = (false, 0.0, 0.0);
             return false;
         }
         let was = self.slots.map(|s| particles.old[s as usize]);
@@ -111,13 +115,15 @@ impl Contact {
         // NaN passes no comparison.
         let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
         if !(touches && mobility > 0.0) {
-            self.load = 0.0;
+            (self.load, self.drive) = (0.0, 0.0);
             return false;
         }
         // The vector between the closest points is pushed out as a particle is out of a body, and shared out by mass.
         let plane = Plane { normal: self.normal.into(), offset: self.thickness };
         let (start, end) = (Vec3A::from(sum(&self.weights, &was)), Vec3A::from(sum(&self.weights, &x)));
         let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction);
+        let drive = particles.passes * out.push / mobility;
+        self.drive = if self.load > 0.0 { self.drive + LOAD_SHARE * (drive - self.drive) } else { drive };
         self.load = out.load;
         let step = Vec3::from(out.end - end).extend(0.0) / mobility;
         let lift = Vec3::from(out.shift).extend(0.0) / mobility;

@@ -318,7 +318,7 @@ impl Finder {
             }
             let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
             let friction = Friction::between(rub(mine), rub(other));
-            let (slots, load) = (ids.map(|v| contacts.slot(v)), contacts.load(pair.kind, ids));
+            let (slots, [load, drive]) = (ids.map(|v| contacts.slot(v)), contacts.load(pair.kind, ids));
             contacts.pairs.push(Contact {
                 kind: pair.kind,
                 faces,
@@ -328,6 +328,7 @@ impl Finder {
                 thickness,
                 friction,
                 load,
+                drive,
                 behind: false,
                 was_behind: false,
             });

@@ -221,6 +221,7 @@ mod tests {
             thickness: 0.01,
             friction,
             load: 0.0,
+            drive: 0.0,
             behind: false,
             was_behind: false,
         };

@@ -48,8 +48,8 @@ pub struct Contacts {
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     behind: Vec<(u8, [u32; 4])>,
-    /// Mean pushes of pairs that touched before the last look [m]: they go on from there.
-    loads: Vec<(u8, [u32; 4], f32)>,
+    /// Mean pushes [m] and drives [kg·m] of pairs that touched before the last look: they go on from there.
+    loads: Vec<(u8, [u32; 4], [f32; 2])>,
     /// Faces that are close, or may come close: no others can cross before the next look.
     close: Vec<[u32; 2]>,
     /// Whether primitives lay in the same place at the last look.
@@ -124,10 +124,10 @@ impl Contacts {
         self.touching
     }
 
-    /// Particles, weights, unit normal towards the first and mean push per substep [m] of every pair that touched in the last [`Self::solve`].
+    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep [kg·m] of every pair that touched in the last [`Self::solve`].
     pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
-        touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.load))
+        touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.drive))
     }
 
     /// Makes room for the particles of a surface.
@@ -156,13 +156,13 @@ impl Contacts {
         self.loads.clear();
         let Self { pairs, particles, loads, .. } = self;
         let touching = pairs.iter().filter(|p| p.load > 0.0);
-        loads.extend(touching.map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]), p.load)));
+        loads.extend(touching.map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]), [p.load, p.drive])));
         loads.sort_unstable_by_key(|&(kind, particles, _)| (kind, particles));
     }
 
-    fn load(&self, kind: ProximityKind, particles: [u32; 4]) -> f32 {
+    fn load(&self, kind: ProximityKind, particles: [u32; 4]) -> [f32; 2] {
         let at = self.loads.binary_search_by_key(&(kind as u8, particles), |&(kind, particles, _)| (kind, particles));
-        at.ok().and_then(|i| self.loads.get(i)).map_or(0.0, |&(_, _, load)| load)
+        at.ok().and_then(|i| self.loads.get(i)).map_or([0.0; 2], |&(_, _, load)| load)
     }
 
     fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
@@ -236,7 +236,8 @@ impl Contacts {
         (self.touching, self.substep) = (0, h);
         let up = -gravity.normalize_or_zero();
         let Self { particles: ids, now, old, levels, .. } = self;
-        let mut particles = Particles { ids, now, old, levels, up };
+        let passes = if calm { 2.0 } else { 1.0 };
+        let mut particles = Particles { ids, now, old, levels, up, passes };
         if calm {
             // Twice, as what one pass leaves over keeps going around in folds that nothing else moves.
             self.pairs.iter_mut().for_each(|pair| {

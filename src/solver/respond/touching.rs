@@ -21,7 +21,8 @@ pub struct Touching {
 impl Contacts {
     /// The pairs that touched when last [solved](Self::solve). The next look for pairs forgets them.
     ///
-    /// Force `F = C / (h² Σ w² m⁻¹)`, `C` the mean push of a substep `h`, `w` the weights of the closest points.
+    /// Force `F = C / (h² Σ w² m⁻¹)`, `C` what a pair is pushed in a substep `h`, `w` the weights of the closest points, `m` the masses as they were
+    /// pushed; a mean over the last substeps.
     pub fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
         self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(|pair| {
             let [Some(a), Some(b), Some(c), Some(d)] = pair.slots.map(|s| self.now.get(s as usize)) else { return None };
@@ -30,8 +31,7 @@ impl Contacts {
                 range.map(|i| x[i].truncate() * (sign * pair.weights[i])).sum()
             };
             let split = pair.first();
-            let mobility: f32 = (0..4).map(|i| pair.weights[i] * pair.weights[i] * x[i].w).sum();
-            let force = pair.load / (mobility * self.substep * self.substep);
+            let force = pair.drive / (self.substep * self.substep);
             let points = [of(0..split, 1.0), of(split..4, -1.0)];
             let touching = Touching { kind: pair.kind, points, normal: pair.normal, force };
             (force.is_finite() && points.iter().all(|p| p.is_finite())).then_some(touching)
