@@ -161,8 +161,8 @@ fn of_random_tangles_all_are_clean_in_300_frames_and_almost_all_in_60() {
 }
 
 #[expect(clippy::print_stderr, reason = "says why a test was skipped")]
-fn unit(name: &str) -> Option<SourceMesh> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data/contour_units").join(format!("unit_{name}.obj"));
+fn obj(name: &str) -> Option<SourceMesh> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
     let Ok(text) = std::fs::read_to_string(&path) else {
         eprintln!("skipped: {} is not here", path.display());
         return None;
@@ -224,7 +224,7 @@ fn cloth(mesh: &SourceMesh) -> SceneCloth {
 #[expect(clippy::print_stderr, reason = "the figures are wanted")]
 fn the_seven_units_come_apart_within_60_frames() {
     for name in ["Closed", "Eight", "LL", "BBII", "BIBI", "BLI", "Cross"] {
-        let Some(mut mesh) = unit(name) else { return };
+        let Some(mut mesh) = obj(&format!("contour_units/unit_{name}.obj")) else { return };
         let mut frames = Vec::new();
         for times in 0..=4 {
             let mut scene = untangled(floating(vec![cloth(&shaken(&mesh))]), true);
@@ -235,6 +235,21 @@ fn the_seven_units_come_apart_within_60_frames() {
         }
         eprintln!("{name}: frames {frames:?}");
     }
+}
+
+#[test]
+#[expect(clippy::print_stderr, reason = "the figures are wanted")]
+fn a_garment_of_many_layers_comes_apart() {
+    let Some(mesh) = obj("garments/multilayer.obj") else { return };
+    let mut scene = untangled(floating(vec![cloth(&mesh)]), true);
+    let crossings: Vec<u32> = (0..12)
+        .map(|_| {
+            scene.step(FRAME);
+            scene.crossings()
+        })
+        .collect();
+    eprintln!("crossings after each frame: {crossings:?}");
+    assert!(crossings[5..].iter().all(|&n| n == 0), "{crossings:?}");
 }
 
 /// A sheet of 1 m that faces upwards, at `height(u, v)`.

@@ -102,6 +102,9 @@ pub struct Group {
     horizon: f32,
     share: f32,
     looks: u32,
+    /// Where everything was before an iteration, and particles of what crosses.
+    start: Vec<Vec4>,
+    caught: Vec<bool>,
     /// Whether what was found at the last look is still known, as long as nothing moves far.
     known: bool,
 }
@@ -447,6 +450,14 @@ impl Group {
                 self.look();
             }
             let Self { surface, untangler: Untangler { detector, resolver }, positions, previous, .. } = self;
+            self.start.clone_from(positions);
+            self.caught.clear();
+            self.caught.resize(positions.len(), false);
+            for c in detector.crossings() {
+                let ends = surface.topology.edges[c.edge as usize];
+                let corners = surface.topology.faces[c.face as usize];
+                ends.iter().chain(&corners).for_each(|&v| self.caught[v as usize] = true);
+            }
             // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
             let moved = underway || resolver.advance(surface, detector, positions, previous, &settings.resolve);
             self.moved |= moved;
@@ -457,6 +468,32 @@ impl Group {
             self.iterations += 1;
             if settings.relaxations > 0 {
                 self.relax(settings.relaxations, &mut relax);
+            }
+            self.keep_others_apart();
+        }
+    }
+
+    /// Stops what would pass, on its way out of a tangle, through cloth that has no part in it.
+    fn keep_others_apart(&mut self) {
+        if self.contacts.is_empty() || self.start.len() != self.positions.len() {
+            return;
+        }
+        let Self { surface, contacts, positions, previous, start, weights, caught, .. } = self;
+        contacts.begin_start();
+        contacts.begin_gather();
+        for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
+            contacts.note_start(part, |i| start[range + i]);
+            contacts.gather_end(part, |i| positions[range + i]);
+        }
+        let tangled =
+            |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
+        if contacts.guard_all_but(|a, b| tangled(a) && tangled(b)) {
+            for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
+                contacts.scatter_cut(part, |i, x| {
+                    let v = range + i;
+                    previous[v] += x - positions[v];
+                    positions[v] = x;
+                });
             }
         }
     }

@@ -289,7 +289,8 @@ impl Finder {
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
             let normal = delta / pair.distance;
             // Exactly in touch, there is no side to be on.
-            if !normal.is_finite() || ids.iter().any(|&v| left_out(v)) {
+            let in_tangle = |ids: &[u32]| ids.iter().any(|&v| left_out(v));
+            if !normal.is_finite() || (in_tangle(&ids[..first]) && in_tangle(&ids[first..])) {
                 contacts.coincide |= !normal.is_finite();
                 return;
             }

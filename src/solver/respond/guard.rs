@@ -30,7 +30,16 @@ const FLOOR: f32 = 0.02;
 impl Contacts {
     /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`]; whether any.
     pub fn guard(&mut self) -> bool {
-        let Self { pairs, start, now, cut, .. } = self;
+        self.guard_all_but(|_, _| false)
+    }
+
+    /// As [`Self::guard`], but for pairs of which both sides are `free`: particles of the first and of the second.
+    pub fn guard_all_but(&mut self, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
+        let Self { pairs, start, now, cut, particles, .. } = self;
+        let is_free = |pair: &Contact| {
+            let ids = pair.slots.map(|s| particles[s as usize]);
+            free(&ids[..pair.first()], &ids[pair.first()..])
+        };
         cut.clear();
         cut.resize(now.len(), 0);
         let mut shared = Vec3::ZERO;
@@ -43,7 +52,7 @@ impl Contacts {
             for pair in &*pairs {
                 // Only what was cut since a pair was asked can change its answer.
                 if pass == 1 || ways.is_new(pair) {
-                    any |= ways.guard(pair);
+                    any |= ways.guard(pair, &is_free);
                 }
             }
             if !any {
@@ -91,14 +100,14 @@ impl Ways<'_> {
 
     /// Whether something had to be cut.
     #[inline]
-    fn guard(&mut self, pair: &Contact) -> bool {
+    fn guard(&mut self, pair: &Contact, is_free: &impl Fn(&Contact) -> bool) -> bool {
         if pair.was_behind {
             return false;
         }
         let from = pair.slots.map(|s| self.start[s as usize].truncate());
         let to = pair.slots.map(|s| self.now[s as usize]);
         // Mostly the direction of the contact divides them.
-        !divides(pair.normal, pair.first(), &from, &to) && self.cut(pair, &from, &to)
+        !divides(pair.normal, pair.first(), &from, &to) && !is_free(pair) && self.cut(pair, &from, &to)
     }
 
     #[cold]
