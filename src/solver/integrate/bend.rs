@@ -64,22 +64,31 @@ pub fn rub(bends: &Bends, stiffness: f32, dt: f32, h: f32, positions: &[Vec4], p
         return;
     }
     for (particles, coefficients) in bends.particles.iter().zip(&bends.coefficients) {
-        for (particles, &c) in particles.iter().zip(coefficients) {
-            let x = particles.map(|p| positions[p as usize]);
-            let old = particles.map(|p| previous[p as usize]);
-            let wc = c * Vec4::from_array(x.map(|x| x.w));
-            let w = wc.dot(c);
-            let rate = curvature(&std::array::from_fn(|k| x[k] - old[k]), c);
-            let length = rate.length();
-            if !(w > 0.0 && length > 0.0) {
-                continue;
-            }
-            let by = wc * ((RUB_SHARE * length).min(most * w) / (w * length));
+        let old: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| previous[p as usize]));
+        let x: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| positions[p as usize]));
+        let wc: [Vec4; LANES] =
+            std::array::from_fn(|l| coefficients[l] * Vec4::new(x[l][0].w, x[l][1].w, x[l][2].w, x[l][3].w));
+        let rate: [Vec4; LANES] =
+            std::array::from_fn(|l| curvature(&std::array::from_fn(|k| x[l][k] - old[l][k]), coefficients[l]));
+        let w = sums(std::array::from_fn(|lane| wc[lane] * coefficients[lane]));
+        let length = sums(std::array::from_fn(|lane| rate[lane] * rate[lane])).sqrt();
+        let limit = (Vec4::splat(RUB_SHARE) / w).min(Vec4::splat(most) / length);
+        // What is held all over, or does not bend, gives infinity or no number.
+        let by = Vec4::select(w.cmpgt(Vec4::ZERO) & length.cmpgt(Vec4::ZERO), limit, Vec4::ZERO).to_array();
+        for lane in 0..LANES {
+            let by = (wc[lane] * by[lane]).to_array();
             for k in 0..4 {
-                previous[particles[k] as usize] = old[k] + rate * by[k];
+                previous[particles[lane][k] as usize] = old[lane][k] + rate[lane] * by[k];
             }
         }
     }
+}
+
+/// The sum of the components of each of four vectors.
+#[inline(always)]
+fn sums(v: [Vec4; LANES]) -> Vec4 {
+    let m = Mat4::from_cols(v[0], v[1], v[2], v[3]).transpose();
+    (m.x_axis + m.y_axis) + (m.z_axis + m.w_axis)
 }
 
 /// Solves every bending element once.
