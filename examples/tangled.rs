@@ -256,6 +256,10 @@ fn keys(
 
 /// Untangling goes by frames: slow motion lets time stand still between them.
 fn pace(choice: Res<Choice>, real: Res<Time<Real>>, mut time: ResMut<Time<Virtual>>, mut waited: Local<f32>) {
+    // A picture is taken between two steps: what is due then waits for the next one.
+    if real.delta_secs() == 0.0 {
+        return;
+    }
     *waited += real.delta_secs();
     let due = *waited > SLOW - 0.001;
     if due {
@@ -284,5 +288,5 @@ fn describe(
 }
 
 fn report(cloths: Query<(&Title, &ClothReport, &Most)>) -> String {
-    cloths.iter().map(|(title, report, most)| format!("{}: {}\n", title.0, tangles::line(report, most))).collect()
+    cloths.iter().map(|(title, report, most)| format!("{}: {}\n", title.0, tangles::line_with_time(report, most))).collect()
 }

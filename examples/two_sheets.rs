@@ -170,16 +170,16 @@ fn keys(
 
 fn describe(choice: Res<Choice>, pair: Query<(&ClothReport, &Most)>, mut panel: Query<&mut Text, With<tangles::Panel>>) {
     for mut text in &mut panel {
-        let words = if choice.beside { String::new() } else { words(&choice, &pair) };
+        let words = if choice.beside { String::new() } else { words(&choice, &pair, tangles::line) };
         text.set_if_neq(Text(words));
     }
 }
 
-fn words(choice: &Choice, pair: &Query<(&ClothReport, &Most)>) -> String {
+fn words(choice: &Choice, pair: &Query<(&ClothReport, &Most)>, line: fn(&ClothReport, &Most) -> String) -> String {
     let n = SIZES[choice.size];
-    pair.iter().map(|(report, most)| format!("{:?}, {n}x{n}: {}", choice.method, tangles::line(report, most))).collect()
+    pair.iter().map(|(report, most)| format!("{:?}, {n}x{n}: {}", choice.method, line(report, most))).collect()
 }
 
 fn report(choice: Res<Choice>, pair: Query<(&ClothReport, &Most)>, cells: Query<&Text, With<three_states::Cell>>) -> String {
-    if choice.beside { three_states::report(cells) } else { words(&choice, &pair) }
+    if choice.beside { three_states::report(cells) } else { words(&choice, &pair, tangles::line_with_time) }
 }

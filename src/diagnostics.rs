@@ -51,13 +51,15 @@ impl ClothDiagnosticsPlugin {
     pub const CONTOURS: DiagnosticPath = DiagnosticPath::const_new("cloth/contours");
     /// Frames held in a row by the cloth that is held for longest.
     pub const HELD_FRAMES: DiagnosticPath = DiagnosticPath::const_new("cloth/held_frames");
+    /// Cloths that sleep.
+    pub const SLEEPING: DiagnosticPath = DiagnosticPath::const_new("cloth/sleeping");
 
     /// The times, in the order of the frame.
     pub const TIMES: [DiagnosticPath; 6] =
         [Self::INTEGRATE, Self::DETECT, Self::RESOLVE, Self::EVALUATE, Self::RESPOND, Self::SYNC];
     /// The counts.
-    pub const COUNTS: [DiagnosticPath; 6] =
-        [Self::PARTICLES, Self::SPRINGS, Self::CONTACTS, Self::CROSSINGS, Self::CONTOURS, Self::HELD_FRAMES];
+    pub const COUNTS: [DiagnosticPath; 7] =
+        [Self::PARTICLES, Self::SPRINGS, Self::CONTACTS, Self::CROSSINGS, Self::CONTOURS, Self::HELD_FRAMES, Self::SLEEPING];
 }
 
 impl Plugin for ClothDiagnosticsPlugin {
@@ -100,4 +102,5 @@ fn measure(
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))
     });
+    diagnostics.add_measurement(&Plugin::SLEEPING, || sum(|(report, ..)| usize::from(report.asleep)));
 }

@@ -251,7 +251,7 @@ impl ClothInputs {
             active: true,
             asleep: false,
             fabric: Fabric::default(),
-            slew: Slew::default(),
+            slew: Slew::of_length(2.0 * radius),
             thickness: Fabric::default().thickness,
             stepping: Stepping::default(),
             limits: Limits::default(),

@@ -16,10 +16,13 @@ pub struct StageArgs {
     /// How many frames to simulate; implies --headless [default: 240].
     #[arg(long, value_name = "N")]
     pub frames: Option<u32>,
-    /// Write the last frame (.png) or an animation (.gif); implies --headless.
+    /// Write the last frame (.png), or an animation of at most 61 frames and 2 MB (.gif); implies --headless.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Draw what the solver sees: pins, wind, springs, contacts, bvh, crossings, contours, regions, normals, bounds.
+    /// Width of what --out writes, 160 to 3840; its height is 9/16 of that [default: 960 for .png, 480 for .gif].
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(160..=3840))]
+    pub width: Option<u32>,
+    /// Draw what the solver sees: pins, wind, springs, contacts, bvh, crossings, contours, regions, sleep, normals, bounds.
     #[arg(long, value_name = "ITEM,...", value_delimiter = ',', value_parser = PossibleValuesParser::new(ClothDebug::ITEMS))]
     pub debug: Vec<String>,
 }

@@ -175,7 +175,7 @@ fn venue(title: &str, args: &StageArgs, picture: Option<Picture>) -> Venue {
             Venue::Dark
         }
         (Ok(driver), Some(picture)) => {
-            let quality = Quality::picture(picture.kind, &driver);
+            let quality = Quality::picture(picture.kind, &driver, args.width);
             Venue::Studio(picture, quality)
         }
         (Ok(driver), None) if wants_window => Venue::Window(Quality::window(&driver)),

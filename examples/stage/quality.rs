@@ -40,7 +40,9 @@ impl Quality {
     }
 
     /// As good as a picture may take time for.
-    pub fn picture(kind: PictureKind, driver: &Driver) -> Self {
+    ///
+    /// `width` [px] in place of the usual one.
+    pub fn picture(kind: PictureKind, driver: &Driver, width: Option<u32>) -> Self {
         let (exposures, size, shadow_map) = match kind {
             PictureKind::Png => (if driver.software { 24 } else { 128 }, UVec2::new(960, 540), 2048),
             PictureKind::Gif => (if driver.software { 4 } else { 32 }, UVec2::new(480, 270), 1024),
@@ -56,7 +58,12 @@ impl Quality {
             mip_bias: -0.5,
             key_lights: 1,
             exposures,
-            size,
+            size: width.map_or(size, |width| UVec2::new(width, width * 9 / 16)),
         }
+    }
+
+    /// Words are as large in relation to a picture as in one of the usual width.
+    pub fn words(&self) -> UiScale {
+        UiScale(self.size.x as f32 / 960.0)
     }
 }

@@ -29,7 +29,7 @@ pub fn window(app: &mut App, camera: OrbitCamera, quality: Quality, words: Strin
 /// The stage in front of a film.
 pub fn studio(app: &mut App, camera: OrbitCamera, quality: Quality) {
     let film = Film::new(&mut app.world_mut().resource_mut::<Assets<Image>>(), quality.size);
-    app.insert_resource(film);
+    app.insert_resource(film).insert_resource(quality.words());
     stage(app, camera, quality);
 }
 

@@ -24,10 +24,11 @@ pub fn label(at: Vec3, words: impl Into<String>, size: f32) -> impl Bundle {
 }
 
 /// Puts the words where their points are seen.
-pub fn place(camera: Single<(&Camera, &GlobalTransform)>, labels: Query<(&Label, &mut Node)>) {
+pub fn place(camera: Single<(&Camera, &GlobalTransform)>, scale: Res<UiScale>, labels: Query<(&Label, &mut Node)>) {
     let (camera, eye) = *camera;
     for (label, mut node) in labels {
         if let Ok(at) = camera.world_to_viewport(eye, label.0) {
+            let at = at / scale.0;
             (node.left, node.top) = (px(at.x - WIDTH / 2.0), px(at.y));
         }
     }

@@ -56,13 +56,18 @@ fn pen(mut store: ResMut<GizmoConfigStore>) {
     (config.line.width, config.depth_bias) = (3.5, -1.0);
 }
 
+/// What a cloth has to say about itself and what it cost, which no two runs agree on.
+pub fn line_with_time(report: &ClothReport, most: &Most) -> String {
+    let ms = report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms;
+    format!("{} ({ms:.2} ms)", line(report, most))
+}
+
 /// What a cloth has to say about itself.
 pub fn line(report: &ClothReport, most: &Most) -> String {
     let state = State::of(report.crossings, most.0);
-    let ms = report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms;
     let since = if report.crossings > 0 { format!(" for {:.2} s", report.tangled_for) } else { String::new() };
     let held = if report.held { format!(", {} held frames", report.held_frames) } else { String::new() };
-    format!("{state}{since}, {}{held} ({ms:.2} ms)", counts(report))
+    format!("{state}{since}, {}{held}", counts(report))
 }
 
 /// What crosses.

@@ -47,6 +47,7 @@ impl ClothDebug {
         add(self.crossings && !self.contours, "crossings", &kinds);
         add(self.contours, "contours", &kinds);
         add(self.regions && !self.contours && !self.crossings, "regions", &kinds);
+        add(self.sleep, "sleep", &super::sleep::Rest::ALL.map(|rest| says(rest.label(), rest.color())));
         add(self.normals, "normals", &[says("normal", super::normals::COLOR)]);
         add(self.bounds, "bounds", &[says("box for culling", super::bounds::COLOR)]);
         lines

@@ -19,6 +19,7 @@
 //! | [`contacts`](ClothDebug::contacts) | Integrate | where cloth touches cloth and bodies, by force |
 //! | [`bvh`](ClothDebug::bvh) | Detect | boxes of the search tree, by level |
 //! | [`crossings`](ClothDebug::crossings), [`contours`](ClothDebug::contours), [`regions`](ClothDebug::regions) | Evaluate | what is still tangled, by how its contour ends |
+//! | [`sleep`](ClothDebug::sleep) | Respond | borders, by whether the cloth is awake, calm or asleep |
 //! | [`normals`](ClothDebug::normals), [`bounds`](ClothDebug::bounds) | Sync | normals of particles, boxes for culling |
 
 mod bounds;
@@ -30,6 +31,7 @@ mod normals;
 mod pins;
 mod regions;
 mod scale;
+mod sleep;
 mod springs;
 mod wind;
 
@@ -78,6 +80,8 @@ pub struct ClothDebug {
     pub contours: bool,
     /// The pieces that contours cut off. Default false.
     pub regions: bool,
+    /// The border of each cloth, by whether it is awake, calm or asleep; every edge of one without a border. Default false.
+    pub sleep: bool,
     /// Normals of the particles. Default false.
     pub normals: bool,
     /// The box of each cloth by which cameras cull it. Default false.
@@ -122,6 +126,7 @@ impl ClothDebug {
         crossings: false,
         contours: false,
         regions: false,
+        sleep: false,
         normals: false,
         bounds: false,
         strain: 0.0,
@@ -132,8 +137,8 @@ impl ClothDebug {
     };
 
     /// Names of all items, in the order of the frame.
-    pub const ITEMS: [&str; 10] =
-        ["pins", "wind", "springs", "contacts", "bvh", "crossings", "contours", "regions", "normals", "bounds"];
+    pub const ITEMS: [&str; 11] =
+        ["pins", "wind", "springs", "contacts", "bvh", "crossings", "contours", "regions", "sleep", "normals", "bounds"];
 
     /// Draws nothing; scales as by default.
     #[must_use]
@@ -166,6 +171,7 @@ impl ClothDebug {
             "crossings" => &mut self.crossings,
             "contours" => &mut self.contours,
             "regions" => &mut self.regions,
+            "sleep" => &mut self.sleep,
             "normals" => &mut self.normals,
             "bounds" => &mut self.bounds,
             _ => return None,
@@ -195,6 +201,7 @@ impl Plugin for ClothDebugPlugin {
                 bvh::draw.run_if(|debug: Res<ClothDebug>| debug.bvh),
                 contours::draw.run_if(|debug: Res<ClothDebug>| debug.contours || debug.crossings),
                 regions::draw.run_if(|debug: Res<ClothDebug>| debug.regions),
+                sleep::draw.run_if(|debug: Res<ClothDebug>| debug.sleep),
                 normals::draw.run_if(|debug: Res<ClothDebug>| debug.normals),
                 bounds::draw.run_if(|debug: Res<ClothDebug>| debug.bounds),
             ),

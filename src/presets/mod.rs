@@ -17,7 +17,9 @@ mod place;
 
 pub use loader::{ClothPresetError, ClothPresetLoader};
 
-pub(crate) use apply::{PresetOverrides, apply};
+#[cfg(feature = "gltf")]
+pub(crate) use apply::PresetOverrides;
+pub(crate) use apply::apply;
 
 use bevy::ecs::template::FromTemplate;
 use bevy::prelude::*;

@@ -1,13 +1,35 @@
 //! A fabric that is changed while cloth is made of it: what could make the cloth jump goes to its new value over a quarter of a second.
 //!
 //! Geometrically, so that a hundred times stiffer is as gentle as a hundred times softer: over a step `dt` of the time `T` that is left, `v' = v (v₁ / v)^(dt / T)`.
-//! A limit of elongation that is lowered starts at the elongation there is and moves likewise as `1 + limit`; one that is raised holds at once, because
-//! nothing is drawn to it.
+//!
+//! Bounds of elongation move what they hold, however stiff it is: they let a sheet down that hangs, and draw it up. They go at a speed, `V` at the far end of a cloth
+//! of length `L`:
+//!
+//! ```text
+//! raised    b' = b + dt V / L                          until it is out of reach; then it is where it is wanted at once
+//! lowered   b' = b - dt min(V / L, (b - b₁) / τ)       from the elongation there is; slowly at the end, where edges go slack
+//! ```
 
 use super::settings::Fabric;
 
-/// Time in which a changed fabric is reached [s].
+/// Time in which a changed fabric is reached, but for its bounds of elongation [s].
 pub const SLEW_TIME: f32 = 0.25;
+
+/// A cloth longer than this takes as many times longer [m]: its end has a longer way.
+const LONG: f32 = 2.0;
+
+/// Speed at which a bound of elongation moves the far end of a cloth [m/s].
+pub const SLEW_SPEED: f32 = 0.12;
+
+/// Time `τ` in which a bound that is lowered comes closer to its end by a factor of e [s].
+const SETTLE: f32 = 0.5;
+/// Least rate at which it does [1/s].
+const LEAST_RATE: f32 = 0.005;
+
+/// A bound is out of reach at this many times the worst elongation there is (dimensionless): one that holds an edge may be a little exceeded.
+const REACH: f32 = 1.25;
+/// And by this much more (dimensionless).
+const MARGIN: f32 = 0.005;
 
 /// Membrane stiffness that is as good as none [N/m]: the way from and to 0 begins and ends here.
 const SLACK: f32 = 0.1;
@@ -17,25 +39,42 @@ const LIMP: f32 = 1.0e-9;
 const THIN: f32 = 1.0e-4;
 
 /// On the way to a fabric.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Slew {
+    /// Length of the cloth [m].
+    length: f32,
     /// None before the first fabric, which is taken as it is.
     target: Option<Fabric>,
     /// Time until it is reached [s].
     left: f32,
 }
 
+impl Default for Slew {
+    fn default() -> Self {
+        Self::of_length(1.0)
+    }
+}
+
 impl Slew {
+    /// Of a cloth of that length [m], from one end to the other.
+    #[must_use]
+    pub fn of_length(length: f32) -> Self {
+        Self { length: length.max(THIN), target: None, left: 0.0 }
+    }
+
     /// Moves `fabric` towards `wanted` for `dt` [s]; `worst_edge` is the longest edge over its rest length (dimensionless). Whether anything changed.
     pub fn advance(&mut self, fabric: &mut Fabric, wanted: &Fabric, dt: f32, worst_edge: f32) -> bool {
         match &mut self.target {
             None => {
                 self.target = Some(wanted.clone());
-                self.left = 0.0;
+                return core::mem::replace(fabric, wanted.clone()) != *wanted;
             }
             Some(target) if target != wanted => {
                 target.clone_from(wanted);
-                self.left = SLEW_TIME;
+                self.left = SLEW_TIME * (self.length / LONG).max(1.0);
+                // From where a bound begins to hold something.
+                fabric.strain_limit = fabric.strain_limit.min((worst_edge - 1.0).max(wanted.strain_limit));
+                fabric.tether_scale = fabric.tether_scale.min(worst_edge.max(wanted.tether_scale));
             }
             Some(_) => {}
         }
@@ -45,24 +84,52 @@ impl Slew {
         }
         let share = if self.left > 0.0 { dt / self.left } else { 1.0 };
         self.left = (self.left - dt).max(0.0);
+        let way = Way { step: (dt * SLEW_SPEED / self.length).max(0.0), dt };
+        let reach = REACH * (worst_edge - 1.0) + MARGIN;
+        let tether_scale = way.bound(fabric.tether_scale, wanted.tether_scale, 1.0 + reach);
+        // Tethers take the load off the edges: their limit follows, and forces nothing until tethers are where they are wanted.
+        let least = if tether_scale > wanted.tether_scale { worst_edge - 1.0 } else { 0.0 };
+        let strain_limit = way.bound(fabric.strain_limit, wanted.strain_limit, reach).max(least.min(fabric.strain_limit));
         // Nearly all is all, so that rounding does not cost a frame; and a share that is not a number leaves nothing half way.
-        *fabric = if share < 0.999 { between(fabric, wanted, share.max(0.0), worst_edge) } else { wanted.clone() };
+        *fabric = if share < 0.999 { between(fabric, wanted, share.max(0.0)) } else { wanted.clone() };
+        (fabric.strain_limit, fabric.tether_scale) = (strain_limit, tether_scale);
         true
     }
 }
 
+/// How a bound of elongation may move in a frame.
+struct Way {
+    /// At most (dimensionless).
+    step: f32,
+    /// Length of the frame [s].
+    dt: f32,
+}
+
+impl Way {
+    /// A bound a frame later; beyond `reach` it holds nothing (dimensionless).
+    fn bound(&self, from: f32, to: f32, reach: f32) -> f32 {
+        let Self { step, dt } = *self;
+        if to < from {
+            let rate = ((from - to) / SETTLE).max(LEAST_RATE);
+            // Of a cloth that blew up nothing is known.
+            if from.is_finite() { (from - step.min(rate * dt)).max(to) } else { to }
+        } else if step > 0.0 && from + step > reach {
+            to
+        } else {
+            (from + step).min(to)
+        }
+    }
+}
+
 /// A share of the way from one fabric to another. What moves nothing by itself is there at once.
-fn between(from: &Fabric, to: &Fabric, share: f32, worst_edge: f32) -> Fabric {
+fn between(from: &Fabric, to: &Fabric, share: f32) -> Fabric {
     let go = |a: f32, b: f32, least: f32| toward(a.max(least), b.max(least), share);
-    let limit = |a: f32, b: f32| if b < a { toward(a.min(worst_edge.max(b)), b, share) } else { b };
     Fabric {
         density: go(from.density, to.density, 0.0),
         stretch_stiffness: go(from.stretch_stiffness, to.stretch_stiffness, SLACK),
         shear_stiffness: go(from.shear_stiffness, to.shear_stiffness, SLACK),
         bend_stiffness: go(from.bend_stiffness, to.bend_stiffness, LIMP),
         thickness: go(from.thickness, to.thickness, THIN),
-        strain_limit: limit(1.0 + from.strain_limit, 1.0 + to.strain_limit) - 1.0,
-        tether_scale: limit(from.tether_scale, to.tether_scale),
         ..to.clone()
     }
 }
@@ -131,8 +198,74 @@ mod tests {
         slew.advance(&mut fabric, &Fabric::default(), FRAME, 1.5);
         assert!(fabric.strain_limit > 0.4 && fabric.strain_limit <= 0.5, "{}", fabric.strain_limit);
         assert!(fabric.tether_scale > 1.4 && fabric.tether_scale <= 1.5, "{}", fabric.tether_scale);
-        slew.advance(&mut fabric, &free, FRAME, 1.5);
+    }
+
+    /// The limit and the scale of tethers, frame by frame, until they are where they are wanted.
+    fn bounds(slew: &mut Slew, fabric: &mut Fabric, wanted: &Fabric, worst_edge: impl Fn(&Fabric) -> f32) -> Vec<[f32; 2]> {
+        let mut way = Vec::new();
+        while fabric != wanted {
+            slew.advance(fabric, wanted, FRAME, worst_edge(fabric));
+            way.push([fabric.strain_limit, fabric.tether_scale]);
+            assert!(way.len() < 10_000, "never there: {fabric:?}");
+        }
+        way
+    }
+
+    #[test]
+    fn a_bound_that_holds_something_is_raised_at_a_speed_until_it_is_out_of_reach() {
+        let (mut slew, mut fabric) = (Slew::of_length(2.0), Fabric::default());
+        slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+        let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
+        // It stretches as far as it may, up to 20 %.
+        let way = bounds(&mut slew, &mut fabric, &free, |fabric| 1.0 + fabric.strain_limit.min(0.2));
+        let most = 1.01 * FRAME * SLEW_SPEED / 2.0;
+        for pair in way.windows(2) {
+            for (a, b, held) in [(pair[0][0], pair[1][0], 0.2), (pair[0][1] - 1.0, pair[1][1] - 1.0, 0.2)] {
+                assert!(b == f32::INFINITY && a > held || b - a <= most, "from {a} to {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_that_is_lowered_goes_ever_slower_and_arrives() {
+        let (mut slew, mut fabric) = (Slew::of_length(2.0), Fabric::default());
+        let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
+        slew.advance(&mut fabric, &free, FRAME, 0.0);
+        // Edges bear less the more tethers hold.
+        let wanted = Fabric::default();
+        let way = bounds(&mut slew, &mut fabric, &wanted, |fabric| fabric.tether_scale.min(1.2));
+        let most = 1.01 * FRAME * SLEW_SPEED / 2.0;
+        for pair in way.windows(2) {
+            let steps = [0, 1].map(|k| pair[0][k] - pair[1][k]);
+            assert!(steps.iter().all(|step| (0.0..=most).contains(step)), "{pair:?}");
+        }
+        let [last, end] = [way[way.len() - 2][1], way[way.len() - 1][1]];
+        assert!(last - end < 0.2 * most, "{last} to {end}");
+        assert!((way.len() as f32) < 8.0 / FRAME, "{} frames", way.len());
+    }
+
+    #[test]
+    fn a_limit_that_holds_nothing_is_raised_at_once() {
+        let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
+        slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+        let free = Fabric { strain_limit: f32::INFINITY, ..Fabric::default() };
+        slew.advance(&mut fabric, &free, FRAME, 1.02);
         assert_eq!(fabric.strain_limit, f32::INFINITY);
+    }
+
+    #[test]
+    fn numbers_that_are_none_leave_nothing_half_way() {
+        for worst in [f32::INFINITY, f32::NAN] {
+            let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
+            let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
+            slew.advance(&mut fabric, &free, FRAME, 0.0);
+            let mut frames = 0;
+            while fabric != Fabric::default() && frames < 1000 {
+                slew.advance(&mut fabric, &Fabric::default(), FRAME, worst);
+                frames += 1;
+            }
+            assert!(frames < 1000, "{fabric:?} at a worst edge of {worst}");
+        }
     }
 
     #[test]

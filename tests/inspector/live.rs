@@ -76,6 +76,48 @@ fn another_fabric_density_or_limit_does_not_make_it_jump_either() {
 }
 
 #[test]
+#[expect(clippy::print_stdout, reason = "the figures of the documentation")]
+fn no_preset_after_another_moves_a_vertex_of_a_hanging_sheet_by_more_than_5_mm_in_any_frame() {
+    let pairs: Vec<_> = ClothMaterial::PRESETS
+        .iter()
+        .flat_map(|from| ClothMaterial::PRESETS.iter().map(move |to| (from, to)))
+        .filter(|(from, to)| from.0 != to.0)
+        .collect();
+    let mut app = app();
+    // Side by side, too far from each other to meet.
+    let cloths: Vec<Entity> = (0..)
+        .zip(&pairs)
+        .map(|(i, ((_, from), _))| {
+            let material = ClothMaterial { drag: 4.0, ..from.clone() };
+            spawn(&mut app, sheet(32), (border(), Transform::from_xyz(2.0 * i as f32, 2.0, 0.0), material))
+        })
+        .collect();
+    run(&mut app, 480);
+    for (&cloth, (_, (_, to))) in cloths.iter().zip(&pairs) {
+        *app.world_mut().get_mut::<ClothMaterial>(cloth).expect("a cloth") = to.clone();
+    }
+    let mut before: Vec<Vec<Vec3>> = cloths.iter().map(|&cloth| world_positions(&app, cloth)).collect();
+    let mut most = vec![(0.0_f32, 0); pairs.len()];
+    for frame in 0..360 {
+        app.update();
+        for ((&cloth, before), most) in cloths.iter().zip(&mut before).zip(&mut most) {
+            let after = world_positions(&app, cloth);
+            let way = before.iter().zip(&after).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            if way > most.0 {
+                *most = (way, frame);
+            }
+            *before = after;
+        }
+    }
+    for (((from, _), (to, _)), (way, frame)) in pairs.iter().zip(&most) {
+        println!("{from} to {to}: {:.2} mm at most, in frame {frame}", 1.0e3 * way);
+    }
+    for (((from, _), (to, _)), (way, frame)) in pairs.iter().zip(&most) {
+        assert!(*way < JUMP, "{from} to {to}: {} mm in frame {frame}", 1.0e3 * way);
+    }
+}
+
+#[test]
 fn the_new_stiffness_is_reached() {
     let sag = |change: Option<f32>, start: f32| {
         let (mut app, cloth) = hanging(free(start));

@@ -37,15 +37,31 @@ fn scene(debug: ClothDebug) -> App {
     app
 }
 
+/// The lines of the next frame.
+fn lines(app: &mut App) -> Option<&GizmoAsset> {
+    app.update();
+    let handle = app.world().resource::<GizmoHandles>().handles().get(&TypeId::of::<ClothGizmos>())?.as_ref()?;
+    app.world().resource::<Assets<GizmoAsset>>().get(handle)
+}
+
 /// Ends of the lines that are drawn in the next frame.
 fn drawn(app: &mut App) -> Vec<Vec3> {
-    app.update();
-    let handles = app.world().resource::<GizmoHandles>();
-    let Some(Some(handle)) = handles.handles().get(&TypeId::of::<ClothGizmos>()) else { return Vec::new() };
-    let Some(asset) = app.world().resource::<Assets<GizmoAsset>>().get(handle) else { return Vec::new() };
+    let Some(asset) = lines(app) else { return Vec::new() };
     let buffer = asset.buffer().buffer();
     // A strip ends in what is no number.
     buffer.list_positions.iter().chain(buffer.strip_positions).filter(|p| p.is_finite()).copied().collect()
+}
+
+/// What the one colour of the lines of the next frame means, and how many lines there are.
+fn meaning(app: &mut App) -> (String, usize) {
+    let asset = lines(app).expect("lines");
+    let colors = asset.buffer().buffer().list_colors;
+    let color = *colors.first().expect("a line");
+    assert!(colors.iter().all(|&c| c == color), "one cloth in two colours");
+    let count = colors.len() / 2;
+    let legend = app.world().resource::<ClothDebug>().legend();
+    let line = legend.iter().find(|line| line.color.to_linear() == color);
+    (line.unwrap_or_else(|| panic!("{color:?} is not in {legend:?}")).label.clone(), count)
 }
 
 #[test]
@@ -75,4 +91,33 @@ fn contacts_stay_in_sight_while_time_stands_still() {
     run(&mut app, 3);
     let still = drawn(&mut app);
     assert!(!moving.is_empty() && still.len() == moving.len(), "{} ends of lines, then {}", moving.len(), still.len());
+}
+
+#[test]
+fn the_border_of_a_cloth_that_comes_to_rest_goes_through_the_colours_of_the_legend() {
+    let mut app = scene(ClothDebug::only(["sleep"]));
+    let others: Vec<Entity> = app.world_mut().query_filtered::<Entity, With<Cloth>>().iter(app.world()).collect();
+    others.into_iter().for_each(|cloth| {
+        app.world_mut().despawn(cloth);
+    });
+    app.insert_resource(GlobalWind::new(Vec3::ZERO));
+    app.world_mut().spawn((Transform::from_xyz(0.0, -0.5, 0.0), ClothCollider::ground()));
+    let cloth = spawn(&mut app, sheet(9), Transform::from_xyz(0.0, -0.3, 0.0));
+    run(&mut app, 5);
+    let mut seen = Vec::new();
+    for _ in 0..600 {
+        let (label, lines) = meaning(&mut app);
+        assert_eq!(lines, 4 * 8, "{label}");
+        if seen.last() != Some(&label) {
+            seen.push(label);
+        }
+        if report(&app, cloth).asleep {
+            break;
+        }
+    }
+    let labels: Vec<String> = app.world().resource::<ClothDebug>().legend().into_iter().map(|line| line.label).collect();
+    assert_eq!(seen, labels);
+    app.world_mut().get_mut::<ClothMaterial>(cloth).expect("a cloth").density *= 2.0;
+    run(&mut app, 1);
+    assert_ne!(meaning(&mut app).0, labels[2], "it woke");
 }

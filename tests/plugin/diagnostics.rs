@@ -75,6 +75,23 @@ fn contacts_with_bodies_and_cloth_are_counted() {
 }
 
 #[test]
+fn cloths_that_sleep_are_counted_until_they_wake() {
+    let mut app = measured(ClothPlugin::default());
+    app.world_mut().spawn(ClothCollider::ground());
+    let lying = [0.0, 5.0].map(|x| spawn(&mut app, sheet(6), Transform::from_xyz(x, 0.006, 0.0)));
+    let swinging = spawn(&mut app, sheet(6), (border(), Transform::from_xyz(10.0, 2.0, 0.0), ClothSleep::OFF));
+    run(&mut app, 2);
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::SLEEPING), 0.0);
+    run(&mut app, 240);
+    let asleep = lying.map(|cloth| report(&app, cloth).asleep);
+    assert!(asleep == [true; 2] && !report(&app, swinging).asleep, "{asleep:?}");
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::SLEEPING), 2.0);
+    app.world_mut().get_mut::<Transform>(lying[0]).expect("a cloth").translation.y += 3.0;
+    run(&mut app, 2);
+    assert_eq!(value(&app, &ClothDiagnosticsPlugin::SLEEPING), 1.0);
+}
+
+#[test]
 fn a_fixed_clock_is_measured_too() {
     let mut app = measured(ClothPlugin::new(FixedPostUpdate));
     spawn(&mut app, sheet(5), border());
