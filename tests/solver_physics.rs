@@ -189,6 +189,23 @@ fn a_sheet_held_at_two_corners_does_not_stretch_like_rubber() {
 }
 
 #[test]
+fn a_sheet_held_along_a_border_comes_to_rest_with_all_diagonals_one_way() {
+    for n in [16, 40, 64] {
+        let mut mesh = grid(n, n, |u, v| vec3(u - 0.5, -v, 0.0));
+        let quads = (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| j * n + i));
+        mesh.triangles = quads.flat_map(|a| [[a, a + 1, a + n], [a + 1, a + n + 1, a + n]]).collect();
+        let border: Vec<u32> = (0..n * n).filter(|&v| mesh.positions[v as usize].y == 0.0).collect();
+        assert_eq!(border.len(), n as usize);
+        let mut scene = Scene::new(vec![SceneCloth::new(build(&mesh), fabric(), Vec3::ZERO, &border)]);
+        run(&mut scene, 5.0, |_| 1.0 / 60.0);
+        let cloth = &scene.cloths[0];
+        let fastest = (0..cloth.state.positions.len()).map(|i| cloth.state.velocity(i).length()).fold(0.0, f32::max);
+        assert!(cloth.report.worst_edge < 1.02, "{n}²: worst edge {}", cloth.report.worst_edge);
+        assert!(fastest < 0.02, "{n}²: {fastest} m/s");
+    }
+}
+
+#[test]
 fn a_sheet_over_a_ball_does_not_stretch_like_rubber() {
     for (n, limit) in [(64, 1.10), (128, 1.20)] {
         let mut scene = ball(n);

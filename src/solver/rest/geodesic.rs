@@ -74,16 +74,16 @@ impl Front {
             settled[v as usize] = true;
             reached.push((v, 0.0));
             let at = best[v as usize];
-            let mut relax = |w: u32, distance: f32, best: &mut [Nearest]| {
+            let mut relax = |w: u32, distance: f32, source: u32, best: &mut [Nearest]| {
                 if distance < best[w as usize].distance && distance <= limit {
-                    best[w as usize] = Nearest { distance, source: at.source };
+                    best[w as usize] = Nearest { distance, source };
                     heap.push(Reverse((distance.to_bits(), w)));
                 }
             };
             for &(u, edge) in topology.around(v) {
                 if !settled[u as usize] {
                     let step = positions[v as usize].distance(positions[u as usize]);
-                    relax(u, at.distance + step, best);
+                    relax(u, at.distance + step, at.source, best);
                     continue;
                 }
                 for face in topology.edge_faces[edge as usize].into_iter().filter(|&f| f != NONE) {
@@ -91,17 +91,19 @@ impl Front {
                     if !settled[w as usize] {
                         let corners = [u, v, w].map(|p| positions[p as usize]);
                         if let Some(d) = across(corners, best[u as usize].distance, at.distance) {
-                            relax(w, d, best);
+                            // Where the fronts of two sources merge, the nearer is the source, and no nearer than it is.
+                            let straight = |source: u32| positions[w as usize].distance(positions[source as usize]);
+                            let sources = [at.source, best[u as usize].source];
+                            let [near, far] = sources.map(straight);
+                            let (source, least) = if near <= far { (sources[0], near) } else { (sources[1], far) };
+                            relax(w, d.max(least), source, best);
                         }
                     }
                 }
             }
         }
-        // Two fronts that merge can report less than the way to either source.
         for (p, distance) in reached.iter_mut() {
-            let nearest = &mut best[*p as usize];
-            nearest.distance = nearest.distance.max(positions[*p as usize].distance(positions[nearest.source as usize]));
-            *distance = nearest.distance;
+            *distance = best[*p as usize].distance;
         }
         reached
     }
@@ -140,6 +142,23 @@ mod tests {
         for (p, nearest) in positions.iter().zip(&found) {
             let error = (nearest.distance - p.length()).abs();
             assert!(error <= 1.0e-3 * p.length(), "{p}: {} for {}", nearest.distance, p.length());
+        }
+    }
+
+    #[test]
+    fn below_a_row_of_sources_each_particle_has_the_one_above_it() {
+        for n in [9u32, 40, 50, 64] {
+            let at = |i: u32, j: u32| Vec3::new(i as f32 / (n - 1) as f32 - 0.5, -(j as f32) / (n - 1) as f32, 0.0);
+            let positions: Vec<Vec3> = (0..n).flat_map(|j| (0..n).map(move |i| at(i, j))).collect();
+            let quads = (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| j * n + i));
+            let faces = quads.flat_map(|a| [[a, a + 1, a + n], [a + 1, a + n + 1, a + n]]).collect();
+            let topology = Topology::new(n * n, faces);
+            let sources: Vec<u32> = (0..n).collect();
+            for (p, nearest) in positions.iter().zip(distances(&topology, &positions, &sources)) {
+                assert!((nearest.distance + p.y).abs() <= 1.0e-3, "{n}: {} at {p}", nearest.distance);
+                let aside = (positions[nearest.source as usize].x - p.x).abs();
+                assert!(aside <= 0.05 - 0.1 * p.y, "{n}: {aside} m aside at {p}");
+            }
         }
     }
 }
