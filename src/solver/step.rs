@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::body::{Approach, Body, BodyContacts, Touch};
+use super::body::{Approach, Body, BodyContacts, FaceContacts, Sheet, Touch};
 use super::couple::{Coupling, Pull};
 use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::rest::RestShape;
@@ -71,6 +71,9 @@ pub struct Scratch {
     leash: leash::Leash,
     overlong: spring::Overlong,
     contacts: BodyContacts,
+    faces: FaceContacts,
+    /// Longest edge at rest [m].
+    longest_edge: f32,
     coupling: Coupling,
     wind: WindForces,
     pulls: pull::Pulls,
@@ -220,6 +223,9 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
         scratch.leash = leash::Leash::new(rest, &rigid);
         scratch.rigid = rigid;
     }
+    let longest =
+        |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
+    scratch.longest_edge = rest.topology.edges.iter().fold(0.0, longest).sqrt();
     scratch.factors_for = 0.0;
 }
 
@@ -323,12 +329,20 @@ impl Stepped<'_> {
             extra: anchors.longest_way() + input.wind.fastest() * dt,
         };
         scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+        let sheet = Sheet {
+            faces: &rest.topology.faces,
+            longest_edge: scratch.longest_edge,
+            positions: &state.positions,
+            thickness: fabric.thickness,
+        };
+        scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
         scratch.coupling.begin(dt, anchors, &state.positions);
         scratch.contacts.leave_out(scratch.coupling.welded(anchors));
+        scratch.faces.leave_out(scratch.coupling.welded(anchors));
         scratch.frame = Some(Frame {
             dt,
             h,
@@ -403,6 +417,7 @@ impl Stepped<'_> {
         let touch = Touch::of(self.fabric);
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
         frame.report.body_contacts = scratch.contacts.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
     }
 
     /// Ends the frame; nothing when none was begun.
@@ -463,6 +478,7 @@ fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut Cloth
     }
     let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
     scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
+    scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }

@@ -1,16 +1,17 @@
 //! Which particles may meet which body in this frame, and their contacts in each substep.
 
-use glam::{Mat3A, Quat, Vec3, Vec3A, Vec4};
-use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use glam::{Vec3, Vec3A, Vec4};
+use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
 use parry3d::shape::TypedShape;
 
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
+use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
 use super::sweep::{plane_at, sweep};
-use crate::solver::couple::{Coupling, Gain, Slot};
+use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
 
 /// What a frame may bring: the bound on how far a particle can get.
@@ -82,6 +83,7 @@ pub struct BodyContacts {
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
     dt: f32,
+    way: f32,
 }
 
 impl BodyContacts {
@@ -102,6 +104,11 @@ impl BodyContacts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
             candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.particle, c.load))
         })
+    }
+
+    /// Bound on how far a particle can get in this frame by itself [m], as of the last [`Self::gather`] that had bodies.
+    pub(crate) fn way(&self) -> f32 {
+        self.way
     }
 
     #[cfg(test)]
@@ -127,7 +134,8 @@ impl BodyContacts {
             return;
         }
         let thickness = finite_or_zero(approach.thickness);
-        let way = farthest_way(positions, previous, approach) + farthest_push(bodies) + 2.0 * thickness;
+        self.way = farthest_way(positions, previous, approach);
+        let way = self.way + farthest_push(bodies) + 2.0 * thickness;
         for (b, body) in (0_u32..).zip(bodies) {
             let (Some(from), Some(to)) = (valid(body.from), valid(body.to)) else {
                 continue;
@@ -151,12 +159,9 @@ impl BodyContacts {
                         if let TypedShape::ConvexPolyhedron(polyhedron) = typed {
                             geometry::hull_planes(polyhedron, &mut self.planes);
                         }
-                        let local_box = shape.compute_local_aabb();
-                        radius = local_box.mins.abs().max(local_box.maxs.abs()).length();
-                        // Between its two poses a turning shape bulges out of both boxes, by less than r θ² / 8.
-                        let turn = chord(from.rotation, to.rotation);
-                        let swept = shape.compute_aabb(&from).merged(&shape.compute_aabb(&to));
-                        self.gather_box(&swept, reach + 0.125 * turn * turn * radius, positions);
+                        let (swept, bulge, far) = swept_box(shape, &from, &to);
+                        radius = far;
+                        self.gather_box(&swept, reach + bulge, positions);
                     }
                 }
                 let candidates = (first, self.candidates.len() as u32);
@@ -236,7 +241,7 @@ impl BodyContacts {
             let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
             let geometry = Geometry::of(shape, planes);
             let slot = body.rigid.and_then(|slot| coupling.slot_mut(slot));
-            let mut motion = Motion::new(body, part, s0, s1);
+            let mut motion = Motion::new(body, part.local, part.radius, s0, s1);
             if let Some(slot) = &slot {
                 motion.follow(slot, part.radius);
             }
@@ -246,7 +251,7 @@ impl BodyContacts {
             let keep = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
             let setting = Setting {
                 motion,
-                rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding { slot, s: s1, h, several: 1.0, gain: Gain::default() }),
+                rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h)),
                 keep,
                 clip: geometry.inner_radius().min(0.5 * keep),
                 recovery,
@@ -313,90 +318,6 @@ struct Particles<'a> {
     previous: &'a mut [Vec4],
 }
 
-/// World to body at the start and end of one substep.
-struct Motion {
-    rotation0: Mat3A,
-    translation0: Vec3A,
-    rotation1: Mat3A,
-    translation1: Vec3A,
-    /// Farthest that a point of the body moves in the substep [m]; infinite for a half-space that turns.
-    way: f32,
-    /// The poses that its own way leads it to, and when.
-    planned: (Pose, Pose),
-    s: (f32, f32),
-}
-
-impl Motion {
-    fn new(body: &Body, part: &Part, s0: f32, s1: f32) -> Self {
-        let start = blend(&body.from, &body.to, s0) * part.local;
-        let end = blend(&body.from, &body.to, s1) * part.local;
-        let mut motion = Self {
-            rotation0: Mat3A::IDENTITY,
-            translation0: Vec3A::ZERO,
-            rotation1: Mat3A::IDENTITY,
-            translation1: Vec3A::ZERO,
-            way: 0.0,
-            planned: (start, end),
-            s: (s0, s1),
-        };
-        motion.set(&start, &end, part.radius);
-        motion
-    }
-
-    fn set(&mut self, start: &Pose, end: &Pose, radius: f32) {
-        let turn = chord(start.rotation, end.rotation);
-        let turning = if turn > 0.0 { turn * radius } else { 0.0 };
-        self.rotation0 = Mat3A::from_quat(start.rotation);
-        self.translation0 = start.translation.into();
-        self.rotation1 = Mat3A::from_quat(end.rotation);
-        self.translation1 = end.translation.into();
-        self.way = (end.translation - start.translation).length() + turning;
-    }
-
-    /// Follows a body that cloth moves.
-    fn follow(&mut self, slot: &Slot, radius: f32) {
-        if slot.is_movable() {
-            let (start, end) = self.planned;
-            self.set(&slot.moved(start, self.s.0, true), &slot.moved(end, self.s.1, false), radius);
-        }
-    }
-}
-
-/// A body that takes what it does to the cloth.
-struct Yielding<'a> {
-    slot: &'a mut Slot,
-    /// Share of the frame at the end of the substep.
-    s: f32,
-    /// Length of the substep [s].
-    h: f32,
-    /// Contacts that share the body.
-    several: f32,
-    gain: Gain,
-}
-
-impl Yielding<'_> {
-    /// How much more readily particle and body give way along the surface than across it (dimensionless).
-    fn slide(&self, w: f32, at: Vec3A, normal: Vec3A) -> f32 {
-        let k = self.slot.compliance(w, self.slot.arm(at.into(), self.s), self.several);
-        let normal = Vec3::from(normal);
-        let across = normal.dot(k * normal);
-        let along = 0.5 * (k.x_axis.x + k.y_axis.y + k.z_axis.z - across);
-        if across > 0.0 { along / across } else { 1.0 }
-    }
-
-    /// Splits a correction `by` of a particle at `at`, of which `silent` gives no speed, between it and the body. Returns the particle's parts of both.
-    fn split(&mut self, w: f32, at: Vec3A, by: Vec3A, silent: Vec3A) -> (Vec3A, Vec3A) {
-        let r = self.slot.arm(at.into(), self.s);
-        let inverse = self.slot.compliance(w, r, self.several).inverse();
-        let (push, quiet) = (inverse * Vec3::from(by), inverse * Vec3::from(silent));
-        if !(push.is_finite() && quiet.is_finite()) {
-            return (by, silent);
-        }
-        self.gain.add(r, -push, -quiet);
-        ((push * w).into(), (quiet * w).into())
-    }
-}
-
 /// Everything that is the same for all candidates of one part in one substep.
 struct Setting<'a> {
     motion: Motion,
@@ -422,7 +343,7 @@ impl Setting<'_> {
         let to_body0 = self.motion.rotation0.transpose();
         let band = BAND * self.keep;
         let mut contacts = 0;
-        if let Some(rigid) = self.rigid.as_mut().filter(|rigid| rigid.slot.is_movable()) {
+        if let Some(rigid) = self.rigid.as_mut().filter(|rigid| rigid.is_movable()) {
             let touches = candidates.iter().filter(|candidate| {
                 let Some(x) = particles.positions.get(candidate.particle as usize) else { return false };
                 let q = to_body1 * (Vec3A::from_vec4(*x) - self.motion.translation1);
@@ -491,7 +412,7 @@ impl Setting<'_> {
                 continue;
             }
             let friction = match &self.rigid {
-                Some(rigid) if rigid.slot.is_movable() => {
+                Some(rigid) if rigid.is_movable() => {
                     let at = self.motion.rotation1 * end + self.motion.translation1;
                     self.friction.times(rigid.slide(position.w, at, self.motion.rotation1 * plane.normal))
                 }
@@ -520,8 +441,8 @@ impl Setting<'_> {
                 *before += silent.extend(0.0);
             }
         }
-        if let Some(rigid) = self.rigid.filter(|rigid| rigid.gain.is_some()) {
-            rigid.slot.give(&rigid.gain, rigid.h);
+        if let Some(rigid) = self.rigid {
+            rigid.finish();
         }
         contacts
     }
@@ -541,36 +462,4 @@ fn farthest_way(positions: &[Vec4], previous: &[Vec4], approach: &Approach) -> f
     }
     let way = fastest2 * approach.dt + approach.gravity.length() * approach.dt * approach.dt + approach.extra.max(0.0);
     if way.is_finite() { way } else { f32::MAX.sqrt() }
-}
-
-/// Longest translation of a body in the frame [m].
-fn farthest_push(bodies: &[Body]) -> f32 {
-    let ways = bodies.iter().map(|body| (body.to.translation - body.from.translation).length());
-    ways.filter(|way| way.is_finite()).fold(0.0, f32::max)
-}
-
-/// A pose with finite numbers and a unit rotation.
-fn valid(pose: Pose) -> Option<Pose> {
-    let length2 = pose.rotation.length_squared();
-    if !(pose.is_finite() && length2 > 1.0e-6 && length2 < 1.0e6) {
-        return None;
-    }
-    Some(Pose::from_parts(pose.translation, pose.rotation.normalize()))
-}
-
-/// Pose at the fraction `s` of the frame. Rotations are blended linearly and normalized: within a frame the difference from constant angular speed is
-/// small, and there is no transcendental function in it, so every machine gives the same bits.
-fn blend(from: &Pose, to: &Pose, s: f32) -> Pose {
-    Pose::from_parts(from.translation.lerp(to.translation, s), from.rotation.lerp(to.rotation, s).normalize())
-}
-
-/// Angle between two rotations, as chord and with a little to spare [rad].
-fn chord(a: Quat, b: Quat) -> f32 {
-    let near = if a.dot(b) < 0.0 { -b } else { b };
-    let difference = Vec4::from(a) - Vec4::from(near);
-    2.3 * difference.length()
-}
-
-fn finite_or_zero(x: f32) -> f32 {
-    if x.is_finite() { x.max(0.0) } else { 0.0 }
 }

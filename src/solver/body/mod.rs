@@ -12,9 +12,13 @@
 //! one path covers a cloth that falls on a body, a body that is driven through a cloth and everything between, and
 //! `q1 - q0` is the motion relative to the surface that friction needs, rotation included.
 
+mod advance;
 mod contacts;
 mod distance;
+mod faces;
 mod geometry;
+mod motion;
+mod nearest;
 mod respond;
 pub mod shape;
 mod sweep;
@@ -22,6 +26,7 @@ mod sweep;
 mod tests;
 
 pub use contacts::{Approach, BodyContacts, Touch};
+pub use faces::{FaceContacts, Sheet};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use respond::{BAND, Friction, Plane, respond};

@@ -1,0 +1,481 @@
+//! Faces of cloth against bodies that are finer than the mesh: a needle between particles, a corner, a ball smaller than a face.
+//!
+//! ```text
+//!      o-----------o      particles at the distance kept: enough while the sagitta e² / 8 R of an edge e over a radius R is small
+//!     /     .-.     \
+//!    /    .'   '.    \    n: normal of the part at the point p = Σ wᵢ xᵢ of the face that is nearest to it, d: distance there
+//!   o----/-------\----o
+//!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
+//! ```
+//!
+//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the distance that particles
+//! keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the middle: a convex part lies behind
+//! its tangent plane, and a face that begins and ends in front of that never met it.
+//!
+//! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed ([`first_touch`]); it starts each
+//! substep outside, hence stays there. *A side is kept.* Where other causes moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken
+//! apart), the normal it last had tells where it belongs: it is brought back along that, at the speed of particles that start inside. The
+//! shortest way out of a needle is sideways, and cloth with a needle in it cannot go there.
+//!
+//! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field collision".
+
+use glam::{Vec3, Vec3A, Vec4};
+use parry3d::math::Pose;
+use parry3d::shape::{Shape, TypedShape};
+
+use super::Body;
+use super::advance::{first_touch, longest_way};
+use super::contacts::Touch;
+use super::distance::Sample;
+use super::geometry::{self, Geometry};
+use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
+use super::nearest::{Convex, Face, Near, at};
+use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
+use super::sweep::plane_at;
+use crate::solver::couple::Coupling;
+
+/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more faces have to be asked for.
+const SHARE: f32 = 0.5;
+/// Touches along the way of a face in one substep.
+const SLIDES: u32 = 3;
+/// Faces whose boxes are looked at as one.
+const BLOCK: usize = 16;
+/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the distance kept.
+const DOUBLINGS: u32 = 8;
+/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is not levered.
+const LEAST_MOBILITY: f32 = 0.05;
+/// Farthest corner that is looked at [m].
+const FARTHEST: f32 = 1.0e6;
+
+/// A face that may meet a part of a body in this frame.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    face: u32,
+    /// Corner nearest to the touch.
+    corner: u32,
+    particles: [u32; 3],
+    /// Running mean of the push per substep [m]; 0 out of contact.
+    load: f32,
+    /// What the push would be if that corner alone bore it (dimensionless).
+    share: f32,
+    /// Normal of the part where the face was last outside, in its own space; zero: not known.
+    side: Vec3,
+}
+
+/// One convex shape of a body, with the faces near it.
+#[derive(Clone, Debug)]
+struct Part {
+    body: u32,
+    index: u32,
+    local: Pose,
+    planes: (u32, u32),
+    candidates: (u32, u32),
+    radius: f32,
+}
+
+/// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
+#[derive(Clone, Debug, Default)]
+pub struct FaceContacts {
+    parts: Vec<Part>,
+    planes: Vec<Vec4>,
+    candidates: Vec<Candidate>,
+    parts_before: Vec<Part>,
+    candidates_before: Vec<Candidate>,
+    /// Boxes around faces, [`BLOCK`] at a time.
+    blocks: Vec<(Vec3, Vec3)>,
+    dt: f32,
+}
+
+/// What [`FaceContacts::gather`] has to know of a cloth.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheet<'a> {
+    /// Particles of each face.
+    pub faces: &'a [[u32; 3]],
+    /// Length of its longest edge [m].
+    pub longest_edge: f32,
+    /// Positions [m] with inverse masses [1/kg].
+    pub positions: &'a [Vec4],
+    /// Thickness of the fabric [m].
+    pub thickness: f32,
+}
+
+impl FaceContacts {
+    /// Number of pairs of a face and a part of a body that are looked at in each substep of this frame.
+    #[must_use]
+    pub fn candidates(&self) -> usize {
+        self.candidates.len()
+    }
+
+    /// Number of the body, particle and mean push per substep [m] of every touch when last projected, as if the nearest corner bore it alone.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.parts.iter().flat_map(|part| {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
+            candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.corner, c.load * c.share))
+        })
+    }
+
+    /// Once per frame of `dt` [s], before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on the way of any
+    /// particle [m].
+    pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
+        core::mem::swap(&mut self.parts, &mut self.parts_before);
+        core::mem::swap(&mut self.candidates, &mut self.candidates_before);
+        self.parts.clear();
+        self.planes.clear();
+        self.candidates.clear();
+        self.blocks.clear();
+        self.dt = dt;
+        let passes = dt > 0.0;
+        if !passes {
+            return;
+        }
+        let thickness = finite_or_zero(sheet.thickness);
+        let way = way + farthest_push(bodies);
+        let mut known = 0;
+        for (b, body) in (0_u32..).zip(bodies) {
+            let (Some(from), Some(to)) = (valid(body.from), valid(body.to)) else {
+                continue;
+            };
+            let keep = thickness + finite_or_zero(body.margin);
+            let off = if body.rigid.is_some() { way } else { 0.0 };
+            geometry::for_each_part(&*body.shape.0, |index, local, shape| {
+                let Some(local) = valid(local).filter(|_| is_fine(shape, sheet.longest_edge, keep)) else {
+                    return;
+                };
+                let (swept, bulge, radius) = swept_box(shape, &(from * local), &(to * local));
+                let reach = Vec3::splat(way + off + keep + bulge);
+                let first = self.candidates.len() as u32;
+                self.list(sheet, swept.mins - reach, swept.maxs + reach);
+                let candidates = (first, self.candidates.len() as u32);
+                if candidates.1 == candidates.0 {
+                    return;
+                }
+                while self.parts_before.get(known).is_some_and(|p| (p.body, p.index) < (b, index)) {
+                    known += 1;
+                }
+                if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
+                    remember(&self.candidates_before, before.candidates, &mut self.candidates[first as usize..]);
+                }
+                let first_plane = self.planes.len() as u32;
+                if let TypedShape::ConvexPolyhedron(polyhedron) = shape.as_typed_shape() {
+                    geometry::hull_planes(polyhedron, &mut self.planes);
+                }
+                let planes = (first_plane, self.planes.len() as u32);
+                self.parts.push(Part { body: b, index, local, planes, candidates, radius });
+            });
+        }
+    }
+
+    /// Lists the faces whose boxes meet a box.
+    fn list(&mut self, sheet: &Sheet<'_>, low: Vec3, high: Vec3) {
+        let corner = |p: u32| sheet.positions.get(p as usize).map_or(Vec3::NAN, |x| x.truncate());
+        let bounds = |faces: &[[u32; 3]]| {
+            let corners = faces.iter().flatten().map(|&p| corner(p));
+            corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        };
+        if self.blocks.is_empty() {
+            self.blocks.extend(sheet.faces.chunks(BLOCK).map(bounds));
+        }
+        let meets = |(a, b): (Vec3, Vec3)| a.cmple(high).all() && b.cmpge(low).all();
+        for ((block, faces), first) in self.blocks.iter().zip(sheet.faces.chunks(BLOCK)).zip((0_u32..).step_by(BLOCK)) {
+            if !meets(*block) {
+                continue;
+            }
+            for (&particles, face) in faces.iter().zip(first..) {
+                let free = particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
+                if free && meets(bounds(&[particles])) {
+                    let corner = particles[0];
+                    self.candidates.push(Candidate { face, corner, particles, load: 0.0, share: 0.0, side: Vec3::ZERO });
+                }
+            }
+        }
+    }
+
+    /// Takes out the faces of particles that are pinned to bodies, sorted or not.
+    pub(crate) fn leave_out(&mut self, particles: impl Iterator<Item = u32>) {
+        for out in particles {
+            for candidate in self.candidates.iter_mut().filter(|c| c.particles.contains(&out)) {
+                candidate.particles = [u32::MAX; 3];
+            }
+        }
+    }
+
+    /// Once per substep, after the particles: keeps faces out of parts. As [`BodyContacts::project`](super::BodyContacts::project); returns the number of
+    /// touches.
+    pub fn project(
+        &mut self,
+        bodies: &[Body],
+        s0: f32,
+        s1: f32,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+        touch: &Touch,
+        coupling: &mut Coupling,
+    ) -> u32 {
+        let h = (s1 - s0).max(0.0) * self.dt;
+        let mut touches = 0;
+        for part in &self.parts {
+            let Some(body) = bodies.get(part.body as usize) else {
+                continue;
+            };
+            let Some(shape) = geometry::part(&*body.shape.0, part.index) else {
+                continue;
+            };
+            let Some(candidates) = self.candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize) else {
+                continue;
+            };
+            let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
+            let slot = body.rigid.and_then(|slot| coupling.slot_mut(slot));
+            let mut motion = Motion::new(body, part.local, part.radius, s0, s1);
+            if let Some(slot) = &slot {
+                motion.follow(slot, part.radius);
+            }
+            let setting = Setting {
+                part: Convex { geometry: Geometry::of(shape, planes), support: shape.as_support_map() },
+                motion,
+                radius: part.radius,
+                keep: SHARE * (finite_or_zero(touch.thickness) + finite_or_zero(body.margin)),
+                recovery: RECOVERY_SPEED * h,
+                friction: Friction::between(
+                    (body.static_friction, body.dynamic_friction),
+                    (touch.static_friction, touch.dynamic_friction),
+                ),
+            };
+            let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
+            if let Some(rigid) = rigid.as_mut().filter(|rigid| rigid.is_movable()) {
+                let touches = candidates.iter().filter(|c| setting.would_touch(c, positions, previous));
+                rigid.several = touches.count().max(1) as f32;
+            }
+            for candidate in candidates.iter_mut() {
+                let touched = setting.project(candidate, positions, previous, &mut rigid);
+                touches += u32::from(touched);
+                if !touched {
+                    candidate.load = 0.0;
+                }
+            }
+            if let Some(rigid) = rigid {
+                rigid.finish();
+            }
+        }
+        touches
+    }
+}
+
+/// Whether particles alone would let a convex shape through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
+fn is_fine(shape: &dyn Shape, edge: f32, keep: f32) -> bool {
+    let radius = match shape.as_typed_shape() {
+        TypedShape::HalfSpace(_) => return false,
+        TypedShape::Ball(ball) => ball.radius,
+        TypedShape::Capsule(capsule) => capsule.radius,
+        _ if shape.as_support_map().is_some() => 0.0,
+        _ => return false,
+    };
+    edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep
+}
+
+/// Passes on what is known of faces that stay; both lists are in the order of faces.
+fn remember(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candidate]) {
+    let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().peekable();
+    for candidate in now {
+        while before.next_if(|old| old.face < candidate.face).is_some() {}
+        if let Some(old) = before.next_if(|old| old.face == candidate.face) {
+            *candidate = Candidate { particles: candidate.particles, ..*old };
+        }
+    }
+}
+
+/// Corners at both ends of the substep, in the part's own space [m], and inverse masses [1/kg].
+struct Way {
+    from: Face,
+    to: Face,
+    masses: [f32; 3],
+}
+
+/// Everything that is the same for all faces near one part in one substep.
+struct Setting<'a> {
+    part: Convex<'a>,
+    motion: Motion,
+    radius: f32,
+    keep: f32,
+    recovery: f32,
+    friction: Friction,
+}
+
+impl Setting<'_> {
+    /// `None` for corners that are left out or not numbers.
+    #[inline]
+    fn way(&self, particles: [u32; 3], positions: &[Vec4], previous: &[Vec4]) -> Option<Way> {
+        let mut way = Way { from: [Vec3A::ZERO; 3], to: [Vec3A::ZERO; 3], masses: [0.0; 3] };
+        for (i, p) in particles.into_iter().enumerate() {
+            let (x, old) = (positions.get(p as usize)?, previous.get(p as usize)?);
+            way.from[i] = self.motion.rotation0.transpose() * (Vec3A::from_vec4(*old) - self.motion.translation0);
+            way.to[i] = self.motion.rotation1.transpose() * (Vec3A::from_vec4(*x) - self.motion.translation1);
+            way.masses[i] = x.w;
+            // False for what is not a number.
+            let near = way.from[i].abs().max_element() < FARTHEST && way.to[i].abs().max_element() < FARTHEST;
+            if !(near && way.from[i].is_finite() && way.to[i].is_finite()) {
+                return None;
+            }
+        }
+        Some(way)
+    }
+
+    /// The direction out of the part at the middle of a face, if its tangent plane there leaves the way of the face in front of it.
+    #[inline]
+    fn passes_by(&self, way: &Way) -> (bool, Vec3A) {
+        let Way { from, to, .. } = way;
+        let middle = (to[0] + to[1] + to[2]) / 3.0;
+        let size = longest_way(to, &[middle; 3]);
+        let reach = size + longest_way(from, to) + self.keep;
+        let Sample { distance, normal } = self.part.geometry.sample(middle, reach);
+        if normal == Vec3A::ZERO {
+            return (distance >= reach, normal);
+        }
+        let foot = normal.dot(middle) - distance;
+        let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
+        (height(to) >= (1.0 + BAND) * self.keep && height(from) > 0.0, normal)
+    }
+
+    fn would_touch(&self, candidate: &Candidate, positions: &[Vec4], previous: &[Vec4]) -> bool {
+        let Some(way) = self.way(candidate.particles, positions, previous) else { return false };
+        let (passes, towards) = self.passes_by(&way);
+        !passes && self.part.nearest(&way.to, towards).is_none_or(|near| near.sample.distance < self.keep)
+    }
+
+    fn project(
+        &self,
+        candidate: &mut Candidate,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+        rigid: &mut Option<Yielding<'_>>,
+    ) -> bool {
+        let Some(mut way) = self.way(candidate.particles, positions, previous) else { return false };
+        let (passes, towards) = self.passes_by(&way);
+        if passes {
+            candidate.side = towards.into();
+            return false;
+        }
+        let nearest = |face: &Face| self.part.nearest(face, towards);
+        let outside = |near: &Near| near.sample.distance > 0.0;
+        let end = nearest(&way.to);
+        let clear = end.filter(outside).is_some_and(|near| {
+            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
+            way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
+        });
+        let mut state = State { candidate, positions, previous, rigid };
+        if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
+            if let Some(touched) = self.stop(&nearest, &mut way, &mut state) {
+                return touched;
+            }
+        } else if !clear {
+            let side = Vec3A::from(state.candidate.side);
+            let known = side != Vec3A::ZERO;
+            // Where the nearest point lies on its own side it is pushed out from there.
+            if known && end.is_none_or(|near| near.sample.normal.dot(side) <= 0.0) {
+                return self.bring_back(&nearest, side, &way, &mut state);
+            }
+        }
+        let Some(near) = end else { return false };
+        if near.sample.distance > 0.0 {
+            state.candidate.side = near.sample.normal.into();
+        }
+        let gap = near.sample.distance - self.keep;
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * self.keep);
+        touches && self.push(&near, plane_at(near.point, near.sample, self.keep), &mut way, &mut state)
+    }
+
+    /// Stops a face that starts outside where it touches, and lets it slide on from there. `None`: it touches nothing.
+    fn stop(&self, nearest: &impl Fn(&Face) -> Option<Near>, way: &mut Way, state: &mut State<'_, '_>) -> Option<bool> {
+        let mut start = way.from;
+        let mut touched = None;
+        for _ in 0..SLIDES {
+            let Some((face, near)) = first_touch(nearest, &start, &way.to, self.keep) else { return touched };
+            state.candidate.side = near.sample.normal.into();
+            touched = Some(self.push(&near, plane_at(near.point, near.sample, self.keep), way, state));
+            start = face;
+        }
+        if first_touch(nearest, &start, &way.to, self.keep).is_some() {
+            // Wedged: it stays at the last place known to be outside.
+            for (i, &p) in state.candidate.particles.iter().enumerate() {
+                if way.masses[i] > 0.0
+                    && let Some(x) = state.positions.get_mut(p as usize)
+                {
+                    *x += (self.motion.rotation1 * (start[i] - way.to[i])).extend(0.0);
+                }
+            }
+        }
+        touched
+    }
+
+    /// Brings a face back to the side that it was on, from wherever something moved it to.
+    fn bring_back(&self, nearest: &impl Fn(&Face) -> Option<Near>, side: Vec3A, way: &Way, state: &mut State<'_, '_>) -> bool {
+        let mut off = 2.0 * self.keep;
+        for _ in 0..DOUBLINGS {
+            let before = way.to.map(|x| x + side * off);
+            if nearest(&before).is_some_and(|near| near.sample.distance > 0.0 && near.sample.normal.dot(side) > 0.0) {
+                return first_touch(nearest, &before, &way.to, self.keep).is_some_and(|(_, near)| {
+                    let mut way = Way { ..*way };
+                    self.push(&near, plane_at(near.point, near.sample, self.keep), &mut way, state)
+                });
+            }
+            off *= 2.0;
+            if off > 4.0 * self.radius {
+                break;
+            }
+        }
+        false
+    }
+
+    /// Pushes the nearest point of a face out, with friction, and shares that out by mass; whether anything could.
+    fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
+        let State { candidate, positions, previous, rigid } = state;
+        let w = near.weights;
+        let mobility: f32 = (0..3).map(|i| w[i] * w[i] * way.masses[i]).sum();
+        let lightest = way.masses.iter().copied().fold(0.0, f32::max);
+        // NaN passes no comparison.
+        if !(mobility > LEAST_MOBILITY * lightest) {
+            return false;
+        }
+        let (start, end) = (at(&way.from, &w), at(&way.to, &w));
+        let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;
+        let friction = match rigid {
+            Some(rigid) if rigid.is_movable() => {
+                self.friction.times(rigid.slide(mobility, place(end), self.motion.rotation1 * plane.normal))
+            }
+            _ => self.friction,
+        };
+        let response = respond(plane, start, end, end, self.recovery, candidate.load, friction);
+        let mut by = self.motion.rotation1 * (response.end - end);
+        let mut silent = self.motion.rotation0 * response.shift;
+        if !(by.is_finite() && silent.is_finite()) {
+            return false;
+        }
+        if let Some(rigid) = rigid
+            && by != Vec3A::ZERO
+        {
+            (by, silent) = rigid.split(mobility, place(response.end), by, silent);
+        }
+        candidate.load = response.load;
+        let mut most = 0.0;
+        for (i, &p) in candidate.particles.iter().enumerate() {
+            let share = w[i] * way.masses[i] / mobility;
+            let (Some(x), Some(old)) = (positions.get_mut(p as usize), previous.get_mut(p as usize)) else { continue };
+            *x += (by * share).extend(0.0);
+            *old += (silent * share).extend(0.0);
+            way.to[i] += self.motion.rotation1.transpose() * (by * share);
+            way.from[i] += self.motion.rotation0.transpose() * (silent * share);
+            if w[i] > most && way.masses[i] > 0.0 {
+                // M C = m c: the same impulse from the corner alone.
+                (most, candidate.corner, candidate.share) = (w[i], p, way.masses[i] / mobility);
+            }
+        }
+        true
+    }
+}
+
+/// What a push changes.
+struct State<'a, 'b> {
+    candidate: &'a mut Candidate,
+    positions: &'a mut [Vec4],
+    previous: &'a mut [Vec4],
+    rigid: &'a mut Option<Yielding<'b>>,
+}
