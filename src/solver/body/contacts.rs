@@ -10,6 +10,7 @@ use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
+use super::room::Rooms;
 use super::sweep::{plane_at, sweep};
 use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
@@ -82,6 +83,7 @@ pub struct BodyContacts {
     /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
+    rooms: Rooms,
     dt: f32,
     way: f32,
 }
@@ -177,6 +179,7 @@ impl BodyContacts {
                 }
             });
         }
+        self.rooms.begin(self.parts.len(), positions.len());
     }
 
     /// Takes out particles that are pinned to bodies, sorted or not.
@@ -231,7 +234,8 @@ impl BodyContacts {
         let h = (s1 - s0).max(0.0) * self.dt;
         let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
-        for part in &self.parts {
+        self.rooms.advance();
+        for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
             };
@@ -253,6 +257,7 @@ impl BodyContacts {
                 motion,
                 rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h)),
                 keep,
+                number,
                 clip: geometry.inner_radius().min(0.5 * keep),
                 recovery,
                 friction: Friction::between(
@@ -260,7 +265,7 @@ impl BodyContacts {
                     (touch.static_friction, touch.dynamic_friction),
                 ),
             };
-            let mut state = Particles { positions, previous };
+            let mut state = Particles { positions, previous, rooms: &mut self.rooms };
             contacts += match geometry {
                 Geometry::Ball { radius } => setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius)),
                 Geometry::Capsule { a, ab, inverse_length2, radius } => {
@@ -316,6 +321,7 @@ fn keep_loads(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candida
 struct Particles<'a> {
     positions: &'a mut [Vec4],
     previous: &'a mut [Vec4],
+    rooms: &'a mut Rooms,
 }
 
 /// Everything that is the same for all candidates of one part in one substep.
@@ -324,6 +330,8 @@ struct Setting<'a> {
     /// The body, if it takes what it does to the cloth.
     rigid: Option<Yielding<'a>>,
     keep: f32,
+    /// Place of the part among the parts.
+    number: u32,
     /// How deep a straight path may cut a corner between two points outside [m].
     clip: f32,
     recovery: f32,
@@ -389,6 +397,18 @@ impl Setting<'_> {
                 candidate.load = 0.0;
                 continue;
             }
+            let keep = if gap1 < band && s1.normal != Vec3A::ZERO {
+                let normal = self.motion.rotation1 * s1.normal;
+                let keep = particles.rooms.keep(candidate.particle, self.number, normal, s1.distance, self.keep);
+                if keep < self.keep {
+                    // Squeezed, which is a load.
+                    candidate.load = candidate.load.max(0.25 * (self.keep - keep));
+                }
+                keep
+            } else {
+                self.keep
+            };
+            let gap1 = s1.distance - keep;
             let q0 = to_body0 * (x0 - self.motion.translation0);
             // What is known of the distance at the start without asking for it: at rest it is enough.
             let least = if COSTLY { (clear - (q0 - clear_at).length()).max(0.0) } else { 0.0 };
@@ -396,13 +416,13 @@ impl Setting<'_> {
                 let s0 = sample(q0, reach);
                 // Outside before; inside now, or far enough to have come out on the other side.
                 let crossed = s0.distance > 0.0 && (s1.distance < 0.0 || (q1 - q0).length() >= s0.distance + self.clip);
-                if crossed { sweep(&sample, (q0, s0), q1, self.keep) } else { None }
+                if crossed { sweep(&sample, (q0, s0), q1, keep) } else { None }
             } else {
                 None
             };
             let (end, plane) = match swept {
                 Some(swept) => (swept.end, swept.plane),
-                None if gap1 < band && s1.normal != Vec3A::ZERO => (q1, plane_at(q1, s1, self.keep)),
+                None if gap1 < band && s1.normal != Vec3A::ZERO => (q1, plane_at(q1, s1, keep)),
                 None => {
                     candidate.load = 0.0;
                     continue;

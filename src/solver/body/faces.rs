@@ -17,6 +17,8 @@
 //! apart), the normal it last had tells where it belongs: it is brought back along that, at the speed of particles that start inside. The
 //! shortest way out of a needle is sideways, and cloth with a needle in it cannot go there.
 //!
+//! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
+//!
 //! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field collision".
 
 use glam::{Vec3, Vec3A, Vec4};
@@ -31,6 +33,7 @@ use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::nearest::{Convex, Face, Near, at};
 use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
+use super::room::Rooms;
 use super::sweep::plane_at;
 use crate::solver::couple::Coupling;
 
@@ -83,6 +86,7 @@ pub struct FaceContacts {
     candidates_before: Vec<Candidate>,
     /// Boxes around faces, [`BLOCK`] at a time.
     blocks: Vec<(Vec3, Vec3)>,
+    rooms: Rooms,
     dt: f32,
 }
 
@@ -163,6 +167,7 @@ impl FaceContacts {
                 self.parts.push(Part { body: b, index, local, planes, candidates, radius });
             });
         }
+        self.rooms.begin(self.parts.len(), sheet.faces.len());
     }
 
     /// Lists the faces whose boxes meet a box.
@@ -213,7 +218,8 @@ impl FaceContacts {
     ) -> u32 {
         let h = (s1 - s0).max(0.0) * self.dt;
         let mut touches = 0;
-        for part in &self.parts {
+        self.rooms.advance();
+        for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
             };
@@ -233,6 +239,7 @@ impl FaceContacts {
                 part: Convex { geometry: Geometry::of(shape, planes), support: shape.as_support_map() },
                 motion,
                 radius: part.radius,
+                number,
                 keep: SHARE * (finite_or_zero(touch.thickness) + finite_or_zero(body.margin)),
                 recovery: RECOVERY_SPEED * h,
                 friction: Friction::between(
@@ -246,7 +253,8 @@ impl FaceContacts {
                 rigid.several = touches.count().max(1) as f32;
             }
             for candidate in candidates.iter_mut() {
-                let touched = setting.project(candidate, positions, previous, &mut rigid);
+                let mut state = State { candidate, positions, previous, rigid: &mut rigid };
+                let touched = setting.project(&mut state, &mut self.rooms);
                 touches += u32::from(touched);
                 if !touched {
                     candidate.load = 0.0;
@@ -295,6 +303,8 @@ struct Setting<'a> {
     part: Convex<'a>,
     motion: Motion,
     radius: f32,
+    /// Place of the part among the parts.
+    number: u32,
     keep: f32,
     recovery: f32,
     friction: Friction,
@@ -341,17 +351,12 @@ impl Setting<'_> {
         !passes && self.part.nearest(&way.to, towards).is_none_or(|near| near.sample.distance < self.keep)
     }
 
-    fn project(
-        &self,
-        candidate: &mut Candidate,
-        positions: &mut [Vec4],
-        previous: &mut [Vec4],
-        rigid: &mut Option<Yielding<'_>>,
-    ) -> bool {
-        let Some(mut way) = self.way(candidate.particles, positions, previous) else { return false };
+    /// Whether the face touched.
+    fn project(&self, state: &mut State<'_, '_>, rooms: &mut Rooms) -> bool {
+        let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
         let (passes, towards) = self.passes_by(&way);
         if passes {
-            candidate.side = towards.into();
+            state.candidate.side = towards.into();
             return false;
         }
         let nearest = |face: &Face| self.part.nearest(face, towards);
@@ -361,9 +366,12 @@ impl Setting<'_> {
             let foot = near.sample.normal.dot(near.point) - near.sample.distance;
             way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
         });
-        let mut state = State { candidate, positions, previous, rigid };
+        let keep = end.map_or(self.keep, |Near { sample, .. }| {
+            let normal = self.motion.rotation1 * sample.normal;
+            rooms.keep(state.candidate.face, self.number, normal, sample.distance, self.keep)
+        });
         if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
-            if let Some(touched) = self.stop(&nearest, &mut way, &mut state) {
+            if let Some(touched) = self.stop(&nearest, keep, &mut way, state) {
                 return touched;
             }
         } else if !clear {
@@ -371,29 +379,35 @@ impl Setting<'_> {
             let known = side != Vec3A::ZERO;
             // Where the nearest point lies on its own side it is pushed out from there.
             if known && end.is_none_or(|near| near.sample.normal.dot(side) <= 0.0) {
-                return self.bring_back(&nearest, side, &way, &mut state);
+                return self.bring_back(&nearest, side, &way, state);
             }
         }
         let Some(near) = end else { return false };
         if near.sample.distance > 0.0 {
             state.candidate.side = near.sample.normal.into();
         }
-        let gap = near.sample.distance - self.keep;
-        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * self.keep);
-        touches && self.push(&near, plane_at(near.point, near.sample, self.keep), &mut way, &mut state)
+        let gap = near.sample.distance - keep;
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
+        touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
     }
 
     /// Stops a face that starts outside where it touches, and lets it slide on from there. `None`: it touches nothing.
-    fn stop(&self, nearest: &impl Fn(&Face) -> Option<Near>, way: &mut Way, state: &mut State<'_, '_>) -> Option<bool> {
+    fn stop(
+        &self,
+        nearest: &impl Fn(&Face) -> Option<Near>,
+        keep: f32,
+        way: &mut Way,
+        state: &mut State<'_, '_>,
+    ) -> Option<bool> {
         let mut start = way.from;
         let mut touched = None;
         for _ in 0..SLIDES {
-            let Some((face, near)) = first_touch(nearest, &start, &way.to, self.keep) else { return touched };
+            let Some((face, near)) = first_touch(nearest, &start, &way.to, keep) else { return touched };
             state.candidate.side = near.sample.normal.into();
-            touched = Some(self.push(&near, plane_at(near.point, near.sample, self.keep), way, state));
+            touched = Some(self.push(&near, plane_at(near.point, near.sample, keep), way, state));
             start = face;
         }
-        if first_touch(nearest, &start, &way.to, self.keep).is_some() {
+        if first_touch(nearest, &start, &way.to, keep).is_some() {
             // Wedged: it stays at the last place known to be outside.
             for (i, &p) in state.candidate.particles.iter().enumerate() {
                 if way.masses[i] > 0.0

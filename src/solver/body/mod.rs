@@ -20,6 +20,7 @@ mod geometry;
 mod motion;
 mod nearest;
 mod respond;
+mod room;
 pub mod shape;
 mod sweep;
 #[cfg(test)]
