@@ -31,7 +31,7 @@ use super::contacts::Touch;
 use super::distance::Sample;
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
-use super::nearest::{Convex, Face, Near, at};
+use super::nearest::{Convex, Face, Near, at, to_point};
 use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::plane_at;
@@ -45,6 +45,10 @@ const SLIDES: u32 = 3;
 const BLOCK: usize = 16;
 /// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the distance kept.
 const DOUBLINGS: u32 = 8;
+/// Tangent planes that are tried before the nearest point is asked for.
+const PLANES: u32 = 4;
+/// How much nearer another point may be than the nearest, as a share of its distance (dimensionless).
+const EXACT: f32 = 0.02;
 /// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is not levered.
 const LEAST_MOBILITY: f32 = 0.05;
 /// Farthest corner that is looked at [m].
@@ -63,6 +67,9 @@ struct Candidate {
     share: f32,
     /// Normal of the part where the face was last outside, in its own space; zero: not known.
     side: Vec3,
+    /// Corners when a tangent plane was last found, in the part's own space [m], and how far they may go until one has to be looked for again [m].
+    corners: [Vec3; 3],
+    clear: f32,
 }
 
 /// One convex shape of a body, with the faces near it.
@@ -188,8 +195,7 @@ impl FaceContacts {
             for (&particles, face) in faces.iter().zip(first..) {
                 let free = particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
                 if free && meets(bounds(&[particles])) {
-                    let corner = particles[0];
-                    self.candidates.push(Candidate { face, corner, particles, load: 0.0, share: 0.0, side: Vec3::ZERO });
+                    self.candidates.push(Candidate::new(face, particles));
                 }
             }
         }
@@ -253,11 +259,14 @@ impl FaceContacts {
                 rigid.several = touches.count().max(1) as f32;
             }
             for candidate in candidates.iter_mut() {
+                if setting.is_clear(candidate, positions) {
+                    continue;
+                }
                 let mut state = State { candidate, positions, previous, rigid: &mut rigid };
                 let touched = setting.project(&mut state, &mut self.rooms);
                 touches += u32::from(touched);
                 if !touched {
-                    candidate.load = 0.0;
+                    state.candidate.load = 0.0;
                 }
             }
             if let Some(rigid) = rigid {
@@ -265,6 +274,21 @@ impl FaceContacts {
             }
         }
         touches
+    }
+}
+
+impl Candidate {
+    fn new(face: u32, particles: [u32; 3]) -> Self {
+        let (side, corners) = (Vec3::ZERO, [Vec3::ZERO; 3]);
+        Self { face, corner: particles[0], particles, load: 0.0, share: 0.0, side, corners, clear: f32::NEG_INFINITY }
+    }
+
+    /// Notes that the face is in front of the part, and that its corners may go as far as `clear` [m] from here.
+    fn pass_by(&mut self, normal: Vec3A, clear: f32, corners: &Face) {
+        if normal != Vec3A::ZERO {
+            self.side = normal.into();
+        }
+        (self.clear, self.corners) = (clear, corners.map(Vec3::from));
     }
 }
 
@@ -298,6 +322,16 @@ struct Way {
     masses: [f32; 3],
 }
 
+/// What tangent planes tell of a face.
+enum Pass {
+    /// It never met the part; a normal there, and its least height over the plane [m].
+    By(Vec3A, f32),
+    /// Its nearest point at the end.
+    Near(Near),
+    /// Nothing; about where it lies.
+    Unsure(Vec3A),
+}
+
 /// Everything that is the same for all faces near one part in one substep.
 struct Setting<'a> {
     part: Convex<'a>,
@@ -329,39 +363,77 @@ impl Setting<'_> {
         Some(way)
     }
 
-    /// The direction out of the part at the middle of a face, if its tangent plane there leaves the way of the face in front of it.
+    /// Whether no corner has got far enough to touch.
     #[inline]
-    fn passes_by(&self, way: &Way) -> (bool, Vec3A) {
+    fn is_clear(&self, candidate: &Candidate, positions: &[Vec4]) -> bool {
+        let room = candidate.clear;
+        room > 0.0
+            && candidate.particles.iter().zip(candidate.corners).all(|(&p, corner)| {
+                // False for what is not a number.
+                positions.get(p as usize).is_some_and(|x| {
+                    let q = self.motion.rotation1.transpose() * (Vec3A::from_vec4(*x) - self.motion.translation1);
+                    q.distance_squared(corner.into()) < room * room
+                })
+            })
+    }
+
+    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at where the face is nearest to
+    /// what was nearest to that, and so on.
+    #[inline]
+    fn pass(&self, way: &Way) -> Pass {
         let Way { from, to, .. } = way;
-        let middle = (to[0] + to[1] + to[2]) / 3.0;
-        let size = longest_way(to, &[middle; 3]);
-        let reach = size + longest_way(from, to) + self.keep;
-        let Sample { distance, normal } = self.part.geometry.sample(middle, reach);
-        if normal == Vec3A::ZERO {
-            return (distance >= reach, normal);
+        let mut weights = [1.0 / 3.0; 3];
+        let middle = at(to, &weights);
+        let reach = longest_way(to, &[middle; 3]) + longest_way(from, to) + self.keep;
+        let mut towards = Vec3A::ZERO;
+        for _ in 0..PLANES {
+            let point = at(to, &weights);
+            let sample = self.part.geometry.sample(point, reach);
+            let Sample { distance, normal } = sample;
+            if normal == Vec3A::ZERO {
+                return if distance >= reach { Pass::By(towards, f32::NEG_INFINITY) } else { Pass::Unsure(towards) };
+            }
+            towards = normal;
+            let foot = normal.dot(point) - distance;
+            let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
+            let least = height(to);
+            if least >= (1.0 + BAND) * self.keep && height(from) > 0.0 {
+                return Pass::By(normal, least);
+            }
+            if !(distance > 0.0) {
+                break;
+            }
+            // No point of the face can be nearer than its lowest corner is to the plane.
+            if least >= (1.0 - EXACT) * distance {
+                return Pass::Near(Near { weights, point, sample });
+            }
+            weights = to_point(to, point - normal * distance).0;
         }
-        let foot = normal.dot(middle) - distance;
-        let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
-        (height(to) >= (1.0 + BAND) * self.keep && height(from) > 0.0, normal)
+        Pass::Unsure(towards)
     }
 
     fn would_touch(&self, candidate: &Candidate, positions: &[Vec4], previous: &[Vec4]) -> bool {
         let Some(way) = self.way(candidate.particles, positions, previous) else { return false };
-        let (passes, towards) = self.passes_by(&way);
-        !passes && self.part.nearest(&way.to, towards).is_none_or(|near| near.sample.distance < self.keep)
+        match self.pass(&way) {
+            Pass::By(..) => false,
+            Pass::Near(near) => near.sample.distance < self.keep,
+            Pass::Unsure(towards) => self.part.nearest(&way.to, towards).is_none_or(|near| near.sample.distance < self.keep),
+        }
     }
 
     /// Whether the face touched.
     fn project(&self, state: &mut State<'_, '_>, rooms: &mut Rooms) -> bool {
         let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
-        let (passes, towards) = self.passes_by(&way);
-        if passes {
-            state.candidate.side = towards.into();
-            return false;
-        }
+        let (end, towards) = match self.pass(&way) {
+            Pass::By(normal, height) => {
+                state.candidate.pass_by(normal, height - self.keep, &way.to);
+                return false;
+            }
+            Pass::Near(near) => (Some(near), near.sample.normal),
+            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
+        };
         let nearest = |face: &Face| self.part.nearest(face, towards);
         let outside = |near: &Near| near.sample.distance > 0.0;
-        let end = nearest(&way.to);
         let clear = end.filter(outside).is_some_and(|near| {
             let foot = near.sample.normal.dot(near.point) - near.sample.distance;
             way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)

@@ -81,7 +81,7 @@ impl Convex<'_> {
 }
 
 /// Weights of the face's closest point to `p`, and its distance [m].
-fn to_point(face: &Face, p: Vec3A) -> ([f32; 3], f32) {
+pub(super) fn to_point(face: &Face, p: Vec3A) -> ([f32; 3], f32) {
     let points = [p, face[0], face[1], face[2]];
     let near = vertex_face([0, 1, 2, 3], |i| points[i as usize].into());
     let [_, a, b, c] = near.weights;
