@@ -17,17 +17,21 @@
 //! apart), the normal it last had tells where it belongs: it is brought back along that, at the speed of particles that start inside. The
 //! shortest way out of a needle is sideways, and cloth with a needle in it cannot go there.
 //!
+//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`Creases`]), each as a convex part of its own.
+//!
 //! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
 //!
 //! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field collision".
 
 use glam::{Vec3, Vec3A, Vec4};
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
 use parry3d::shape::{Shape, TypedShape};
 
 use super::Body;
 use super::advance::{first_touch, longest_way};
 use super::contacts::Touch;
+use super::creases::{self, Crease, Creases};
 use super::distance::Sample;
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
@@ -58,6 +62,8 @@ const FARTHEST: f32 = 1.0e6;
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     face: u32,
+    /// Which of the creases of a surface; of no meaning for a convex part.
+    crease: u32,
     /// Corner nearest to the touch.
     corner: u32,
     particles: [u32; 3],
@@ -72,7 +78,7 @@ struct Candidate {
     clear: f32,
 }
 
-/// One convex shape of a body, with the faces near it.
+/// One convex shape or surface of a body, with the faces near it.
 #[derive(Clone, Debug)]
 struct Part {
     body: u32,
@@ -89,8 +95,12 @@ pub struct FaceContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
+    /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.
+    creases: Vec<Crease>,
+    finder: Creases,
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
+    creases_before: Vec<Crease>,
     /// Boxes around faces, [`BLOCK`] at a time.
     blocks: Vec<(Vec3, Vec3)>,
     rooms: Rooms,
@@ -108,6 +118,19 @@ pub struct Sheet<'a> {
     pub positions: &'a [Vec4],
     /// Thickness of the fabric [m].
     pub thickness: f32,
+}
+
+impl Sheet<'_> {
+    /// Box around faces [m].
+    fn bounds(&self, faces: &[[u32; 3]]) -> (Vec3, Vec3) {
+        let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &p in faces.iter().flatten() {
+            if let Some(x) = self.positions.get(p as usize) {
+                bounds = (bounds.0.min(x.truncate()), bounds.1.max(x.truncate()));
+            }
+        }
+        bounds
+    }
 }
 
 impl FaceContacts {
@@ -130,10 +153,13 @@ impl FaceContacts {
     pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
         core::mem::swap(&mut self.parts, &mut self.parts_before);
         core::mem::swap(&mut self.candidates, &mut self.candidates_before);
+        core::mem::swap(&mut self.creases, &mut self.creases_before);
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
         self.blocks.clear();
+        self.creases.clear();
+        self.creases.push(Crease::default());
         self.dt = dt;
         let passes = dt > 0.0;
         if !passes {
@@ -152,10 +178,15 @@ impl FaceContacts {
                 let Some(local) = valid(local).filter(|_| is_fine(shape, sheet.longest_edge, keep)) else {
                     return;
                 };
-                let (swept, bulge, radius) = swept_box(shape, &(from * local), &(to * local));
-                let reach = Vec3::splat(way + off + keep + bulge);
+                let (from, to) = (from * local, to * local);
+                let (swept, bulge, radius) = swept_box(shape, &from, &to);
+                let reach = way + off + keep + bulge;
                 let first = self.candidates.len() as u32;
-                self.list(sheet, swept.mins - reach, swept.maxs + reach);
+                if shape.as_support_map().is_some() {
+                    self.list(sheet, 0, swept.mins - reach, swept.maxs + reach);
+                } else {
+                    self.list_creases(sheet, shape, (&from, &to), reach, keep);
+                }
                 let candidates = (first, self.candidates.len() as u32);
                 if candidates.1 == candidates.0 {
                     return;
@@ -164,7 +195,8 @@ impl FaceContacts {
                     known += 1;
                 }
                 if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
-                    remember(&self.candidates_before, before.candidates, &mut self.candidates[first as usize..]);
+                    let was = (&self.candidates_before[..], &self.creases_before[..]);
+                    remember(was, before.candidates, &mut self.candidates[first as usize..], &self.creases);
                 }
                 let first_plane = self.planes.len() as u32;
                 if let TypedShape::ConvexPolyhedron(polyhedron) = shape.as_typed_shape() {
@@ -177,16 +209,40 @@ impl FaceContacts {
         self.rooms.begin(self.parts.len(), sheet.faces.len());
     }
 
-    /// Lists the faces whose boxes meet a box.
-    fn list(&mut self, sheet: &Sheet<'_>, low: Vec3, high: Vec3) {
-        let corner = |p: u32| sheet.positions.get(p as usize).map_or(Vec3::NAN, |x| x.truncate());
-        let bounds = |faces: &[[u32; 3]]| {
-            let corners = faces.iter().flatten().map(|&p| corner(p));
-            corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-        };
-        if self.blocks.is_empty() {
-            self.blocks.extend(sheet.faces.chunks(BLOCK).map(bounds));
+    /// Lists the faces near the sharp edges of a surface that goes from one pose to another.
+    fn list_creases(&mut self, sheet: &Sheet<'_>, shape: &dyn Shape, (from, to): (&Pose, &Pose), reach: f32, keep: f32) {
+        self.fill_blocks(sheet);
+        let all = self.blocks.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), (c, d)| (a.min(*c), b.max(*d)));
+        if !(all.0.cmple(all.1).all() && all.0.is_finite() && all.1.is_finite()) {
+            return;
         }
+        let cloth = Aabb::new(all.0 - reach, all.1 + reach);
+        let near = cloth.transform_by(&from.inverse()).merged(&cloth.transform_by(&to.inverse()));
+        let flat = creases::flat(sheet.longest_edge, (1.0 - SHARE) * keep);
+        let first = self.creases.len();
+        match shape.as_typed_shape() {
+            TypedShape::TriMesh(mesh) => self.finder.of_mesh(mesh, &near, flat, &mut self.creases),
+            TypedShape::HeightField(field) => self.finder.of_heights(field, &near, flat, &mut self.creases),
+            _ => {}
+        }
+        for k in first..self.creases.len() {
+            let Crease { a, b } = self.creases[k];
+            let ends = [*from * a, *from * b, *to * a, *to * b];
+            let low = ends.into_iter().fold(Vec3::INFINITY, Vec3::min);
+            let high = ends.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);
+            self.list(sheet, k as u32, low - reach, high + reach);
+        }
+    }
+
+    fn fill_blocks(&mut self, sheet: &Sheet<'_>) {
+        if self.blocks.is_empty() {
+            self.blocks.extend(sheet.faces.chunks(BLOCK).map(|faces| sheet.bounds(faces)));
+        }
+    }
+
+    /// Lists the faces whose boxes meet a box.
+    fn list(&mut self, sheet: &Sheet<'_>, crease: u32, low: Vec3, high: Vec3) {
+        self.fill_blocks(sheet);
         let meets = |(a, b): (Vec3, Vec3)| a.cmple(high).all() && b.cmpge(low).all();
         for ((block, faces), first) in self.blocks.iter().zip(sheet.faces.chunks(BLOCK)).zip((0_u32..).step_by(BLOCK)) {
             if !meets(*block) {
@@ -194,8 +250,8 @@ impl FaceContacts {
             }
             for (&particles, face) in faces.iter().zip(first..) {
                 let free = particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
-                if free && meets(bounds(&[particles])) {
-                    self.candidates.push(Candidate::new(face, particles));
+                if free && meets(sheet.bounds(&[particles])) {
+                    self.candidates.push(Candidate::new(face, crease, particles));
                 }
             }
         }
@@ -241,8 +297,9 @@ impl FaceContacts {
             if let Some(slot) = &slot {
                 motion.follow(slot, part.radius);
             }
-            let setting = Setting {
-                part: Convex { geometry: Geometry::of(shape, planes), support: shape.as_support_map() },
+            let support = shape.as_support_map();
+            let mut setting = Setting {
+                part: Convex { geometry: Geometry::of(shape, planes), support },
                 motion,
                 radius: part.radius,
                 number,
@@ -255,10 +312,19 @@ impl FaceContacts {
             };
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
             if let Some(rigid) = rigid.as_mut().filter(|rigid| rigid.is_movable()) {
-                let touches = candidates.iter().filter(|c| setting.would_touch(c, positions, previous));
-                rigid.several = touches.count().max(1) as f32;
+                let mut several = 0_u32;
+                for candidate in &*candidates {
+                    if support.is_none() {
+                        setting.take(self.creases.get(candidate.crease as usize));
+                    }
+                    several += u32::from(setting.would_touch(candidate, positions, previous));
+                }
+                rigid.several = several.max(1) as f32;
             }
             for candidate in candidates.iter_mut() {
+                if support.is_none() {
+                    setting.take(self.creases.get(candidate.crease as usize));
+                }
                 if setting.is_clear(candidate, positions) {
                     continue;
                 }
@@ -278,9 +344,9 @@ impl FaceContacts {
 }
 
 impl Candidate {
-    fn new(face: u32, particles: [u32; 3]) -> Self {
+    fn new(face: u32, crease: u32, particles: [u32; 3]) -> Self {
         let (side, corners) = (Vec3::ZERO, [Vec3::ZERO; 3]);
-        Self { face, corner: particles[0], particles, load: 0.0, share: 0.0, side, corners, clear: f32::NEG_INFINITY }
+        Self { face, crease, corner: particles[0], particles, load: 0.0, share: 0.0, side, corners, clear: f32::NEG_INFINITY }
     }
 
     /// Notes that the face is in front of the part, and that its corners may go as far as `clear` [m] from here.
@@ -292,25 +358,33 @@ impl Candidate {
     }
 }
 
-/// Whether particles alone would let a convex shape through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
+/// Whether particles alone would let a shape through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
 fn is_fine(shape: &dyn Shape, edge: f32, keep: f32) -> bool {
     let radius = match shape.as_typed_shape() {
         TypedShape::HalfSpace(_) => return false,
         TypedShape::Ball(ball) => ball.radius,
         TypedShape::Capsule(capsule) => capsule.radius,
+        TypedShape::TriMesh(_) | TypedShape::HeightField(_) => 0.0,
         _ if shape.as_support_map().is_some() => 0.0,
         _ => return false,
     };
     edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep
 }
 
-/// Passes on what is known of faces that stay; both lists are in the order of faces.
-fn remember(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candidate]) {
+/// Passes on what is known of faces that stay; both lists are in the order of creases, then of faces.
+fn remember(
+    (before, creases_before): (&[Candidate], &[Crease]),
+    (first, end): (u32, u32),
+    now: &mut [Candidate],
+    creases: &[Crease],
+) {
+    let key = |c: &Candidate, creases: &[Crease]| (creases.get(c.crease as usize).map(Crease::key), c.face);
     let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().peekable();
     for candidate in now {
-        while before.next_if(|old| old.face < candidate.face).is_some() {}
-        if let Some(old) = before.next_if(|old| old.face == candidate.face) {
-            *candidate = Candidate { particles: candidate.particles, ..*old };
+        let wanted = key(candidate, creases);
+        while before.next_if(|old| key(old, creases_before) < wanted).is_some() {}
+        if let Some(old) = before.next_if(|old| key(old, creases_before) == wanted) {
+            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, ..*old };
         }
     }
 }
@@ -345,6 +419,15 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
+    /// Looks at a crease from now on: a capsule without radius.
+    fn take(&mut self, crease: Option<&Crease>) {
+        let Some(&Crease { a, b }) = crease else { return };
+        let ab = Vec3A::from(b - a);
+        let length2 = ab.length_squared();
+        let inverse_length2 = if length2 > 1.0e-20 { 1.0 / length2 } else { 0.0 };
+        self.part.geometry = Geometry::Capsule { a: a.into(), ab, inverse_length2, radius: 0.0 };
+    }
+
     /// `None` for corners that are left out or not numbers.
     #[inline]
     fn way(&self, particles: [u32; 3], positions: &[Vec4], previous: &[Vec4]) -> Option<Way> {

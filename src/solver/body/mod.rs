@@ -14,6 +14,7 @@
 
 mod advance;
 mod contacts;
+mod creases;
 mod distance;
 mod faces;
 mod geometry;
