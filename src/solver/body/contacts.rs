@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
-use parry3d::shape::TypedShape;
+use parry3d::shape::{Shape, TypedShape};
 
 use super::Body;
 use super::distance::{self, Sample};
@@ -11,9 +11,14 @@ use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
 use super::room::Rooms;
-use super::sweep::{plane_at, sweep};
+use super::sweep::{Swept, plane_at, sweep};
 use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
+
+/// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance kept (dimensionless): it was
+/// put where it is.
+const MOVED: f32 = 0.1;
+const TELEPORTED: f32 = 16.0;
 
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +75,8 @@ struct Part {
     local: Pose,
     planes: (u32, u32),
     candidates: (u32, u32),
+    /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side by.
+    places: Option<u32>,
     /// Farthest point of the part from its own origin [m]; infinite for a half-space.
     radius: f32,
 }
@@ -83,6 +90,9 @@ pub struct BodyContacts {
     /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
+    /// Where candidates of surfaces were when last projected, in the surface's own space [m]; not a number: not known.
+    places: Vec<Vec3>,
+    places_before: Vec<Vec3>,
     rooms: Rooms,
     dt: f32,
     way: f32,
@@ -126,6 +136,8 @@ impl BodyContacts {
     pub fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
         core::mem::swap(&mut self.parts, &mut self.parts_before);
         core::mem::swap(&mut self.candidates, &mut self.candidates_before);
+        core::mem::swap(&mut self.places, &mut self.places_before);
+        self.places.clear();
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
@@ -171,11 +183,25 @@ impl BodyContacts {
                     while self.parts_before.get(known).is_some_and(|p| (p.body, p.index) < (b, index)) {
                         known += 1;
                     }
-                    if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
+                    let before = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index));
+                    if let Some(before) = before {
                         keep_loads(&self.candidates_before, before.candidates, &mut self.candidates[first as usize..]);
                     }
                     let planes = (first_plane, self.planes.len() as u32);
-                    self.parts.push(Part { body: b, index, local, planes, candidates, radius });
+                    let places = is_two_sided(shape).then(|| {
+                        let first = self.places.len();
+                        self.places.resize(first + (candidates.1 - candidates.0) as usize, Vec3::NAN);
+                        first as u32
+                    });
+                    if let (Some(now), Some(before)) = (places, before)
+                        && let Some(was) = before.places
+                    {
+                        let was = self.places_before.get(was as usize..).unwrap_or(&[]);
+                        let before = self.candidates_before.get(before.candidates.0 as usize..before.candidates.1 as usize);
+                        let places = &mut self.places[now as usize..];
+                        keep_places(before.unwrap_or(&[]), was, &self.candidates[first as usize..], places);
+                    }
+                    self.parts.push(Part { body: b, index, local, planes, candidates, places, radius });
                 }
             });
         }
@@ -265,7 +291,8 @@ impl BodyContacts {
                     (touch.static_friction, touch.dynamic_friction),
                 ),
             };
-            let mut state = Particles { positions, previous, rooms: &mut self.rooms };
+            let places = part.places.and_then(|first| self.places.get_mut(first as usize..)).unwrap_or_default();
+            let mut state = Particles { positions, previous, places, rooms: &mut self.rooms };
             contacts += match geometry {
                 Geometry::Ball { radius } => setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius)),
                 Geometry::Capsule { a, ab, inverse_length2, radius } => {
@@ -317,10 +344,32 @@ fn keep_loads(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candida
     }
 }
 
+/// Passes on the last known places of particles that stay; both lists are in the order of particles.
+fn keep_places(before: &[Candidate], places_before: &[Vec3], now: &[Candidate], places: &mut [Vec3]) {
+    let mut before = before.iter().zip(places_before).peekable();
+    for (candidate, place) in now.iter().zip(places) {
+        while before.next_if(|(old, _)| old.particle < candidate.particle).is_some() {}
+        if let Some((_, was)) = before.next_if(|(old, _)| old.particle == candidate.particle) {
+            *place = *was;
+        }
+    }
+}
+
+/// Whether a shape is a surface that both sides of are outside.
+fn is_two_sided(shape: &dyn Shape) -> bool {
+    match shape.as_typed_shape() {
+        TypedShape::TriMesh(mesh) => mesh.pseudo_normals_if_oriented().is_none(),
+        TypedShape::HeightField(_) => true,
+        _ => false,
+    }
+}
+
 /// Positions at both ends of the substep.
 struct Particles<'a> {
     positions: &'a mut [Vec4],
     previous: &'a mut [Vec4],
+    /// Last known places, by candidate; empty but for surfaces.
+    places: &'a mut [Vec3],
     rooms: &'a mut Rooms,
 }
 
@@ -361,7 +410,7 @@ impl Setting<'_> {
             });
             rigid.several = touches.count().max(1) as f32;
         }
-        for candidate in candidates {
+        for (k, candidate) in candidates.iter_mut().enumerate() {
             let i = candidate.particle as usize;
             let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {
                 continue;
@@ -372,6 +421,11 @@ impl Setting<'_> {
             let way = (x1 - x0).length();
             let path_bound = way + self.motion.way;
             let q1 = to_body1 * (x1 - self.motion.translation1);
+            let place = if COSTLY { particles.places.get_mut(k) } else { None };
+            let last = place.as_ref().map_or(Vec3A::NAN, |place| Vec3A::from(**place));
+            if let Some(place) = place {
+                *place = q1.into();
+            }
             if COSTLY {
                 let off = (q1 - Vec3A::from(candidate.clear_at)).length();
                 // Every point of the path is within `path_bound` of its end.
@@ -410,6 +464,19 @@ impl Setting<'_> {
             };
             let gap1 = s1.distance - keep;
             let q0 = to_body0 * (x0 - self.motion.translation0);
+            if COSTLY && let Some(Swept { end, plane }) = self.strayed(&sample, last, q0, q1) {
+                // Without velocity into the surface.
+                let n = self.motion.rotation1 * plane.normal;
+                let by = self.motion.rotation1 * (end - q1);
+                let approach = n * n.dot(x1 - x0).min(0.0);
+                *position += by.extend(0.0);
+                *before += (by + approach).extend(0.0);
+                if let Some(place) = particles.places.get_mut(k) {
+                    *place = end.into();
+                }
+                contacts += 1;
+                continue;
+            }
             // What is known of the distance at the start without asking for it: at rest it is enough.
             let least = if COSTLY { (clear - (q0 - clear_at).length()).max(0.0) } else { 0.0 };
             let swept = if s1.distance < 0.0 || path_bound >= least + self.clip {
@@ -460,11 +527,31 @@ impl Setting<'_> {
             if silent != Vec3A::ZERO {
                 *before += silent.extend(0.0);
             }
+            if COSTLY && let Some(place) = particles.places.get_mut(k) {
+                *place = response.end.into();
+            }
         }
         if let Some(rigid) = self.rigid {
             rigid.finish();
         }
         contacts
+    }
+}
+
+impl Setting<'_> {
+    /// Where a particle belongs that was moved through a surface since it was last known at `last`: by cloth that pushes cloth, or by what takes tangles apart.
+    fn strayed(&self, sample: &impl Fn(Vec3A, f32) -> Sample, last: Vec3A, q0: Vec3A, q1: Vec3A) -> Option<Swept> {
+        let off = last.distance(q0);
+        // False for a place that is not known.
+        if !(off > MOVED * self.keep && off < TELEPORTED * self.keep) {
+            return None;
+        }
+        let from = (last, sample(last, self.keep + off));
+        if !(from.1.distance > 0.0 && off >= from.1.distance) {
+            return None;
+        }
+        sweep(sample, from, q0, MOVED * self.keep)?;
+        sweep(sample, from, q1, self.keep)
     }
 }
 
