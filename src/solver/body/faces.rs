@@ -36,13 +36,15 @@ use super::distance::Sample;
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::nearest::{Convex, Face, Near, at, to_point};
-use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
+use super::respond::{Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::plane_at;
 use crate::solver::couple::Coupling;
 
 /// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more faces have to be asked for.
 const SHARE: f32 = 0.5;
+/// Width of the band over that distance in which friction still acts, in units of it (dimensionless): what is pushed for one face lifts its neighbours.
+const RUB: f32 = 0.2;
 /// Touches along the way of a face in one substep.
 const SLIDES: u32 = 3;
 /// Faces whose boxes are looked at as one.
@@ -175,7 +177,8 @@ impl FaceContacts {
             let keep = thickness + finite_or_zero(body.margin);
             let off = if body.rigid.is_some() { way } else { 0.0 };
             geometry::for_each_part(&*body.shape.0, |index, local, shape| {
-                let Some(local) = valid(local).filter(|_| is_fine(shape, sheet.longest_edge, keep)) else {
+                let Some(local) = valid(local).filter(|_| is_fine(shape, sheet.longest_edge, keep, body.rigid.is_some()))
+                else {
                     return;
                 };
                 let (from, to) = (from * local, to * local);
@@ -311,16 +314,6 @@ impl FaceContacts {
                 ),
             };
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
-            if let Some(rigid) = rigid.as_mut().filter(|rigid| rigid.is_movable()) {
-                let mut several = 0_u32;
-                for candidate in &*candidates {
-                    if support.is_none() {
-                        setting.take(self.creases.get(candidate.crease as usize));
-                    }
-                    several += u32::from(setting.would_touch(candidate, positions, previous));
-                }
-                rigid.several = several.max(1) as f32;
-            }
             for candidate in candidates.iter_mut() {
                 if support.is_none() {
                     setting.take(self.creases.get(candidate.crease as usize));
@@ -333,10 +326,9 @@ impl FaceContacts {
                 touches += u32::from(touched);
                 if !touched {
                     state.candidate.load = 0.0;
+                } else if let Some(rigid) = &rigid {
+                    setting.motion.follow(rigid.slot, part.radius);
                 }
-            }
-            if let Some(rigid) = rigid {
-                rigid.finish();
             }
         }
         touches
@@ -359,7 +351,7 @@ impl Candidate {
 }
 
 /// Whether particles alone would let a shape through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
-fn is_fine(shape: &dyn Shape, edge: f32, keep: f32) -> bool {
+fn is_fine(shape: &dyn Shape, edge: f32, keep: f32, yields: bool) -> bool {
     let radius = match shape.as_typed_shape() {
         TypedShape::HalfSpace(_) => return false,
         TypedShape::Ball(ball) => ball.radius,
@@ -368,7 +360,8 @@ fn is_fine(shape: &dyn Shape, edge: f32, keep: f32) -> bool {
         _ if shape.as_support_map().is_some() => 0.0,
         _ => return false,
     };
-    edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep
+    // One that cloth moves would not come to rest on faces: only what is smaller than they are.
+    edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep && (!yields || edge > radius)
 }
 
 /// Passes on what is known of faces that stay; both lists are in the order of creases, then of faces.
@@ -480,7 +473,7 @@ impl Setting<'_> {
             let foot = normal.dot(point) - distance;
             let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
             let least = height(to);
-            if least >= (1.0 + BAND) * self.keep && height(from) > 0.0 {
+            if least >= (1.0 + RUB) * self.keep && height(from) > 0.0 {
                 return Pass::By(normal, least);
             }
             if !(distance > 0.0) {
@@ -493,15 +486,6 @@ impl Setting<'_> {
             weights = to_point(to, point - normal * distance).0;
         }
         Pass::Unsure(towards)
-    }
-
-    fn would_touch(&self, candidate: &Candidate, positions: &[Vec4], previous: &[Vec4]) -> bool {
-        let Some(way) = self.way(candidate.particles, positions, previous) else { return false };
-        match self.pass(&way) {
-            Pass::By(..) => false,
-            Pass::Near(near) => near.sample.distance < self.keep,
-            Pass::Unsure(towards) => self.part.nearest(&way.to, towards).is_none_or(|near| near.sample.distance < self.keep),
-        }
     }
 
     /// Whether the face touched.
@@ -542,7 +526,7 @@ impl Setting<'_> {
             state.candidate.side = near.sample.normal.into();
         }
         let gap = near.sample.distance - keep;
-        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < RUB * keep);
         touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
     }
 
@@ -621,7 +605,9 @@ impl Setting<'_> {
         if let Some(rigid) = rigid
             && by != Vec3A::ZERO
         {
+            // Faces share particles: one after the other, and the body moves with each.
             (by, silent) = rigid.split(mobility, place(response.end), by, silent);
+            rigid.give_now();
         }
         candidate.load = response.load;
         let mut most = 0.0;

@@ -81,9 +81,15 @@ impl<'a> Yielding<'a> {
     }
 
     /// Gives the body what all contacts had for it.
-    pub(super) fn finish(self) {
-        if self.gain.is_some() {
-            self.slot.give(&self.gain, self.h);
+    pub(super) fn finish(mut self) {
+        self.give_now();
+    }
+
+    /// Gives the body what it has so far, and begins anew.
+    pub(super) fn give_now(&mut self) {
+        let gain = core::mem::take(&mut self.gain);
+        if gain.is_some() {
+            self.slot.give(&gain, self.h);
         }
     }
 
