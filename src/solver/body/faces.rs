@@ -552,8 +552,15 @@ impl Setting<'_> {
                 if way.masses[i] > 0.0
                     && let Some(x) = state.positions.get_mut(p as usize)
                 {
-                    *x += (self.motion.rotation1 * (start[i] - way.to[i])).extend(0.0);
+                    let by = self.motion.rotation1 * (start[i] - way.to[i]);
+                    *x += by.extend(0.0);
+                    if let Some(rigid) = &mut *state.rigid {
+                        rigid.react(Vec3A::from_vec4(*x), by / way.masses[i]);
+                    }
                 }
+            }
+            if let Some(rigid) = &mut *state.rigid {
+                rigid.give_now();
             }
         }
         touched

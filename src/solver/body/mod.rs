@@ -2,9 +2,11 @@
 //!
 //! ```text
 //!  frame:    gather                 every body and every particle that could meet this frame (swept boxes)
+//!            faces                  for bodies finer than the mesh: its faces that could meet them too
 //!  substep:  project   sample  ->   signed distance and normal of the shape, in the body's own space
 //!                      sweep   ->   only when the particle could have crossed: first touch along its path
 //!                      respond ->   push out, friction, recovery without velocity
+//!            faces     nearest ->   the same for the nearest point of a face, shared out to its particles
 //! ```
 //!
 //! All geometry happens in the space of the body. A particle goes from `q0 = X(s0)⁻¹ x_previous` to

@@ -85,6 +85,11 @@ impl<'a> Yielding<'a> {
         self.give_now();
     }
 
+    /// Takes what moved mass at `at` [m], which the body did not yield to: `by` is mass times way [kg m].
+    pub(super) fn react(&mut self, at: Vec3A, by: Vec3A) {
+        self.gain.add(self.slot.arm(at.into(), self.s), -Vec3::from(by), Vec3::ZERO);
+    }
+
     /// Gives the body what it has so far, and begins anew.
     pub(super) fn give_now(&mut self) {
         let gain = core::mem::take(&mut self.gain);
