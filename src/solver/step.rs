@@ -100,9 +100,10 @@ impl Scratch {
         &mut self.pulls
     }
 
-    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep, by body.
+    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep: of particles, by body, then of faces, by body, each as
+    /// if its nearest corner bore it alone.
     pub fn touches(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
-        self.contacts.loads()
+        self.contacts.loads().chain(self.faces.loads())
     }
 
     /// Particles that touched a body in the last substep.
@@ -119,7 +120,7 @@ impl Scratch {
     /// Particles that touched a body in the last substep, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
     /// `C` the mean push of a substep `h`. What other cloth lies on them is not in it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
-        self.contacts.loads().filter_map(|(_, p, load)| {
+        self.touches().filter_map(|(_, p, load)| {
             let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
             force.is_finite().then_some((p, force))
         })

@@ -36,15 +36,13 @@ use super::distance::Sample;
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::nearest::{Convex, Face, Near, at, to_point};
-use super::respond::{Friction, Plane, RECOVERY_SPEED, respond};
+use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::plane_at;
 use crate::solver::couple::Coupling;
 
 /// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more faces have to be asked for.
 const SHARE: f32 = 0.5;
-/// Width of the band over that distance in which friction still acts, in units of it (dimensionless): what is pushed for one face lifts its neighbours.
-const RUB: f32 = 0.2;
 /// Touches along the way of a face in one substep.
 const SLIDES: u32 = 3;
 /// Faces whose boxes are looked at as one.
@@ -473,7 +471,7 @@ impl Setting<'_> {
             let foot = normal.dot(point) - distance;
             let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
             let least = height(to);
-            if least >= (1.0 + RUB) * self.keep && height(from) > 0.0 {
+            if least >= (1.0 + BAND) * self.keep && height(from) > 0.0 {
                 return Pass::By(normal, least);
             }
             if !(distance > 0.0) {
@@ -526,7 +524,7 @@ impl Setting<'_> {
             state.candidate.side = near.sample.normal.into();
         }
         let gap = near.sample.distance - keep;
-        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < RUB * keep);
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
         touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
     }
 
