@@ -55,6 +55,8 @@ const PLANES: u32 = 4;
 const EXACT: f32 = 0.02;
 /// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is not levered.
 const LEAST_MOBILITY: f32 = 0.05;
+/// Least weight of every corner of a face that is touched within (dimensionless).
+const WITHIN: f32 = 0.02;
 /// Farthest corner that is looked at [m].
 const FARTHEST: f32 = 1.0e6;
 
@@ -73,6 +75,8 @@ struct Candidate {
     share: f32,
     /// Normal of the part where the face was last outside, in its own space; zero: not known.
     side: Vec3,
+    /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
+    over: f32,
     /// Corners when a tangent plane was last found, in the part's own space [m], and how far they may go until one has to be looked for again [m].
     corners: [Vec3; 3],
     clear: f32,
@@ -336,7 +340,26 @@ impl FaceContacts {
 impl Candidate {
     fn new(face: u32, crease: u32, particles: [u32; 3]) -> Self {
         let (side, corners) = (Vec3::ZERO, [Vec3::ZERO; 3]);
-        Self { face, crease, corner: particles[0], particles, load: 0.0, share: 0.0, side, corners, clear: f32::NEG_INFINITY }
+        Self {
+            face,
+            crease,
+            corner: particles[0],
+            particles,
+            load: 0.0,
+            share: 0.0,
+            side,
+            over: 0.0,
+            corners,
+            clear: f32::NEG_INFINITY,
+        }
+    }
+
+    /// Notes where the face is outside.
+    fn lies(&mut self, near: &Near, face: &Face) {
+        self.side = near.sample.normal.into();
+        if near.weights.iter().all(|w| *w > WITHIN) {
+            self.over = near.sample.normal.dot(normal(face)).signum();
+        }
     }
 
     /// Notes that the face is in front of the part, and that its corners may go as far as `clear` [m] from here.
@@ -344,6 +367,7 @@ impl Candidate {
         if normal != Vec3A::ZERO {
             self.side = normal.into();
         }
+        self.over = 0.0;
         (self.clear, self.corners) = (clear, corners.map(Vec3::from));
     }
 }
@@ -378,6 +402,11 @@ fn remember(
             *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, ..*old };
         }
     }
+}
+
+/// Unit normal; zero without area.
+fn normal(face: &Face) -> Vec3A {
+    (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero()
 }
 
 /// Corners at both ends of the substep, in the part's own space [m], and inverse masses [1/kg].
@@ -512,7 +541,9 @@ impl Setting<'_> {
                 return touched;
             }
         } else if !clear {
-            let side = Vec3A::from(state.candidate.side);
+            // What went into it within goes out through it, however it lies now.
+            let Candidate { side, over, .. } = *state.candidate;
+            let side = if over == 0.0 { Vec3A::from(side) } else { normal(&way.to) * over };
             let known = side != Vec3A::ZERO;
             // Where the nearest point lies on its own side it is pushed out from there.
             if known && end.is_none_or(|near| near.sample.normal.dot(side) <= 0.0) {
@@ -521,7 +552,7 @@ impl Setting<'_> {
         }
         let Some(near) = end else { return false };
         if near.sample.distance > 0.0 {
-            state.candidate.side = near.sample.normal.into();
+            state.candidate.lies(&near, &way.to);
         }
         let gap = near.sample.distance - keep;
         let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
@@ -540,7 +571,7 @@ impl Setting<'_> {
         let mut touched = None;
         for _ in 0..SLIDES {
             let Some((face, near)) = first_touch(nearest, &start, &way.to, keep) else { return touched };
-            state.candidate.side = near.sample.normal.into();
+            state.candidate.lies(&near, &face);
             touched = Some(self.push(&near, plane_at(near.point, near.sample, keep), way, state));
             start = face;
         }
@@ -570,9 +601,11 @@ impl Setting<'_> {
         for _ in 0..DOUBLINGS {
             let before = way.to.map(|x| x + side * off);
             if nearest(&before).is_some_and(|near| near.sample.distance > 0.0 && near.sample.normal.dot(side) > 0.0) {
-                return first_touch(nearest, &before, &way.to, self.keep).is_some_and(|(_, near)| {
+                return first_touch(nearest, &before, &way.to, self.keep).is_some_and(|(face, near)| {
                     let mut way = Way { ..*way };
-                    self.push(&near, plane_at(near.point, near.sample, self.keep), &mut way, state)
+                    // Back the way it came, not off the surface: it may be steep.
+                    let plane = Plane { normal: side, offset: side.dot(at(&face, &near.weights)) };
+                    self.push(&near, plane, &mut way, state)
                 });
             }
             off *= 2.0;
