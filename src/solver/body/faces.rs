@@ -543,10 +543,12 @@ impl Setting<'_> {
         } else if !clear {
             // What went into it within goes out through it, however it lies now.
             let Candidate { side, over, .. } = *state.candidate;
-            let side = if over == 0.0 { Vec3A::from(side) } else { normal(&way.to) * over };
+            let within = end.is_none() && over != 0.0;
+            let side = if within { normal(&way.to) * over } else { Vec3A::from(side) };
             let known = side != Vec3A::ZERO;
-            // Where the nearest point lies on its own side it is pushed out from there.
-            if known && end.is_none_or(|near| near.sample.normal.dot(side) <= 0.0) {
+            // Where the nearest point lies on its own side it is pushed out from there, and from round parts wherever it lies.
+            let is_round = matches!(self.part.geometry, Geometry::Ball { .. } | Geometry::Capsule { .. });
+            if known && end.is_none_or(|near| !is_round && near.sample.normal.dot(side) <= 0.0) {
                 return self.bring_back(&nearest, side, &way, state);
             }
         }
