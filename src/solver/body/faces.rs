@@ -91,6 +91,8 @@ struct Part {
     planes: (u32, u32),
     candidates: (u32, u32),
     radius: f32,
+    /// Whether it could go through a face, being smaller.
+    pierces: bool,
 }
 
 /// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
@@ -179,7 +181,8 @@ impl FaceContacts {
             let keep = thickness + finite_or_zero(body.margin);
             let off = if body.rigid.is_some() { way } else { 0.0 };
             geometry::for_each_part(&*body.shape.0, |index, local, shape| {
-                let Some(local) = valid(local).filter(|_| is_fine(shape, sheet.longest_edge, keep, body.rigid.is_some()))
+                let Some(local) =
+                    valid(local).filter(|_| is_fine(smallest_radius(shape), sheet.longest_edge, keep, body.rigid.is_some()))
                 else {
                     return;
                 };
@@ -208,7 +211,8 @@ impl FaceContacts {
                     geometry::hull_planes(polyhedron, &mut self.planes);
                 }
                 let planes = (first_plane, self.planes.len() as u32);
-                self.parts.push(Part { body: b, index, local, planes, candidates, radius });
+                let pierces = smallest_radius(shape) < sheet.longest_edge;
+                self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
             });
         }
         self.rooms.begin(self.parts.len(), sheet.faces.len());
@@ -307,6 +311,7 @@ impl FaceContacts {
                 part: Convex { geometry: Geometry::of(shape, planes), support },
                 motion,
                 radius: part.radius,
+                pierces: part.pierces,
                 number,
                 keep: SHARE * (finite_or_zero(touch.thickness) + finite_or_zero(body.margin)),
                 recovery: RECOVERY_SPEED * h,
@@ -372,16 +377,20 @@ impl Candidate {
     }
 }
 
-/// Whether particles alone would let a shape through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
-fn is_fine(shape: &dyn Shape, edge: f32, keep: f32, yields: bool) -> bool {
-    let radius = match shape.as_typed_shape() {
-        TypedShape::HalfSpace(_) => return false,
+/// Smallest radius of curvature of a shape [m]; infinite for those that faces are not looked at for.
+fn smallest_radius(shape: &dyn Shape) -> f32 {
+    match shape.as_typed_shape() {
+        TypedShape::HalfSpace(_) => f32::INFINITY,
         TypedShape::Ball(ball) => ball.radius,
         TypedShape::Capsule(capsule) => capsule.radius,
         TypedShape::TriMesh(_) | TypedShape::HeightField(_) => 0.0,
         _ if shape.as_support_map().is_some() => 0.0,
-        _ => return false,
-    };
+        _ => f32::INFINITY,
+    }
+}
+
+/// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
+fn is_fine(radius: f32, edge: f32, keep: f32, yields: bool) -> bool {
     // One that cloth moves would not come to rest on faces: only what is smaller than they are.
     edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep && (!yields || edge > radius)
 }
@@ -431,6 +440,7 @@ struct Setting<'a> {
     part: Convex<'a>,
     motion: Motion,
     radius: f32,
+    pierces: bool,
     /// Place of the part among the parts.
     number: u32,
     keep: f32,
@@ -577,8 +587,8 @@ impl Setting<'_> {
             touched = Some(self.push(&near, plane_at(near.point, near.sample, keep), way, state));
             start = face;
         }
-        if first_touch(nearest, &start, &way.to, keep).is_some() {
-            // Wedged: it stays at the last place known to be outside.
+        if self.pierces && first_touch(nearest, &start, &way.to, keep).is_some() {
+            // Wedged: it stays at the last place known to be outside. What is rounder than that gets no farther than particles let it.
             for (i, &p) in state.candidate.particles.iter().enumerate() {
                 if way.masses[i] > 0.0
                     && let Some(x) = state.positions.get_mut(p as usize)
