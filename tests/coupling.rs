@@ -143,6 +143,19 @@ fn momentum(cloth: &SceneCloth) -> (f32, Vec3, Vec3) {
     sum
 }
 
+/// Faces straight above a point.
+fn faces_over(cloth: &SceneCloth, p: Vec3) -> usize {
+    let above = |face: &&[u32; 3]| {
+        let x = face.map(|v| (cloth.state.positions[v as usize].truncate() - p).as_dvec3());
+        // Twice the areas, seen from above, of the triangles that the point makes with the sides.
+        let area = |i: usize, j: usize| x[i].x * x[j].z - x[i].z * x[j].x;
+        let areas = [area(1, 2), area(2, 0), area(0, 1)];
+        let around = areas.iter().all(|a| *a > 0.0) || areas.iter().all(|a| *a < 0.0);
+        around && areas.iter().zip(x).map(|(a, x)| a * x.y).sum::<f64>() / areas.iter().sum::<f64>() > 0.0
+    };
+    cloth.rest.topology.faces.iter().filter(above).count()
+}
+
 fn weight_of(cloth: &SceneCloth) -> f32 {
     cloth.fabric.density * cloth.rest.areas.iter().sum::<f32>() * G
 }
@@ -195,6 +208,29 @@ fn a_ball_that_flies_into_a_free_sheet_keeps_the_momentum_of_both() {
         assert!(ball.velocity.y > -3.99, "the ball of {mass} kg met nothing");
         assert!(linear < 0.01, "momentum of {mass} kg and cloth is off by {linear}");
         assert!(angular < 0.01, "angular momentum of {mass} kg and cloth is off by {angular}");
+    }
+}
+
+#[test]
+fn a_ball_smaller_than_a_face_is_caught_between_particles_and_momentum_is_kept() {
+    let still = Fabric { drag: 0.0, damping: 0.0, ..fabric() };
+    for (mass, speed) in [(0.002, 1.0), (0.02, 1.0), (0.02, 10.0)] {
+        let n = 20;
+        let edge = 1.0 / (n - 1) as f32;
+        let mut cloth = sheet(n, 1.0, Vec3::ZERO, still.clone(), |_, _| false);
+        let at = Vec3::new(0.3 * edge, 0.05, 0.3 * edge);
+        let mut ball = Ball { gravity: 0.0, velocity: Vec3::NEG_Y * speed, ..Ball::new(mass, 0.4 * edge, at) };
+        let total = |cloth: &SceneCloth, ball: &Ball| momentum(cloth).1 + ball.velocity * ball.mass;
+        let before = total(&cloth, &ball);
+        for f in 0..30 {
+            frame(&mut cloth, Some(&mut ball), &[], &[], Vec3::ZERO);
+            // Later the sheet may fold over it.
+            let over = if f < 6 { faces_over(&cloth, ball.at) } else { 0 };
+            assert_eq!(over, 0, "{mass} kg at {speed} m/s: faces over the ball at {}", ball.at);
+        }
+        assert!(ball.velocity.y > -0.99 * speed, "{mass} kg at {speed} m/s met nothing: {}", ball.velocity);
+        let lost = total(&cloth, &ball).distance(before) / before.length();
+        assert!(lost < 0.01, "{mass} kg at {speed} m/s: momentum is off by {lost}");
     }
 }
 

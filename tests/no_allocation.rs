@@ -36,7 +36,8 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
     use bevy_drape::scenes::{self, Tangle};
-    for (name, scene) in [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))] {
+    let bodies = [("needles", scenes::needles(20)), ("funnel", scenes::funnel(20))];
+    for (name, scene) in [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))].into_iter().chain(bodies) {
         let mut scene = scene.untangled(Default::default(), Default::default(), true).expect("a few cloths");
         for _ in 0..240 {
             scene.step(1.0 / 60.0);

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::body::{Approach, Body, BodyContacts, Touch};
+use super::body::{Approach, Body, BodyContacts, FaceContacts, Sheet, Touch};
 use super::couple::{Coupling, Pull};
 use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::rest::RestShape;
@@ -72,6 +72,9 @@ pub struct Scratch {
     overlong: spring::Overlong,
     tight: spring::Tight,
     contacts: BodyContacts,
+    faces: FaceContacts,
+    /// Longest edge at rest [m].
+    longest_edge: f32,
     coupling: Coupling,
     wind: WindForces,
     pulls: pull::Pulls,
@@ -98,9 +101,10 @@ impl Scratch {
         &mut self.pulls
     }
 
-    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep, by body.
+    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep: of particles, by body, then of faces, by body, each as
+    /// if its nearest corner bore it alone.
     pub fn touches(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
-        self.contacts.loads()
+        self.contacts.loads().chain(self.faces.loads())
     }
 
     /// Particles that touched a body in the last substep.
@@ -117,7 +121,7 @@ impl Scratch {
     /// Particles that touched a body in the last substep, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
     /// `C` the mean push of a substep `h`. What other cloth lies on them is not in it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
-        self.contacts.loads().filter_map(|(_, p, load)| {
+        self.touches().filter_map(|(_, p, load)| {
             let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
             force.is_finite().then_some((p, force))
         })
@@ -225,6 +229,9 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
         scratch.leash = leash::Leash::new(rest, &rigid);
         scratch.rigid = rigid;
     }
+    let longest =
+        |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
+    scratch.longest_edge = rest.topology.edges.iter().fold(0.0, longest).sqrt();
     scratch.factors_for = 0.0;
 }
 
@@ -328,6 +335,13 @@ impl Stepped<'_> {
             extra: anchors.longest_way() + input.wind.fastest() * dt,
         };
         scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+        let sheet = Sheet {
+            faces: &rest.topology.faces,
+            longest_edge: scratch.longest_edge,
+            positions: &state.positions,
+            thickness: fabric.thickness,
+        };
+        scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
@@ -340,6 +354,7 @@ impl Stepped<'_> {
         }
         scratch.coupling.begin(dt, anchors, &state.positions);
         scratch.contacts.leave_out(scratch.coupling.welded(anchors));
+        scratch.faces.leave_out(scratch.coupling.welded(anchors));
         scratch.frame = Some(Frame {
             dt,
             h,
@@ -414,6 +429,7 @@ impl Stepped<'_> {
         let touch = Touch::of(self.fabric);
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
         frame.report.body_contacts = scratch.contacts.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
     }
 
     /// Ends the frame; nothing when none was begun.
@@ -487,6 +503,7 @@ fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut Cloth
     }
     let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
     scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
+    scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }

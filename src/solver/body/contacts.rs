@@ -1,17 +1,24 @@
 //! Which particles may meet which body in this frame, and their contacts in each substep.
 
-use glam::{Mat3A, Quat, Vec3, Vec3A, Vec4};
-use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use glam::{Vec3, Vec3A, Vec4};
+use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
-use parry3d::shape::TypedShape;
+use parry3d::shape::{Shape, TypedShape};
 
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
+use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
-use super::sweep::{plane_at, sweep};
-use crate::solver::couple::{Coupling, Gain, Slot};
+use super::room::Rooms;
+use super::sweep::{Swept, plane_at, sweep};
+use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
+
+/// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance kept (dimensionless): it was
+/// put where it is.
+const MOVED: f32 = 0.1;
+const TELEPORTED: f32 = 16.0;
 
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +75,8 @@ struct Part {
     local: Pose,
     planes: (u32, u32),
     candidates: (u32, u32),
+    /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side by.
+    places: Option<u32>,
     /// Farthest point of the part from its own origin [m]; infinite for a half-space.
     radius: f32,
 }
@@ -81,7 +90,12 @@ pub struct BodyContacts {
     /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
+    /// Where candidates of surfaces were when last projected, in the surface's own space [m]; not a number: not known.
+    places: Vec<Vec3>,
+    places_before: Vec<Vec3>,
+    rooms: Rooms,
     dt: f32,
+    way: f32,
 }
 
 impl BodyContacts {
@@ -104,6 +118,11 @@ impl BodyContacts {
         })
     }
 
+    /// Bound on how far a particle can get in this frame by itself [m], as of the last [`Self::gather`] that had bodies.
+    pub(crate) fn way(&self) -> f32 {
+        self.way
+    }
+
     #[cfg(test)]
     pub(super) fn capacities(&self) -> [usize; 3] {
         [self.parts.capacity(), self.planes.capacity(), self.candidates.capacity()]
@@ -117,6 +136,8 @@ impl BodyContacts {
     pub fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
         core::mem::swap(&mut self.parts, &mut self.parts_before);
         core::mem::swap(&mut self.candidates, &mut self.candidates_before);
+        core::mem::swap(&mut self.places, &mut self.places_before);
+        self.places.clear();
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
@@ -127,7 +148,8 @@ impl BodyContacts {
             return;
         }
         let thickness = finite_or_zero(approach.thickness);
-        let way = farthest_way(positions, previous, approach) + farthest_push(bodies) + 2.0 * thickness;
+        self.way = farthest_way(positions, previous, approach);
+        let way = self.way + farthest_push(bodies) + 2.0 * thickness;
         for (b, body) in (0_u32..).zip(bodies) {
             let (Some(from), Some(to)) = (valid(body.from), valid(body.to)) else {
                 continue;
@@ -151,12 +173,9 @@ impl BodyContacts {
                         if let TypedShape::ConvexPolyhedron(polyhedron) = typed {
                             geometry::hull_planes(polyhedron, &mut self.planes);
                         }
-                        let local_box = shape.compute_local_aabb();
-                        radius = local_box.mins.abs().max(local_box.maxs.abs()).length();
-                        // Between its two poses a turning shape bulges out of both boxes, by less than r θ² / 8.
-                        let turn = chord(from.rotation, to.rotation);
-                        let swept = shape.compute_aabb(&from).merged(&shape.compute_aabb(&to));
-                        self.gather_box(&swept, reach + 0.125 * turn * turn * radius, positions);
+                        let (swept, bulge, far) = swept_box(shape, &from, &to);
+                        radius = far;
+                        self.gather_box(&swept, reach + bulge, positions);
                     }
                 }
                 let candidates = (first, self.candidates.len() as u32);
@@ -164,14 +183,29 @@ impl BodyContacts {
                     while self.parts_before.get(known).is_some_and(|p| (p.body, p.index) < (b, index)) {
                         known += 1;
                     }
-                    if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
+                    let before = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index));
+                    if let Some(before) = before {
                         keep_loads(&self.candidates_before, before.candidates, &mut self.candidates[first as usize..]);
                     }
                     let planes = (first_plane, self.planes.len() as u32);
-                    self.parts.push(Part { body: b, index, local, planes, candidates, radius });
+                    let places = is_two_sided(shape).then(|| {
+                        let first = self.places.len();
+                        self.places.resize(first + (candidates.1 - candidates.0) as usize, Vec3::NAN);
+                        first as u32
+                    });
+                    if let (Some(now), Some(before)) = (places, before)
+                        && let Some(was) = before.places
+                    {
+                        let was = self.places_before.get(was as usize..).unwrap_or(&[]);
+                        let before = self.candidates_before.get(before.candidates.0 as usize..before.candidates.1 as usize);
+                        let places = &mut self.places[now as usize..];
+                        keep_places(before.unwrap_or(&[]), was, &self.candidates[first as usize..], places);
+                    }
+                    self.parts.push(Part { body: b, index, local, planes, candidates, places, radius });
                 }
             });
         }
+        self.rooms.begin(self.parts.len(), positions.len());
     }
 
     /// Takes out particles that are pinned to bodies, sorted or not.
@@ -226,7 +260,8 @@ impl BodyContacts {
         let h = (s1 - s0).max(0.0) * self.dt;
         let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
-        for part in &self.parts {
+        self.rooms.advance();
+        for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
             };
@@ -236,7 +271,7 @@ impl BodyContacts {
             let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
             let geometry = Geometry::of(shape, planes);
             let slot = body.rigid.and_then(|slot| coupling.slot_mut(slot));
-            let mut motion = Motion::new(body, part, s0, s1);
+            let mut motion = Motion::new(body, part.local, part.radius, s0, s1);
             if let Some(slot) = &slot {
                 motion.follow(slot, part.radius);
             }
@@ -246,8 +281,9 @@ impl BodyContacts {
             let keep = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
             let setting = Setting {
                 motion,
-                rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding { slot, s: s1, h, several: 1.0, gain: Gain::default() }),
+                rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h)),
                 keep,
+                number,
                 clip: geometry.inner_radius().min(0.5 * keep),
                 recovery,
                 friction: Friction::between(
@@ -255,7 +291,8 @@ impl BodyContacts {
                     (touch.static_friction, touch.dynamic_friction),
                 ),
             };
-            let mut state = Particles { positions, previous };
+            let places = part.places.and_then(|first| self.places.get_mut(first as usize..)).unwrap_or_default();
+            let mut state = Particles { positions, previous, places, rooms: &mut self.rooms };
             contacts += match geometry {
                 Geometry::Ball { radius } => setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius)),
                 Geometry::Capsule { a, ab, inverse_length2, radius } => {
@@ -307,94 +344,33 @@ fn keep_loads(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candida
     }
 }
 
+/// Passes on the last known places of particles that stay; both lists are in the order of particles.
+fn keep_places(before: &[Candidate], places_before: &[Vec3], now: &[Candidate], places: &mut [Vec3]) {
+    let mut before = before.iter().zip(places_before).peekable();
+    for (candidate, place) in now.iter().zip(places) {
+        while before.next_if(|(old, _)| old.particle < candidate.particle).is_some() {}
+        if let Some((_, was)) = before.next_if(|(old, _)| old.particle == candidate.particle) {
+            *place = *was;
+        }
+    }
+}
+
+/// Whether a shape is a surface that both sides of are outside.
+fn is_two_sided(shape: &dyn Shape) -> bool {
+    match shape.as_typed_shape() {
+        TypedShape::TriMesh(mesh) => mesh.pseudo_normals_if_oriented().is_none(),
+        TypedShape::HeightField(_) => true,
+        _ => false,
+    }
+}
+
 /// Positions at both ends of the substep.
 struct Particles<'a> {
     positions: &'a mut [Vec4],
     previous: &'a mut [Vec4],
-}
-
-/// World to body at the start and end of one substep.
-struct Motion {
-    rotation0: Mat3A,
-    translation0: Vec3A,
-    rotation1: Mat3A,
-    translation1: Vec3A,
-    /// Farthest that a point of the body moves in the substep [m]; infinite for a half-space that turns.
-    way: f32,
-    /// The poses that its own way leads it to, and when.
-    planned: (Pose, Pose),
-    s: (f32, f32),
-}
-
-impl Motion {
-    fn new(body: &Body, part: &Part, s0: f32, s1: f32) -> Self {
-        let start = blend(&body.from, &body.to, s0) * part.local;
-        let end = blend(&body.from, &body.to, s1) * part.local;
-        let mut motion = Self {
-            rotation0: Mat3A::IDENTITY,
-            translation0: Vec3A::ZERO,
-            rotation1: Mat3A::IDENTITY,
-            translation1: Vec3A::ZERO,
-            way: 0.0,
-            planned: (start, end),
-            s: (s0, s1),
-        };
-        motion.set(&start, &end, part.radius);
-        motion
-    }
-
-    fn set(&mut self, start: &Pose, end: &Pose, radius: f32) {
-        let turn = chord(start.rotation, end.rotation);
-        let turning = if turn > 0.0 { turn * radius } else { 0.0 };
-        self.rotation0 = Mat3A::from_quat(start.rotation);
-        self.translation0 = start.translation.into();
-        self.rotation1 = Mat3A::from_quat(end.rotation);
-        self.translation1 = end.translation.into();
-        self.way = (end.translation - start.translation).length() + turning;
-    }
-
-    /// Follows a body that cloth moves.
-    fn follow(&mut self, slot: &Slot, radius: f32) {
-        if slot.is_movable() {
-            let (start, end) = self.planned;
-            self.set(&slot.moved(start, self.s.0, true), &slot.moved(end, self.s.1, false), radius);
-        }
-    }
-}
-
-/// A body that takes what it does to the cloth.
-struct Yielding<'a> {
-    slot: &'a mut Slot,
-    /// Share of the frame at the end of the substep.
-    s: f32,
-    /// Length of the substep [s].
-    h: f32,
-    /// Contacts that share the body.
-    several: f32,
-    gain: Gain,
-}
-
-impl Yielding<'_> {
-    /// How much more readily particle and body give way along the surface than across it (dimensionless).
-    fn slide(&self, w: f32, at: Vec3A, normal: Vec3A) -> f32 {
-        let k = self.slot.compliance(w, self.slot.arm(at.into(), self.s), self.several);
-        let normal = Vec3::from(normal);
-        let across = normal.dot(k * normal);
-        let along = 0.5 * (k.x_axis.x + k.y_axis.y + k.z_axis.z - across);
-        if across > 0.0 { along / across } else { 1.0 }
-    }
-
-    /// Splits a correction `by` of a particle at `at`, of which `silent` gives no speed, between it and the body. Returns the particle's parts of both.
-    fn split(&mut self, w: f32, at: Vec3A, by: Vec3A, silent: Vec3A) -> (Vec3A, Vec3A) {
-        let r = self.slot.arm(at.into(), self.s);
-        let inverse = self.slot.compliance(w, r, self.several).inverse();
-        let (push, quiet) = (inverse * Vec3::from(by), inverse * Vec3::from(silent));
-        if !(push.is_finite() && quiet.is_finite()) {
-            return (by, silent);
-        }
-        self.gain.add(r, -push, -quiet);
-        ((push * w).into(), (quiet * w).into())
-    }
+    /// Last known places, by candidate; empty but for surfaces.
+    places: &'a mut [Vec3],
+    rooms: &'a mut Rooms,
 }
 
 /// Everything that is the same for all candidates of one part in one substep.
@@ -403,6 +379,8 @@ struct Setting<'a> {
     /// The body, if it takes what it does to the cloth.
     rigid: Option<Yielding<'a>>,
     keep: f32,
+    /// Place of the part among the parts.
+    number: u32,
     /// How deep a straight path may cut a corner between two points outside [m].
     clip: f32,
     recovery: f32,
@@ -422,7 +400,7 @@ impl Setting<'_> {
         let to_body0 = self.motion.rotation0.transpose();
         let band = BAND * self.keep;
         let mut contacts = 0;
-        if let Some(rigid) = self.rigid.as_mut().filter(|rigid| rigid.slot.is_movable()) {
+        if let Some(rigid) = self.rigid.as_mut().filter(|rigid| rigid.is_movable()) {
             let touches = candidates.iter().filter(|candidate| {
                 let Some(x) = particles.positions.get(candidate.particle as usize) else { return false };
                 let q = to_body1 * (Vec3A::from_vec4(*x) - self.motion.translation1);
@@ -432,7 +410,7 @@ impl Setting<'_> {
             });
             rigid.several = touches.count().max(1) as f32;
         }
-        for candidate in candidates {
+        for (k, candidate) in candidates.iter_mut().enumerate() {
             let i = candidate.particle as usize;
             let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {
                 continue;
@@ -443,6 +421,11 @@ impl Setting<'_> {
             let way = (x1 - x0).length();
             let path_bound = way + self.motion.way;
             let q1 = to_body1 * (x1 - self.motion.translation1);
+            let place = if COSTLY { particles.places.get_mut(k) } else { None };
+            let last = place.as_ref().map_or(Vec3A::NAN, |place| Vec3A::from(**place));
+            if let Some(place) = place {
+                *place = q1.into();
+            }
             if COSTLY {
                 let off = (q1 - Vec3A::from(candidate.clear_at)).length();
                 // Every point of the path is within `path_bound` of its end.
@@ -468,20 +451,45 @@ impl Setting<'_> {
                 candidate.load = 0.0;
                 continue;
             }
+            let keep = if gap1 < band && s1.normal != Vec3A::ZERO {
+                let normal = self.motion.rotation1 * s1.normal;
+                let keep = particles.rooms.keep(candidate.particle, self.number, normal, s1.distance, self.keep);
+                if keep < self.keep {
+                    // Squeezed, which is a load.
+                    candidate.load = candidate.load.max(0.25 * (self.keep - keep));
+                }
+                keep
+            } else {
+                self.keep
+            };
+            let gap1 = s1.distance - keep;
             let q0 = to_body0 * (x0 - self.motion.translation0);
+            if COSTLY && let Some(Swept { end, plane }) = self.strayed(&sample, last, q0, q1) {
+                // Without velocity into the surface.
+                let n = self.motion.rotation1 * plane.normal;
+                let by = self.motion.rotation1 * (end - q1);
+                let approach = n * n.dot(x1 - x0).min(0.0);
+                *position += by.extend(0.0);
+                *before += (by + approach).extend(0.0);
+                if let Some(place) = particles.places.get_mut(k) {
+                    *place = end.into();
+                }
+                contacts += 1;
+                continue;
+            }
             // What is known of the distance at the start without asking for it: at rest it is enough.
             let least = if COSTLY { (clear - (q0 - clear_at).length()).max(0.0) } else { 0.0 };
             let swept = if s1.distance < 0.0 || path_bound >= least + self.clip {
                 let s0 = sample(q0, reach);
                 // Outside before; inside now, or far enough to have come out on the other side.
                 let crossed = s0.distance > 0.0 && (s1.distance < 0.0 || (q1 - q0).length() >= s0.distance + self.clip);
-                if crossed { sweep(&sample, (q0, s0), q1, self.keep) } else { None }
+                if crossed { sweep(&sample, (q0, s0), q1, keep) } else { None }
             } else {
                 None
             };
             let (end, plane) = match swept {
                 Some(swept) => (swept.end, swept.plane),
-                None if gap1 < band && s1.normal != Vec3A::ZERO => (q1, plane_at(q1, s1, self.keep)),
+                None if gap1 < band && s1.normal != Vec3A::ZERO => (q1, plane_at(q1, s1, keep)),
                 None => {
                     candidate.load = 0.0;
                     continue;
@@ -491,7 +499,7 @@ impl Setting<'_> {
                 continue;
             }
             let friction = match &self.rigid {
-                Some(rigid) if rigid.slot.is_movable() => {
+                Some(rigid) if rigid.is_movable() => {
                     let at = self.motion.rotation1 * end + self.motion.translation1;
                     self.friction.times(rigid.slide(position.w, at, self.motion.rotation1 * plane.normal))
                 }
@@ -519,11 +527,31 @@ impl Setting<'_> {
             if silent != Vec3A::ZERO {
                 *before += silent.extend(0.0);
             }
+            if COSTLY && let Some(place) = particles.places.get_mut(k) {
+                *place = response.end.into();
+            }
         }
-        if let Some(rigid) = self.rigid.filter(|rigid| rigid.gain.is_some()) {
-            rigid.slot.give(&rigid.gain, rigid.h);
+        if let Some(rigid) = self.rigid {
+            rigid.finish();
         }
         contacts
+    }
+}
+
+impl Setting<'_> {
+    /// Where a particle belongs that was moved through a surface since it was last known at `last`: by cloth that pushes cloth, or by what takes tangles apart.
+    fn strayed(&self, sample: &impl Fn(Vec3A, f32) -> Sample, last: Vec3A, q0: Vec3A, q1: Vec3A) -> Option<Swept> {
+        let off = last.distance(q0);
+        // False for a place that is not known.
+        if !(off > MOVED * self.keep && off < TELEPORTED * self.keep) {
+            return None;
+        }
+        let from = (last, sample(last, self.keep + off));
+        if !(from.1.distance > 0.0 && off >= from.1.distance) {
+            return None;
+        }
+        sweep(sample, from, q0, MOVED * self.keep)?;
+        sweep(sample, from, q1, self.keep)
     }
 }
 
@@ -541,36 +569,4 @@ fn farthest_way(positions: &[Vec4], previous: &[Vec4], approach: &Approach) -> f
     }
     let way = fastest2 * approach.dt + approach.gravity.length() * approach.dt * approach.dt + approach.extra.max(0.0);
     if way.is_finite() { way } else { f32::MAX.sqrt() }
-}
-
-/// Longest translation of a body in the frame [m].
-fn farthest_push(bodies: &[Body]) -> f32 {
-    let ways = bodies.iter().map(|body| (body.to.translation - body.from.translation).length());
-    ways.filter(|way| way.is_finite()).fold(0.0, f32::max)
-}
-
-/// A pose with finite numbers and a unit rotation.
-fn valid(pose: Pose) -> Option<Pose> {
-    let length2 = pose.rotation.length_squared();
-    if !(pose.is_finite() && length2 > 1.0e-6 && length2 < 1.0e6) {
-        return None;
-    }
-    Some(Pose::from_parts(pose.translation, pose.rotation.normalize()))
-}
-
-/// Pose at the fraction `s` of the frame. Rotations are blended linearly and normalized: within a frame the difference from constant angular speed is
-/// small, and there is no transcendental function in it, so every machine gives the same bits.
-fn blend(from: &Pose, to: &Pose, s: f32) -> Pose {
-    Pose::from_parts(from.translation.lerp(to.translation, s), from.rotation.lerp(to.rotation, s).normalize())
-}
-
-/// Angle between two rotations, as chord and with a little to spare [rad].
-fn chord(a: Quat, b: Quat) -> f32 {
-    let near = if a.dot(b) < 0.0 { -b } else { b };
-    let difference = Vec4::from(a) - Vec4::from(near);
-    2.3 * difference.length()
-}
-
-fn finite_or_zero(x: f32) -> f32 {
-    if x.is_finite() { x.max(0.0) } else { 0.0 }
 }

@@ -47,6 +47,23 @@ impl<'a> Geometry<'a> {
         }
     }
 
+    /// Distance and normal at a point; no nearer than they are where nothing is within `reach` [m].
+    #[inline]
+    pub(super) fn sample(&self, q: Vec3A, reach: f32) -> Sample {
+        match *self {
+            Self::Ball { radius } => distance::ball(q, radius),
+            Self::Capsule { a, ab, inverse_length2, radius } => distance::capsule(q, a, ab, inverse_length2, radius),
+            Self::Cuboid { half } => distance::cuboid(q, half),
+            Self::HalfSpace { normal } => distance::half_space(q, normal),
+            Self::Cylinder { half_height, radius } => distance::cylinder(q, half_height, radius),
+            Self::Cone { half_height, radius, side } => distance::cone(q, half_height, radius, side),
+            Self::Hull { planes, polyhedron } => hull(q, reach, planes, polyhedron),
+            Self::Mesh { mesh, solid } => self::mesh(q, reach, mesh, solid),
+            Self::Heights { field } => heights(q, reach, field),
+            Self::Other { shape } => other(q, reach, shape),
+        }
+    }
+
     /// Radius of a ball that fits inside [m]: a shorter path through it stays inside. 0 for surfaces.
     pub(super) fn inner_radius(&self) -> f32 {
         match *self {

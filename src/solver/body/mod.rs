@@ -2,9 +2,11 @@
 //!
 //! ```text
 //!  frame:    gather                 every body and every particle that could meet this frame (swept boxes)
+//!            faces                  for bodies finer than the mesh: its faces that could meet them too
 //!  substep:  project   sample  ->   signed distance and normal of the shape, in the body's own space
 //!                      sweep   ->   only when the particle could have crossed: first touch along its path
 //!                      respond ->   push out, friction, recovery without velocity
+//!            faces     nearest ->   the same for the nearest point of a face, shared out to its particles
 //! ```
 //!
 //! All geometry happens in the space of the body. A particle goes from `q0 = X(s0)⁻¹ x_previous` to
@@ -12,16 +14,23 @@
 //! one path covers a cloth that falls on a body, a body that is driven through a cloth and everything between, and
 //! `q1 - q0` is the motion relative to the surface that friction needs, rotation included.
 
+mod advance;
 mod contacts;
+mod creases;
 mod distance;
+mod faces;
 mod geometry;
+mod motion;
+mod nearest;
 mod respond;
+mod room;
 pub mod shape;
 mod sweep;
 #[cfg(test)]
 mod tests;
 
 pub use contacts::{Approach, BodyContacts, Touch};
+pub use faces::{FaceContacts, Sheet};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use respond::{BAND, Friction, LOAD_SHARE, Plane, respond};

@@ -1,0 +1,142 @@
+//! Sharp edges of surfaces made of triangles: what lies between particles that all lie on it.
+//!
+//! ```text
+//!        n1  n2       two triangles at an edge, bent by θ:  an edge e of cloth across it sags by e θ / 4 at most
+//!        |  /
+//!   -----*·           the border of a surface, and an edge of more than two triangles, are sharp
+//!         \ θ
+//! ```
+//!
+//! Of a solid only those that stick out count.
+
+use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
+use parry3d::shape::{HeightField, TriMesh, Triangle};
+
+/// Most sharp edges that are taken of one surface in a frame, in their order: beyond that particles have to do.
+const MOST: usize = 4096;
+
+/// A sharp edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Crease {
+    pub(super) a: Vec3,
+    pub(super) b: Vec3,
+}
+
+impl Crease {
+    /// Of an edge whose ends come in any order, and with either zero.
+    fn new(a: Vec3, b: Vec3) -> Self {
+        let (a, b) = (a + Vec3::ZERO, b + Vec3::ZERO);
+        if bits(a) <= bits(b) { Self { a, b } } else { Self { a: b, b: a } }
+    }
+
+    /// What orders them: the same in every frame.
+    pub(super) fn key(&self) -> [u32; 6] {
+        let ([a, b, c], [d, e, f]) = (bits(self.a), bits(self.b));
+        [a, b, c, d, e, f]
+    }
+}
+
+fn bits(p: Vec3) -> [u32; 3] {
+    p.to_array().map(f32::to_bits)
+}
+
+/// One side of an edge.
+#[derive(Clone, Copy, Debug)]
+struct Half {
+    crease: Crease,
+    normal: Vec3,
+    /// The corner across.
+    corner: Vec3,
+}
+
+/// Finds sharp edges. The buffer is reused.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Creases {
+    halves: Vec<Half>,
+}
+
+impl Creases {
+    /// Appends the edges of `mesh` in a box that are bent by an angle whose cosine is below `flat`, in order.
+    pub(super) fn of_mesh(&mut self, mesh: &TriMesh, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
+        self.halves.clear();
+        for i in mesh.bvh().intersect_aabb(near) {
+            self.add(&mesh.triangle(i));
+        }
+        self.sort_out(flat, mesh.pseudo_normals_if_oriented().is_some(), found);
+    }
+
+    /// The same of a height field.
+    pub(super) fn of_heights(&mut self, field: &HeightField, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
+        self.halves.clear();
+        field.map_elements_in_local_aabb(near, &mut |_, triangle| self.add(triangle));
+        self.sort_out(flat, false, found);
+    }
+
+    fn add(&mut self, triangle: &Triangle) {
+        let Triangle { a, b, c } = *triangle;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        for (from, to, corner) in [(a, b, c), (b, c, a), (c, a, b)] {
+            self.halves.push(Half { crease: Crease::new(from, to), normal, corner });
+        }
+    }
+
+    fn sort_out(&mut self, flat: f32, solid: bool, found: &mut Vec<Crease>) {
+        self.halves.sort_unstable_by_key(|half| (half.crease.key(), bits(half.corner)));
+        let most = found.len() + MOST;
+        for halves in self.halves.chunk_by(|a, b| a.crease == b.crease) {
+            let sharp = match halves {
+                [one, other] => {
+                    // Wound alike the normals agree where it is flat; else one of them is turned round.
+                    let over = one.normal.dot(other.corner - one.crease.a);
+                    let under = other.normal.dot(one.corner - one.crease.a);
+                    let cosine = one.normal.dot(other.normal) * if over * under < 0.0 { -1.0 } else { 1.0 };
+                    cosine < flat && !(solid && over > 0.0)
+                }
+                _ => true,
+            };
+            if sharp && found.len() < most && halves.iter().all(|half| half.normal != Vec3::ZERO) {
+                found.extend(halves.first().map(|half| half.crease));
+            }
+        }
+    }
+}
+
+/// Cosine of the angle that is flat enough for edges of `edge` [m] that may sag by `sag` [m].
+pub(super) fn flat(edge: f32, sag: f32) -> f32 {
+    let angle = 4.0 * sag / edge.max(f32::MIN_POSITIVE);
+    // cos θ = 1 - θ²/2 + θ⁴/24 - …: low by less than a hundredth up to 90°, where it is cut off.
+    (1.0 - 0.5 * angle * angle).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::body::shape;
+
+    fn everything() -> Aabb {
+        Aabb::new(Vec3::splat(-10.0), Vec3::splat(10.0))
+    }
+
+    #[test]
+    fn a_box_of_triangles_has_twelve_sharp_edges_and_its_diagonals_are_flat() {
+        let (vertices, triangles) = parry3d::shape::Cuboid::new(Vec3::new(0.3, 0.2, 0.1)).to_trimesh();
+        for shape in [shape::trimesh(vertices.clone(), triangles.clone()), shape::solid_trimesh(vertices, triangles)] {
+            let shape = shape.unwrap();
+            let mut found = Vec::new();
+            Creases::default().of_mesh(shape.as_trimesh().unwrap(), &everything(), 0.9, &mut found);
+            assert_eq!(found.len(), 12, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_flat_field_has_its_border_and_a_ridge_its_crest() {
+        for (height, sharp) in [(0.0, 16), (0.5, 20)] {
+            let heights: Vec<f32> = (0..25).map(|i| if i / 5 == 2 { height } else { 0.0 }).collect();
+            let field = shape::heightfield(5, 5, &heights, Vec3::ONE).unwrap();
+            let mut found = Vec::new();
+            Creases::default().of_heights(field.as_heightfield().unwrap(), &everything(), 0.2, &mut found);
+            assert_eq!(found.len(), sharp, "height {height}: {found:?}");
+        }
+    }
+}

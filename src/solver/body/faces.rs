@@ -1,0 +1,686 @@
+//! Faces of cloth against bodies that are finer than the mesh: a needle between particles, a corner, a ball smaller than a face.
+//!
+//! ```text
+//!      o-----------o      particles at the distance kept: enough while the sagitta e² / 8 R of an edge e over a radius R is small
+//!     /     .-.     \
+//!    /    .'   '.    \    n: normal of the part at the point p = Σ wᵢ xᵢ of the face that is nearest to it, d: distance there
+//!   o----/-------\----o
+//!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
+//! ```
+//!
+//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the distance that particles
+//! keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the middle: a convex part lies behind
+//! its tangent plane, and a face that begins and ends in front of that never met it.
+//!
+//! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed ([`first_touch`]); it starts each
+//! substep outside, hence stays there. *A side is kept.* Where other causes moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken
+//! apart), the normal it last had tells where it belongs: it is brought back along that, at the speed of particles that start inside. The
+//! shortest way out of a needle is sideways, and cloth with a needle in it cannot go there.
+//!
+//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`Creases`]), each as a convex part of its own.
+//!
+//! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
+//!
+//! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field collision".
+
+use glam::{Vec3, Vec3A, Vec4};
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::math::Pose;
+use parry3d::shape::{Shape, TypedShape};
+
+use super::Body;
+use super::advance::{first_touch, longest_way};
+use super::contacts::Touch;
+use super::creases::{self, Crease, Creases};
+use super::distance::Sample;
+use super::geometry::{self, Geometry};
+use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
+use super::nearest::{Convex, Face, Near, at, to_point};
+use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
+use super::room::Rooms;
+use super::sweep::plane_at;
+use crate::solver::couple::Coupling;
+
+/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more faces have to be asked for.
+const SHARE: f32 = 0.5;
+/// Touches along the way of a face in one substep.
+const SLIDES: u32 = 3;
+/// Faces whose boxes are looked at as one.
+const BLOCK: usize = 16;
+/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the distance kept.
+const DOUBLINGS: u32 = 8;
+/// Tangent planes that are tried before the nearest point is asked for.
+const PLANES: u32 = 4;
+/// How much nearer another point may be than the nearest, as a share of its distance (dimensionless).
+const EXACT: f32 = 0.02;
+/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is not levered.
+const LEAST_MOBILITY: f32 = 0.05;
+/// Least weight of every corner of a face that is touched within (dimensionless).
+const WITHIN: f32 = 0.02;
+/// Farthest corner that is looked at [m].
+const FARTHEST: f32 = 1.0e6;
+
+/// A face that may meet a part of a body in this frame.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    face: u32,
+    /// Which of the creases of a surface; of no meaning for a convex part.
+    crease: u32,
+    /// Corner nearest to the touch.
+    corner: u32,
+    particles: [u32; 3],
+    /// Running mean of the push per substep [m]; 0 out of contact.
+    load: f32,
+    /// What the push would be if that corner alone bore it (dimensionless).
+    share: f32,
+    /// Normal of the part where the face was last outside, in its own space; zero: not known.
+    side: Vec3,
+    /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
+    over: f32,
+    /// Corners when a tangent plane was last found, in the part's own space [m], and how far they may go until one has to be looked for again [m].
+    corners: [Vec3; 3],
+    clear: f32,
+}
+
+/// One convex shape or surface of a body, with the faces near it.
+#[derive(Clone, Debug)]
+struct Part {
+    body: u32,
+    index: u32,
+    local: Pose,
+    planes: (u32, u32),
+    candidates: (u32, u32),
+    radius: f32,
+    /// Whether it could go through a face, being smaller.
+    pierces: bool,
+}
+
+/// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
+#[derive(Clone, Debug, Default)]
+pub struct FaceContacts {
+    parts: Vec<Part>,
+    planes: Vec<Vec4>,
+    candidates: Vec<Candidate>,
+    /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.
+    creases: Vec<Crease>,
+    finder: Creases,
+    parts_before: Vec<Part>,
+    candidates_before: Vec<Candidate>,
+    creases_before: Vec<Crease>,
+    /// Boxes around faces, [`BLOCK`] at a time.
+    blocks: Vec<(Vec3, Vec3)>,
+    rooms: Rooms,
+    dt: f32,
+}
+
+/// What [`FaceContacts::gather`] has to know of a cloth.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheet<'a> {
+    /// Particles of each face.
+    pub faces: &'a [[u32; 3]],
+    /// Length of its longest edge [m].
+    pub longest_edge: f32,
+    /// Positions [m] with inverse masses [1/kg].
+    pub positions: &'a [Vec4],
+    /// Thickness of the fabric [m].
+    pub thickness: f32,
+}
+
+impl Sheet<'_> {
+    /// Box around faces [m].
+    fn bounds(&self, faces: &[[u32; 3]]) -> (Vec3, Vec3) {
+        let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &p in faces.iter().flatten() {
+            if let Some(x) = self.positions.get(p as usize) {
+                bounds = (bounds.0.min(x.truncate()), bounds.1.max(x.truncate()));
+            }
+        }
+        bounds
+    }
+}
+
+impl FaceContacts {
+    /// Number of pairs of a face and a part of a body that are looked at in each substep of this frame.
+    #[must_use]
+    pub fn candidates(&self) -> usize {
+        self.candidates.len()
+    }
+
+    /// Number of the body, particle and mean push per substep [m] of every touch when last projected, as if the nearest corner bore it alone.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.parts.iter().flat_map(|part| {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
+            candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.corner, c.load * c.share))
+        })
+    }
+
+    /// Once per frame of `dt` [s], before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on the way of any
+    /// particle [m].
+    pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
+        core::mem::swap(&mut self.parts, &mut self.parts_before);
+        core::mem::swap(&mut self.candidates, &mut self.candidates_before);
+        core::mem::swap(&mut self.creases, &mut self.creases_before);
+        self.parts.clear();
+        self.planes.clear();
+        self.candidates.clear();
+        self.blocks.clear();
+        self.creases.clear();
+        self.creases.push(Crease::default());
+        self.dt = dt;
+        let passes = dt > 0.0;
+        if !passes {
+            return;
+        }
+        let thickness = finite_or_zero(sheet.thickness);
+        let way = way + farthest_push(bodies);
+        let mut known = 0;
+        for (b, body) in (0_u32..).zip(bodies) {
+            let (Some(from), Some(to)) = (valid(body.from), valid(body.to)) else {
+                continue;
+            };
+            let keep = thickness + finite_or_zero(body.margin);
+            let off = if body.rigid.is_some() { way } else { 0.0 };
+            geometry::for_each_part(&*body.shape.0, |index, local, shape| {
+                let Some(local) =
+                    valid(local).filter(|_| is_fine(smallest_radius(shape), sheet.longest_edge, keep, body.rigid.is_some()))
+                else {
+                    return;
+                };
+                let (from, to) = (from * local, to * local);
+                let (swept, bulge, radius) = swept_box(shape, &from, &to);
+                let reach = way + off + keep + bulge;
+                let first = self.candidates.len() as u32;
+                if shape.as_support_map().is_some() {
+                    self.list(sheet, 0, swept.mins - reach, swept.maxs + reach);
+                } else {
+                    self.list_creases(sheet, shape, (&from, &to), reach, keep);
+                }
+                let candidates = (first, self.candidates.len() as u32);
+                if candidates.1 == candidates.0 {
+                    return;
+                }
+                while self.parts_before.get(known).is_some_and(|p| (p.body, p.index) < (b, index)) {
+                    known += 1;
+                }
+                if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
+                    let was = (&self.candidates_before[..], &self.creases_before[..]);
+                    remember(was, before.candidates, &mut self.candidates[first as usize..], &self.creases);
+                }
+                let first_plane = self.planes.len() as u32;
+                if let TypedShape::ConvexPolyhedron(polyhedron) = shape.as_typed_shape() {
+                    geometry::hull_planes(polyhedron, &mut self.planes);
+                }
+                let planes = (first_plane, self.planes.len() as u32);
+                let pierces = smallest_radius(shape) < sheet.longest_edge;
+                self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
+            });
+        }
+        self.rooms.begin(self.parts.len(), sheet.faces.len());
+    }
+
+    /// Lists the faces near the sharp edges of a surface that goes from one pose to another.
+    fn list_creases(&mut self, sheet: &Sheet<'_>, shape: &dyn Shape, (from, to): (&Pose, &Pose), reach: f32, keep: f32) {
+        self.fill_blocks(sheet);
+        let all = self.blocks.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), (c, d)| (a.min(*c), b.max(*d)));
+        if !(all.0.cmple(all.1).all() && all.0.is_finite() && all.1.is_finite()) {
+            return;
+        }
+        let cloth = Aabb::new(all.0 - reach, all.1 + reach);
+        let near = cloth.transform_by(&from.inverse()).merged(&cloth.transform_by(&to.inverse()));
+        let flat = creases::flat(sheet.longest_edge, (1.0 - SHARE) * keep);
+        let first = self.creases.len();
+        match shape.as_typed_shape() {
+            TypedShape::TriMesh(mesh) => self.finder.of_mesh(mesh, &near, flat, &mut self.creases),
+            TypedShape::HeightField(field) => self.finder.of_heights(field, &near, flat, &mut self.creases),
+            _ => {}
+        }
+        for k in first..self.creases.len() {
+            let Crease { a, b } = self.creases[k];
+            let ends = [*from * a, *from * b, *to * a, *to * b];
+            let low = ends.into_iter().fold(Vec3::INFINITY, Vec3::min);
+            let high = ends.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);
+            self.list(sheet, k as u32, low - reach, high + reach);
+        }
+    }
+
+    fn fill_blocks(&mut self, sheet: &Sheet<'_>) {
+        if self.blocks.is_empty() {
+            self.blocks.extend(sheet.faces.chunks(BLOCK).map(|faces| sheet.bounds(faces)));
+        }
+    }
+
+    /// Lists the faces whose boxes meet a box.
+    fn list(&mut self, sheet: &Sheet<'_>, crease: u32, low: Vec3, high: Vec3) {
+        self.fill_blocks(sheet);
+        let meets = |(a, b): (Vec3, Vec3)| a.cmple(high).all() && b.cmpge(low).all();
+        for ((block, faces), first) in self.blocks.iter().zip(sheet.faces.chunks(BLOCK)).zip((0_u32..).step_by(BLOCK)) {
+            if !meets(*block) {
+                continue;
+            }
+            for (&particles, face) in faces.iter().zip(first..) {
+                let free = particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
+                if free && meets(sheet.bounds(&[particles])) {
+                    self.candidates.push(Candidate::new(face, crease, particles));
+                }
+            }
+        }
+    }
+
+    /// Takes out the faces of particles that are pinned to bodies, sorted or not.
+    pub(crate) fn leave_out(&mut self, particles: impl Iterator<Item = u32>) {
+        for out in particles {
+            for candidate in self.candidates.iter_mut().filter(|c| c.particles.contains(&out)) {
+                candidate.particles = [u32::MAX; 3];
+            }
+        }
+    }
+
+    /// Once per substep, after the particles: keeps faces out of parts. As [`BodyContacts::project`](super::BodyContacts::project); returns the number of
+    /// touches.
+    pub fn project(
+        &mut self,
+        bodies: &[Body],
+        s0: f32,
+        s1: f32,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+        touch: &Touch,
+        coupling: &mut Coupling,
+    ) -> u32 {
+        let h = (s1 - s0).max(0.0) * self.dt;
+        let mut touches = 0;
+        self.rooms.advance();
+        for (number, part) in (0_u32..).zip(&self.parts) {
+            let Some(body) = bodies.get(part.body as usize) else {
+                continue;
+            };
+            let Some(shape) = geometry::part(&*body.shape.0, part.index) else {
+                continue;
+            };
+            let Some(candidates) = self.candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize) else {
+                continue;
+            };
+            let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
+            let slot = body.rigid.and_then(|slot| coupling.slot_mut(slot));
+            let mut motion = Motion::new(body, part.local, part.radius, s0, s1);
+            if let Some(slot) = &slot {
+                motion.follow(slot, part.radius);
+            }
+            let support = shape.as_support_map();
+            let mut setting = Setting {
+                part: Convex { geometry: Geometry::of(shape, planes), support },
+                motion,
+                radius: part.radius,
+                pierces: part.pierces,
+                number,
+                keep: SHARE * (finite_or_zero(touch.thickness) + finite_or_zero(body.margin)),
+                recovery: RECOVERY_SPEED * h,
+                friction: Friction::between(
+                    (body.static_friction, body.dynamic_friction),
+                    (touch.static_friction, touch.dynamic_friction),
+                ),
+            };
+            let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
+            for candidate in candidates.iter_mut() {
+                if support.is_none() {
+                    setting.take(self.creases.get(candidate.crease as usize));
+                }
+                if setting.is_clear(candidate, positions) {
+                    continue;
+                }
+                let mut state = State { candidate, positions, previous, rigid: &mut rigid };
+                let touched = setting.project(&mut state, &mut self.rooms);
+                touches += u32::from(touched);
+                if !touched {
+                    state.candidate.load = 0.0;
+                } else if let Some(rigid) = &rigid {
+                    setting.motion.follow(rigid.slot, part.radius);
+                }
+            }
+        }
+        touches
+    }
+}
+
+impl Candidate {
+    fn new(face: u32, crease: u32, particles: [u32; 3]) -> Self {
+        let (side, corners) = (Vec3::ZERO, [Vec3::ZERO; 3]);
+        Self {
+            face,
+            crease,
+            corner: particles[0],
+            particles,
+            load: 0.0,
+            share: 0.0,
+            side,
+            over: 0.0,
+            corners,
+            clear: f32::NEG_INFINITY,
+        }
+    }
+
+    /// Notes where the face is outside.
+    fn lies(&mut self, near: &Near, face: &Face) {
+        self.side = near.sample.normal.into();
+        if near.weights.iter().all(|w| *w > WITHIN) {
+            self.over = near.sample.normal.dot(normal(face)).signum();
+        }
+    }
+
+    /// Notes that the face is in front of the part, and that its corners may go as far as `clear` [m] from here.
+    fn pass_by(&mut self, normal: Vec3A, clear: f32, corners: &Face) {
+        if normal != Vec3A::ZERO {
+            self.side = normal.into();
+        }
+        self.over = 0.0;
+        (self.clear, self.corners) = (clear, corners.map(Vec3::from));
+    }
+}
+
+/// Smallest radius of curvature of a shape [m]; infinite for those that faces are not looked at for.
+fn smallest_radius(shape: &dyn Shape) -> f32 {
+    match shape.as_typed_shape() {
+        TypedShape::HalfSpace(_) => f32::INFINITY,
+        TypedShape::Ball(ball) => ball.radius,
+        TypedShape::Capsule(capsule) => capsule.radius,
+        TypedShape::TriMesh(_) | TypedShape::HeightField(_) => 0.0,
+        _ if shape.as_support_map().is_some() => 0.0,
+        _ => f32::INFINITY,
+    }
+}
+
+/// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
+fn is_fine(radius: f32, edge: f32, keep: f32, yields: bool) -> bool {
+    // One that cloth moves would not come to rest on faces: only what is smaller than they are.
+    edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep && (!yields || edge > radius)
+}
+
+/// Passes on what is known of faces that stay; both lists are in the order of creases, then of faces.
+fn remember(
+    (before, creases_before): (&[Candidate], &[Crease]),
+    (first, end): (u32, u32),
+    now: &mut [Candidate],
+    creases: &[Crease],
+) {
+    let key = |c: &Candidate, creases: &[Crease]| (creases.get(c.crease as usize).map(Crease::key), c.face);
+    let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().peekable();
+    for candidate in now {
+        let wanted = key(candidate, creases);
+        while before.next_if(|old| key(old, creases_before) < wanted).is_some() {}
+        if let Some(old) = before.next_if(|old| key(old, creases_before) == wanted) {
+            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, ..*old };
+        }
+    }
+}
+
+/// Unit normal; zero without area.
+fn normal(face: &Face) -> Vec3A {
+    (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero()
+}
+
+/// Corners at both ends of the substep, in the part's own space [m], and inverse masses [1/kg].
+struct Way {
+    from: Face,
+    to: Face,
+    masses: [f32; 3],
+}
+
+/// What tangent planes tell of a face.
+enum Pass {
+    /// It never met the part; a normal there, and its least height over the plane [m].
+    By(Vec3A, f32),
+    /// Its nearest point at the end.
+    Near(Near),
+    /// Nothing; about where it lies.
+    Unsure(Vec3A),
+}
+
+/// Everything that is the same for all faces near one part in one substep.
+struct Setting<'a> {
+    part: Convex<'a>,
+    motion: Motion,
+    radius: f32,
+    pierces: bool,
+    /// Place of the part among the parts.
+    number: u32,
+    keep: f32,
+    recovery: f32,
+    friction: Friction,
+}
+
+impl Setting<'_> {
+    /// Looks at a crease from now on: a capsule without radius.
+    fn take(&mut self, crease: Option<&Crease>) {
+        let Some(&Crease { a, b }) = crease else { return };
+        let ab = Vec3A::from(b - a);
+        let length2 = ab.length_squared();
+        let inverse_length2 = if length2 > 1.0e-20 { 1.0 / length2 } else { 0.0 };
+        self.part.geometry = Geometry::Capsule { a: a.into(), ab, inverse_length2, radius: 0.0 };
+    }
+
+    /// `None` for corners that are left out or not numbers.
+    #[inline]
+    fn way(&self, particles: [u32; 3], positions: &[Vec4], previous: &[Vec4]) -> Option<Way> {
+        let mut way = Way { from: [Vec3A::ZERO; 3], to: [Vec3A::ZERO; 3], masses: [0.0; 3] };
+        for (i, p) in particles.into_iter().enumerate() {
+            let (x, old) = (positions.get(p as usize)?, previous.get(p as usize)?);
+            way.from[i] = self.motion.rotation0.transpose() * (Vec3A::from_vec4(*old) - self.motion.translation0);
+            way.to[i] = self.motion.rotation1.transpose() * (Vec3A::from_vec4(*x) - self.motion.translation1);
+            way.masses[i] = x.w;
+            // False for what is not a number.
+            let near = way.from[i].abs().max_element() < FARTHEST && way.to[i].abs().max_element() < FARTHEST;
+            if !(near && way.from[i].is_finite() && way.to[i].is_finite()) {
+                return None;
+            }
+        }
+        Some(way)
+    }
+
+    /// Whether no corner has got far enough to touch.
+    #[inline]
+    fn is_clear(&self, candidate: &Candidate, positions: &[Vec4]) -> bool {
+        let room = candidate.clear;
+        room > 0.0
+            && candidate.particles.iter().zip(candidate.corners).all(|(&p, corner)| {
+                // False for what is not a number.
+                positions.get(p as usize).is_some_and(|x| {
+                    let q = self.motion.rotation1.transpose() * (Vec3A::from_vec4(*x) - self.motion.translation1);
+                    q.distance_squared(corner.into()) < room * room
+                })
+            })
+    }
+
+    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at where the face is nearest to
+    /// what was nearest to that, and so on.
+    #[inline]
+    fn pass(&self, way: &Way) -> Pass {
+        let Way { from, to, .. } = way;
+        let mut weights = [1.0 / 3.0; 3];
+        let middle = at(to, &weights);
+        let reach = longest_way(to, &[middle; 3]) + longest_way(from, to) + self.keep;
+        let mut towards = Vec3A::ZERO;
+        for _ in 0..PLANES {
+            let point = at(to, &weights);
+            let sample = self.part.geometry.sample(point, reach);
+            let Sample { distance, normal } = sample;
+            if normal == Vec3A::ZERO {
+                return if distance >= reach { Pass::By(towards, f32::NEG_INFINITY) } else { Pass::Unsure(towards) };
+            }
+            towards = normal;
+            let foot = normal.dot(point) - distance;
+            let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
+            let least = height(to);
+            if least >= (1.0 + BAND) * self.keep && height(from) > 0.0 {
+                return Pass::By(normal, least);
+            }
+            if !(distance > 0.0) {
+                break;
+            }
+            // No point of the face can be nearer than its lowest corner is to the plane.
+            if least >= (1.0 - EXACT) * distance {
+                return Pass::Near(Near { weights, point, sample });
+            }
+            weights = to_point(to, point - normal * distance).0;
+        }
+        Pass::Unsure(towards)
+    }
+
+    /// Whether the face touched.
+    fn project(&self, state: &mut State<'_, '_>, rooms: &mut Rooms) -> bool {
+        let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
+        let (end, towards) = match self.pass(&way) {
+            Pass::By(normal, height) => {
+                state.candidate.pass_by(normal, height - self.keep, &way.to);
+                return false;
+            }
+            Pass::Near(near) => (Some(near), near.sample.normal),
+            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
+        };
+        let nearest = |face: &Face| self.part.nearest(face, towards);
+        let outside = |near: &Near| near.sample.distance > 0.0;
+        let clear = end.filter(outside).is_some_and(|near| {
+            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
+            way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
+        });
+        let keep = end.map_or(self.keep, |Near { sample, .. }| {
+            let normal = self.motion.rotation1 * sample.normal;
+            rooms.keep(state.candidate.face, self.number, normal, sample.distance, self.keep)
+        });
+        if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
+            if let Some(touched) = self.stop(&nearest, keep, &mut way, state) {
+                return touched;
+            }
+        } else if !clear {
+            // What went into it within goes out through it, however it lies now.
+            let Candidate { side, over, .. } = *state.candidate;
+            let within = end.is_none() && over != 0.0;
+            let side = if within { normal(&way.to) * over } else { Vec3A::from(side) };
+            let known = side != Vec3A::ZERO;
+            // Where the nearest point lies on its own side it is pushed out from there, and from round parts wherever it lies.
+            let is_round = matches!(self.part.geometry, Geometry::Ball { .. } | Geometry::Capsule { .. });
+            if known && end.is_none_or(|near| !is_round && near.sample.normal.dot(side) <= 0.0) {
+                return self.bring_back(&nearest, side, &way, state);
+            }
+        }
+        let Some(near) = end else { return false };
+        if near.sample.distance > 0.0 {
+            state.candidate.lies(&near, &way.to);
+        }
+        let gap = near.sample.distance - keep;
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
+        touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
+    }
+
+    /// Stops a face that starts outside where it touches, and lets it slide on from there. `None`: it touches nothing.
+    fn stop(
+        &self,
+        nearest: &impl Fn(&Face) -> Option<Near>,
+        keep: f32,
+        way: &mut Way,
+        state: &mut State<'_, '_>,
+    ) -> Option<bool> {
+        let mut start = way.from;
+        let mut touched = None;
+        for _ in 0..SLIDES {
+            let Some((face, near)) = first_touch(nearest, &start, &way.to, keep) else { return touched };
+            state.candidate.lies(&near, &face);
+            touched = Some(self.push(&near, plane_at(near.point, near.sample, keep), way, state));
+            start = face;
+        }
+        if self.pierces && first_touch(nearest, &start, &way.to, keep).is_some() {
+            // Wedged: it stays at the last place known to be outside. What is rounder than that gets no farther than particles let it.
+            for (i, &p) in state.candidate.particles.iter().enumerate() {
+                if way.masses[i] > 0.0
+                    && let Some(x) = state.positions.get_mut(p as usize)
+                {
+                    let by = self.motion.rotation1 * (start[i] - way.to[i]);
+                    *x += by.extend(0.0);
+                    if let Some(rigid) = &mut *state.rigid {
+                        rigid.react(Vec3A::from_vec4(*x), by / way.masses[i]);
+                    }
+                }
+            }
+            if let Some(rigid) = &mut *state.rigid {
+                rigid.give_now();
+            }
+        }
+        touched
+    }
+
+    /// Brings a face back to the side that it was on, from wherever something moved it to.
+    fn bring_back(&self, nearest: &impl Fn(&Face) -> Option<Near>, side: Vec3A, way: &Way, state: &mut State<'_, '_>) -> bool {
+        let mut off = 2.0 * self.keep;
+        for _ in 0..DOUBLINGS {
+            let before = way.to.map(|x| x + side * off);
+            if nearest(&before).is_some_and(|near| near.sample.distance > 0.0 && near.sample.normal.dot(side) > 0.0) {
+                return first_touch(nearest, &before, &way.to, self.keep).is_some_and(|(face, near)| {
+                    let mut way = Way { ..*way };
+                    // Back the way it came, not off the surface: it may be steep.
+                    let plane = Plane { normal: side, offset: side.dot(at(&face, &near.weights)) };
+                    self.push(&near, plane, &mut way, state)
+                });
+            }
+            off *= 2.0;
+            if off > 4.0 * self.radius {
+                break;
+            }
+        }
+        false
+    }
+
+    /// Pushes the nearest point of a face out, with friction, and shares that out by mass; whether anything could.
+    fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
+        let State { candidate, positions, previous, rigid } = state;
+        let w = near.weights;
+        let mobility: f32 = (0..3).map(|i| w[i] * w[i] * way.masses[i]).sum();
+        let lightest = way.masses.iter().copied().fold(0.0, f32::max);
+        // NaN passes no comparison.
+        if !(mobility > LEAST_MOBILITY * lightest) {
+            return false;
+        }
+        let (start, end) = (at(&way.from, &w), at(&way.to, &w));
+        let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;
+        let friction = match rigid {
+            Some(rigid) if rigid.is_movable() => {
+                self.friction.times(rigid.slide(mobility, place(end), self.motion.rotation1 * plane.normal))
+            }
+            _ => self.friction,
+        };
+        let response = respond(plane, start, end, end, self.recovery, candidate.load, friction);
+        let mut by = self.motion.rotation1 * (response.end - end);
+        let mut silent = self.motion.rotation0 * response.shift;
+        if !(by.is_finite() && silent.is_finite()) {
+            return false;
+        }
+        if let Some(rigid) = rigid
+            && by != Vec3A::ZERO
+        {
+            // Faces share particles: one after the other, and the body moves with each.
+            (by, silent) = rigid.split(mobility, place(response.end), by, silent);
+            rigid.give_now();
+        }
+        candidate.load = response.load;
+        let mut most = 0.0;
+        for (i, &p) in candidate.particles.iter().enumerate() {
+            let share = w[i] * way.masses[i] / mobility;
+            let (Some(x), Some(old)) = (positions.get_mut(p as usize), previous.get_mut(p as usize)) else { continue };
+            *x += (by * share).extend(0.0);
+            *old += (silent * share).extend(0.0);
+            way.to[i] += self.motion.rotation1.transpose() * (by * share);
+            way.from[i] += self.motion.rotation0.transpose() * (silent * share);
+            if w[i] > most && way.masses[i] > 0.0 {
+                // M C = m c: the same impulse from the corner alone.
+                (most, candidate.corner, candidate.share) = (w[i], p, way.masses[i] / mobility);
+            }
+        }
+        true
+    }
+}
+
+/// What a push changes.
+struct State<'a, 'b> {
+    candidate: &'a mut Candidate,
+    positions: &'a mut [Vec4],
+    previous: &'a mut [Vec4],
+    rigid: &'a mut Option<Yielding<'b>>,
+}
