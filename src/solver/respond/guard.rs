@@ -270,7 +270,9 @@ mod tests {
                 }) && volume(&start) * volume(to) < 0.0
             };
             met += u32::from(passes(&end));
-            let mut contacts = Contacts { pairs: vec![pair], start: start.clone(), now: end.clone(), ..Contacts::default() };
+            let particles = vec![0, 1, 2, 3];
+            let mut contacts =
+                Contacts { pairs: vec![pair], particles, start: start.clone(), now: end.clone(), ..Contacts::default() };
             contacts.guard();
             assert!(!passes(&contacts.now), "{n} {kind:?}");
             cut += u32::from(contacts.now != end);
