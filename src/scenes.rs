@@ -378,8 +378,12 @@ impl Scene {
                 group.blend(part, pose, Vec3::ZERO, dt / BLEND_TIME, whole);
             }
         }
-        for (part, cloth) in self.cloths.iter_mut().enumerate() {
-            group.scatter(part, &mut cloth.state, Vec3::ZERO);
+        if group.has_moved() {
+            for (part, SceneCloth { fabric, state, scratch, .. }) in self.cloths.iter_mut().enumerate() {
+                if step::displace(fabric, &self.bodies, state, scratch, |state| group.scatter(part, state, Vec3::ZERO)) {
+                    group.regather(part, state, Vec3::ZERO);
+                }
+            }
         }
         self.times.resolve = since(start);
 

@@ -20,7 +20,7 @@ pub struct ClothReport {
     pub mean_edge: f32,
     /// Whether it sleeps: see [`ClothSleep`](crate::ClothSleep). Everything else is as of the last frame before, and its times are 0.
     pub asleep: bool,
-    /// Particles that touched a body at the end of the frame.
+    /// Particles, and faces held by what is finer than the mesh, that touched a body at the end of the frame.
     pub body_contacts: u32,
     /// Bodies that could touch the cloth.
     pub bodies: u32,

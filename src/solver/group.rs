@@ -84,6 +84,8 @@ pub struct Group {
     previous: Vec<Vec4>,
     before: Vec<Vec4>,
     weights: Vec<f32>,
+    /// Whether the weights are those of the last frame.
+    weighed: bool,
     verdicts: Vec<Verdict>,
     total: Verdict,
     iterations: u32,
@@ -168,6 +170,7 @@ impl Group {
             self.share = 0.0;
             self.find(false);
         }
+        self.finder.note(&self.positions);
     }
 
     /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
@@ -181,18 +184,15 @@ impl Group {
         let Self { surface, untangler, finder, contacts, weights, .. } = self;
         let clean = self.total.is_clean();
         let takes_part = &self.takes_part;
-        let left_out = |v: u32| {
-            let tangled = !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
-            tangled || !takes_part[usize::from(surface.part(v))]
-        };
+        let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let moment = Moment { positions, previous, substep, touch };
+        let moment = Moment { positions, previous, substep, touch, takes_part };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
-            finder.find_strayed(surface, tree, &moment, share, rest, left_out, contacts);
+            finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
         } else {
-            finder.find(surface, tree, &moment, self.horizon, left_out, contacts);
+            finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
         }
     }
 
@@ -399,22 +399,22 @@ impl Group {
             // Still tangled, most likely: what may touch is found when nothing moves any more.
             self.look();
         }
-        self.finder.note(&self.positions);
         self.total
     }
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
         let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
-        let moment = Moment { positions, previous, substep, touch };
+        let moment = Moment { positions, previous, substep, touch, takes_part };
         finder.begin(surface, &moment, self.horizon, contacts);
-        let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
-        let ask = finder.ask(surface, &moment, left_out, contacts, false);
+        let ask = finder.ask(surface, &moment, |_| false, contacts, false);
         let crossings = untangler.detector.detect_and(surface, positions, Some(finder.ahead()), Finder::reach(&moment), ask);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;
-        self.known = self.total.is_clean();
+        // Of a cloth that was left out nothing is known.
+        let all = (0..surface.parts.len()).all(|part| !untangler.detector.is_quarantined(part as u16));
+        self.known = all && self.total.is_clean();
         self.sum_up();
     }
 
@@ -422,10 +422,9 @@ impl Group {
     /// that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
         let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
-        let left_out = |v: u32| !takes_part[usize::from(surface.part(v))];
-        let moment = Moment { positions, previous, substep, touch };
+        let moment = Moment { positions, previous, substep, touch, takes_part };
         let detector = &mut untangler.detector;
-        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, left_out, contacts)) {
+        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| false, contacts)) {
             return false;
         }
         let crossings = detector.detect_among(surface, positions, contacts.close_faces());
@@ -450,13 +449,16 @@ impl Group {
                 self.look();
             }
             let Self { surface, untangler: Untangler { detector, resolver }, positions, previous, .. } = self;
-            self.start.clone_from(positions);
-            self.caught.clear();
-            self.caught.resize(positions.len(), false);
-            for c in detector.crossings() {
-                let ends = surface.topology.edges[c.edge as usize];
-                let corners = surface.topology.faces[c.face as usize];
-                ends.iter().chain(&corners).for_each(|&v| self.caught[v as usize] = true);
+            self.start.clear();
+            if !self.total.is_clean() {
+                self.start.extend_from_slice(positions);
+                self.caught.clear();
+                self.caught.resize(positions.len(), false);
+                for c in detector.crossings() {
+                    let ends = surface.topology.edges[c.edge as usize];
+                    let corners = surface.topology.faces[c.face as usize];
+                    ends.iter().chain(&corners).for_each(|&v| self.caught[v as usize] = true);
+                }
             }
             // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
             let moved = underway || resolver.advance(surface, detector, positions, previous, &settings.resolve);
@@ -478,13 +480,15 @@ impl Group {
         if self.contacts.is_empty() || self.start.len() != self.positions.len() {
             return;
         }
-        let Self { surface, contacts, positions, previous, start, weights, caught, .. } = self;
+        let Self { surface, contacts, positions, previous, start, weights, weighed, caught, .. } = self;
         contacts.begin_start();
         contacts.begin_gather();
         for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
             contacts.note_start(part, |i| start[range + i]);
             contacts.gather_end(part, |i| positions[range + i]);
         }
+        // Weights of a tangle that was taken apart long ago say nothing.
+        let weights = if *weighed { weights.as_slice() } else { &[] };
         let tangled =
             |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
         if contacts.guard_all_but(|a, b| tangled(a) && tangled(b)) {
@@ -582,12 +586,19 @@ impl Group {
         put(&mut state.previous, &self.previous[range]);
     }
 
+    /// Takes over again what was [scattered](Self::scatter) and moved on.
+    pub fn regather(&mut self, part: usize, state: &ClothState, offset: Vec3) {
+        self.gather(part, state, offset, self.fixed[part]);
+        (self.moved, self.stale) = (true, true);
+    }
+
     /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
     pub fn evaluate(&mut self) -> Verdict {
         if self.stale {
             self.look();
         }
-        if !self.total.is_clean() {
+        self.weighed = !self.total.is_clean();
+        if self.weighed {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }

@@ -113,7 +113,7 @@ impl Way {
             let rate = ((from - to) / SETTLE).max(LEAST_RATE);
             // Of a cloth that blew up nothing is known.
             if from.is_finite() { (from - step.min(rate * dt)).max(to) } else { to }
-        } else if step > 0.0 && from + step > reach {
+        } else if step > 0.0 && (from + step > reach || !reach.is_finite()) {
             to
         } else {
             (from + step).min(to)

@@ -57,7 +57,7 @@ pub struct StepReport {
     pub worst_edge: f32,
     /// Mean edge length over rest length after the frame (dimensionless).
     pub mean_edge: f32,
-    /// Particles that touched a body in the last substep.
+    /// Particles and faces that touched a body in the last substep.
     pub body_contacts: u32,
 }
 
@@ -81,6 +81,7 @@ pub struct Scratch {
     rigid: Vec<u32>,
     acceleration: Vec<Vec4>,
     before: Vec<Vec4>,
+    displaced: Vec<Vec4>,
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
     /// Whether the last frame took it for strained, and for taut.
@@ -109,7 +110,7 @@ impl Scratch {
 
     /// Particles that touched a body in the last substep.
     pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
-        self.contacts.touching()
+        self.contacts.touching().chain(self.faces.touching())
     }
 
     /// Whether the cloth has been slow for a while.
@@ -118,7 +119,7 @@ impl Scratch {
         self.slow_for >= CALM_AFTER
     }
 
-    /// Particles that touched a body in the last substep, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
+    /// Particles that touched a body in the last substep, one once for each of its faces that did, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
     /// `C` the mean push of a substep `h`. What other cloth lies on them is not in it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
         self.touches().filter_map(|(_, p, load)| {
@@ -278,6 +279,7 @@ struct Frame {
     gusts: u32,
     strained: bool,
     taut: bool,
+    calm: bool,
     /// Substeps between those with bending, and drag [1/s].
     bend_every: u64,
     drag: f32,
@@ -362,6 +364,7 @@ impl Stepped<'_> {
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
             strained,
             taut,
+            calm,
             bend_every,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
             report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
@@ -405,7 +408,7 @@ impl Stepped<'_> {
         if state.substeps.is_multiple_of(frame.bend_every) {
             bend::solve(&rest.bends, &scratch.bends, x);
         }
-        if frame.bend_every == 1 || !state.substeps.is_multiple_of(frame.bend_every) {
+        if frame.calm || !state.substeps.is_multiple_of(frame.bend_every) {
             scratch.tethers.solve(fabric.tether_scale, x);
         }
         if frame.strained {
@@ -413,7 +416,7 @@ impl Stepped<'_> {
         }
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         if frame.taut {
-            let sweeps = if frame.bend_every == 1 { CALM_SWEEPS } else { TAUT_SWEEPS };
+            let sweeps = if frame.calm { CALM_SWEEPS } else { TAUT_SWEEPS };
             scratch.tight.solve(&rest.springs, &scratch.springs, fabric.strain_limit, sweeps, x);
         }
         let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
@@ -429,7 +432,7 @@ impl Stepped<'_> {
         let touch = Touch::of(self.fabric);
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
         frame.report.body_contacts = scratch.contacts.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
-        scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
     }
 
     /// Ends the frame; nothing when none was begun.
@@ -438,7 +441,7 @@ impl Stepped<'_> {
         let Self { rest, fabric, input, .. } = *self;
         let mut report = frame.report;
         state.time += f64::from(frame.dt);
-        if frame.bend_every == 1 {
+        if frame.calm && fabric.damping > 0.0 {
             slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
         }
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
@@ -507,6 +510,35 @@ fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut Cloth
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }
+}
+
+/// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of that. Whether bodies stopped anything.
+pub fn displace(
+    fabric: &Fabric,
+    bodies: &[Body],
+    state: &mut ClothState,
+    scratch: &mut Scratch,
+    displace: impl FnOnce(&mut ClothState),
+) -> bool {
+    let Scratch { before, displaced, contacts, faces, coupling, .. } = scratch;
+    before.clone_from(&state.positions);
+    displace(state);
+    if bodies.is_empty() || state.positions == *before {
+        return false;
+    }
+    let x = &mut state.positions;
+    displaced.clone_from(x);
+    let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
+    contacts.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
+    faces.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
+    let mut stopped = false;
+    for ((x, old), displaced) in x.iter().zip(&mut state.previous).zip(displaced) {
+        if x != displaced {
+            *old += *x - *displaced;
+            stopped = true;
+        }
+    }
+    stopped
 }
 
 /// Sweeps the springs once, as a substep does, without letting time pass. Nothing happens before the first [`step`].

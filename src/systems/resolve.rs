@@ -12,7 +12,7 @@ use crate::solver::evaluate::Resort;
 use crate::solver::fit::fit;
 use crate::solver::group::BLEND_TIME;
 use crate::solver::load::relax_edges;
-use crate::solver::step::relax;
+use crate::solver::step::{displace, relax};
 
 type Springs<'w, 's, 'q> =
     Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q Untangle, &'q ClothParticles), With<Cloth>>;
@@ -50,13 +50,19 @@ pub(crate) fn resolve(time: Res<Time>, mut groups: ResMut<ClothGroups>, cloths: 
     });
 }
 
-/// Gives what moved back to the cloths.
-pub(crate) fn scatter(groups: Res<ClothGroups>, mut cloths: Query<&mut ClothParticles, With<Cloth>>) {
-    for group in groups.list.iter().filter(|g| !g.asleep && g.group.has_moved()) {
-        for (part, member) in group.members.iter().enumerate() {
-            if let Ok(mut particles) = cloths.get_mut(member.entity) {
+/// Gives what moved back to the cloths, and keeps it out of bodies.
+pub(crate) fn scatter(
+    mut groups: ResMut<ClothGroups>,
+    mut cloths: Query<(&ClothInputs, &mut ClothParticles, &mut ClothScratch), With<Cloth>>,
+) {
+    for group in groups.list.iter_mut().filter(|g| !g.asleep && g.group.has_moved()) {
+        for part in 0..group.members.len() {
+            if let Ok((inputs, mut particles, mut scratch)) = cloths.get_mut(group.members[part].entity) {
                 let offset = group.offset(particles.origin);
-                group.group.scatter(part, &mut particles.state, offset);
+                let (state, solver) = (&mut particles.state, &mut scratch.solver);
+                if displace(&inputs.fabric, &inputs.bodies, state, solver, |state| group.group.scatter(part, state, offset)) {
+                    group.group.regather(part, state, offset);
+                }
             }
         }
     }

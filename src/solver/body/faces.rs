@@ -60,6 +60,9 @@ const WITHIN: f32 = 0.02;
 /// Farthest corner that is looked at [m].
 const FARTHEST: f32 = 1.0e6;
 
+/// Pairs listed for each face, at most: what comes on top, where a fine mesh goes by fast, is left to particles.
+const MOST: usize = 32;
+
 /// A face that may meet a part of a body in this frame.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -249,6 +252,11 @@ impl FaceContacts {
         }
     }
 
+    /// Particles of faces that touched when last projected.
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+        self.candidates.iter().filter(|c| c.load > 0.0).flat_map(|c| c.particles)
+    }
+
     /// Lists the faces whose boxes meet a box.
     fn list(&mut self, sheet: &Sheet<'_>, crease: u32, low: Vec3, high: Vec3) {
         self.fill_blocks(sheet);
@@ -259,6 +267,9 @@ impl FaceContacts {
             }
             for (&particles, face) in faces.iter().zip(first..) {
                 let free = particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
+                if self.candidates.len() >= MOST * sheet.faces.len() {
+                    return;
+                }
                 if free && meets(sheet.bounds(&[particles])) {
                     self.candidates.push(Candidate::new(face, crease, particles));
                 }
@@ -408,7 +419,9 @@ fn remember(
         let wanted = key(candidate, creases);
         while before.next_if(|old| key(old, creases_before) < wanted).is_some() {}
         if let Some(old) = before.next_if(|old| key(old, creases_before) == wanted) {
-            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, ..*old };
+            // The part may have become another one, or grown.
+            let clear = f32::NEG_INFINITY;
+            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, clear, ..*old };
         }
     }
 }
@@ -480,6 +493,7 @@ impl Setting<'_> {
     #[inline]
     fn is_clear(&self, candidate: &Candidate, positions: &[Vec4]) -> bool {
         let room = candidate.clear;
+        // What touched has to be looked at until it does not.
         room > 0.0
             && candidate.particles.iter().zip(candidate.corners).all(|(&p, corner)| {
                 // False for what is not a number.

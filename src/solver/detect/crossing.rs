@@ -172,7 +172,7 @@ impl Detector {
         self.tree.is_quarantined(part)
     }
 
-    /// The search tree, fitted to the positions of the last detection.
+    /// The search tree, fitted to where everything was at the last look at all of it, or at what had drifted since.
     pub fn tree(&mut self) -> &mut Tree {
         &mut self.tree
     }

@@ -75,7 +75,7 @@ pub fn rub(bends: &Bends, stiffness: f32, dt: f32, h: f32, positions: &[Vec4], p
         let limit = (Vec4::splat(RUB_SHARE) / w).min(Vec4::splat(most) / length);
         // What is held all over, or does not bend, gives infinity or no number.
         let by = Vec4::select(w.cmpgt(Vec4::ZERO) & length.cmpgt(Vec4::ZERO), limit, Vec4::ZERO).to_array();
-        for lane in 0..LANES {
+        for lane in (0..LANES).filter(|&lane| by[lane] > 0.0) {
             let by = (wc[lane] * by[lane]).to_array();
             for k in 0..4 {
                 previous[particles[lane][k] as usize] = old[lane][k] + rate[lane] * by[k];

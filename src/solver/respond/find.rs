@@ -20,9 +20,9 @@ const MARGIN: f32 = 0.25;
 /// than half of it cannot meet.
 const STRAY: f32 = 0.45;
 
-/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin: two that both drift by
-/// half of it are still a thickness apart, unless they were found.
-const DRIFT: f32 = 0.5;
+/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin. One that drifted is looked at
+/// where it is, against others that may drift from one side of where they were to the other: three times this is a margin.
+const DRIFT: f32 = 1.0 / 3.0;
 /// The same as a share of the least height of the faces around: what was flat, or inside an edge, about stays so.
 const DRIFT_OF_HEIGHT: f32 = 0.05;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
@@ -54,6 +54,8 @@ pub struct Moment<'a> {
     pub substep: &'a [f32],
     /// Thickness and friction of each cloth.
     pub touch: &'a [Touch],
+    /// Whether each cloth rests on cloths at all.
+    pub takes_part: &'a [bool],
 }
 
 impl Moment<'_> {
@@ -124,7 +126,7 @@ impl Finder {
         Self {
             owns,
             ahead: start.clone(),
-            before: start.clone(),
+            before: vec![Vec3A::NAN; surface.len()],
             start,
             astray,
             marked,
@@ -146,19 +148,19 @@ impl Finder {
         self.find_flat(surface, moment.positions);
     }
 
-    /// Finds the pairs that may touch within `dt` [s]. `left_out` says of a particle that it takes no part.
+    /// Finds the pairs that may touch within `dt` [s]. `tangled` says of a particle that it is part of a tangle, within which there is no right side.
     pub fn find(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,
         moment: &Moment<'_>,
         dt: f32,
-        left_out: impl Fn(u32) -> bool,
+        tangled: impl Fn(u32) -> bool,
         contacts: &mut Contacts,
     ) {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        let mut ask = self.ask(surface, moment, left_out, contacts, false);
+        let mut ask = self.ask(surface, moment, tangled, contacts, false);
         tree.pairs(surface, Self::reach(moment), |f, g| {
             ask(f, g);
         });
@@ -172,10 +174,11 @@ impl Finder {
         tree: &mut Tree,
         moment: &Moment<'_>,
         dt: f32,
-        left_out: impl Fn(u32) -> bool,
+        tangled: impl Fn(u32) -> bool,
         contacts: &mut Contacts,
     ) -> bool {
-        if self.shared != Vec3A::ZERO {
+        // Where something lay in the same place, nobody knows yet on which side.
+        if self.shared != Vec3A::ZERO || contacts.coincide {
             return false;
         }
         let most = (MOST_DRIFTED * surface.len() as f32) as usize;
@@ -185,7 +188,7 @@ impl Finder {
             let limit = DRIFT * MARGIN * touch.thickness;
             for v in part.particles.start as usize..part.particles.end as usize {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
-                let motion = foreseen(moment, v, scale, self.before[v]);
+                let motion = foreseen(moment, v, scale, self.before[v], 1.0);
                 let limit = limit.min(DRIFT_OF_HEIGHT * self.heights[v]);
                 let farthest = now.distance_squared(start).max((now + motion).distance_squared(start));
                 self.astray[v] = !(farthest <= limit * limit);
@@ -196,7 +199,7 @@ impl Finder {
             return false;
         }
         if drifted > 0 {
-            self.find_strayed(surface, tree, moment, 0.0, dt, left_out, contacts);
+            self.find_strayed(surface, tree, moment, 0.0, dt, tangled, contacts);
         }
         true
     }
@@ -226,13 +229,15 @@ impl Finder {
         moment: &Moment<'_>,
         share: f32,
         dt: f32,
-        left_out: impl Fn(u32) -> bool,
+        tangled: impl Fn(u32) -> bool,
         contacts: &mut Contacts,
     ) {
         for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
         }
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        // Of the time since the last frame and until the next, at its end a whole frame each.
+        let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
         contacts.note_loads();
         contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
@@ -242,7 +247,7 @@ impl Finder {
             for v in part.particles.start as usize..part.particles.end as usize {
                 if core::mem::take(&mut self.astray[v]) {
                     let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
-                    let motion = foreseen(moment, v, scale, self.before[v]);
+                    let motion = foreseen(moment, v, scale, self.before[v], since);
                     self.ahead[v] = now + limited(motion - self.shared * (1.0 - share), longest);
                     // So that it is here now.
                     self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
@@ -252,7 +257,7 @@ impl Finder {
         self.find_flat(surface, moment.positions);
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
-        let mut ask = self.ask(surface, moment, left_out, contacts, true);
+        let mut ask = self.ask(surface, moment, tangled, contacts, true);
         tree.pairs_with(surface, Self::reach(moment), &marked, |f, g| {
             ask(f, g);
         });
@@ -266,11 +271,11 @@ impl Finder {
         &'a self,
         surface: &'a Surface,
         moment: &Moment<'a>,
-        left_out: impl Fn(u32) -> bool + 'a,
+        tangled: impl Fn(u32) -> bool + 'a,
         contacts: &'a mut Contacts,
         anew: bool,
     ) -> impl FnMut(u32, u32) -> bool + 'a {
-        let &Moment { positions, touch, .. } = moment;
+        let &Moment { positions, touch, takes_part, .. } = moment;
         let reach = Self::reach(moment);
         let topology = &surface.topology;
         let Self { owns, ahead, longest, flat, .. } = self;
@@ -283,13 +288,16 @@ impl Finder {
             }
             let ids = pair.particles;
             let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
+            if !(takes_part[usize::from(p)] && takes_part[usize::from(q)]) {
+                return;
+            }
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
             let mut thickness = 0.5 * (mine.thickness + other.thickness);
             let margin = MARGIN * thickness;
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
             let normal = delta / pair.distance;
             // Exactly in touch, there is no side to be on.
-            let in_tangle = |ids: &[u32]| ids.iter().any(|&v| left_out(v));
+            let in_tangle = |ids: &[u32]| ids.iter().any(|&v| tangled(v));
             if !normal.is_finite() || (in_tangle(&ids[..first]) && in_tangle(&ids[first..])) {
                 contacts.coincide |= !normal.is_finite();
                 return;
@@ -463,7 +471,7 @@ impl Finder {
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
-                let motion = limited(foreseen(moment, v, scale, self.before[v]), FARTHEST);
+                let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0), FARTHEST);
                 self.start[v] = Vec3A::from_vec4(positions[v]);
                 self.ahead[v] = self.start[v] + motion;
                 mean += motion;
@@ -484,11 +492,12 @@ impl Finder {
 }
 
 /// The motion of particle `v` until the next look [m]: that of the last substep times `scale`. Where constraints pull against each other the last substep tells
-/// nothing: what was `before` where it is now, stays.
+/// nothing: what hardly moved since it was `before` moves on like that, `ahead` times as far.
 #[inline]
-fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A) -> Vec3A {
+fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
-    let way = Vec3A::from_vec4(moment.positions[v]) - before;
+    let way = (Vec3A::from_vec4(moment.positions[v]) - before) * ahead;
+    // Not a number where nothing is known.
     if way.length_squared() < (STUCK * STUCK) * motion.length_squared() { way } else { motion }
 }
 
