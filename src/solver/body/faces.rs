@@ -495,6 +495,7 @@ impl Setting<'_> {
         let room = candidate.clear;
         // What touched has to be looked at until it does not.
         room > 0.0
+            && candidate.load <= 0.0
             && candidate.particles.iter().zip(candidate.corners).all(|(&p, corner)| {
                 // False for what is not a number.
                 positions.get(p as usize).is_some_and(|x| {
