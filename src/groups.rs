@@ -196,7 +196,8 @@ impl ClothGroups {
             let best = run.iter().map(of).filter(|c| !c.member.fixed).fold(first, |best, c| {
                 if best.member.fixed || c.settings.iterations > best.settings.iterations { c } else { best }
             });
-            while before.get(old).is_some_and(|g| g.members.first().is_some_and(|m| m.entity < first.member.entity)) {
+            // One without members was taken.
+            while before.get(old).is_some_and(|g| g.members.first().is_none_or(|m| m.entity < first.member.entity)) {
                 old += 1;
             }
             let known = before.get(old).is_some_and(|g| {

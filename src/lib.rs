@@ -27,8 +27,8 @@ pub mod scenes;
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
     ClothCoupling, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse, ClothLastResort,
-    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver,
-    ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
+    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept,
+    ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
     ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet,
     PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor,
     WindZone, WindZoneShape,
@@ -46,12 +46,12 @@ pub use simulation::{ClothParticles, ClothRest};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothCoupling,
-        ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse, ClothLastResort, ClothLayers,
-        ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothQuery, ClothRecovered, ClothReport, ClothRigidBody,
-        ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported,
-        ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision,
-        OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone,
-        WindZoneShape,
+        Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
+        ClothCoupling, ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse, ClothLastResort,
+        ClothLayers, ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothQuery, ClothRecovered, ClothReport, ClothRest,
+        ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost,
+        ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderShape, ColorChannel, GlobalWind, MeshFit,
+        NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod,
+        WindZone, WindZoneShape,
     };
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{self, Scene, SceneCloth, fabric, funnel, grid, needles};
+use bevy_drape::scenes::{Scene, SceneCloth, fabric, funnel, grid, needles};
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::group::UntangleSettings;
@@ -59,7 +59,7 @@ fn no_needle_comes_through_a_sheet_that_falls_on_twenty() {
         needles::feet().map(|foot| foot.as_dvec3()).map(|foot| [foot, foot + DVec3::Y * height]).collect();
     for n in [13, 20, 28] {
         for seed in 1..=2 {
-            let mut scene = untangled(scenes::needles(n).jittered(seed));
+            let mut scene = untangled(needles(n).jittered(seed));
             for frame in 1..=150 {
                 scene.step(FRAME);
                 let (x, faces) = shown(&scene);
@@ -143,7 +143,7 @@ fn a_sheet_goes_through_a_funnel_and_not_through_its_wall() {
     let (vertices, triangles) = funnel::surface();
     let walls: Vec<[DVec3; 3]> = triangles.iter().map(|t| t.map(|v| vertices[v as usize].as_dvec3())).collect();
     for n in [13, 20, 28] {
-        let mut scene = untangled(scenes::funnel(n).jittered(1));
+        let mut scene = untangled(funnel(n).jittered(1));
         let (frames, mut through) = (300, 0);
         for _ in 0..frames {
             scene.step(FRAME);

@@ -168,6 +168,10 @@ impl Group {
     pub fn respond(&mut self) {
         if self.looks == 0 || self.moved || !self.total.is_clean() {
             self.share = 0.0;
+            if self.total.is_clean() {
+                let Self { contacts, retreat, .. } = self;
+                contacts.absolve(|v| retreat.took(v));
+            }
             self.find(false);
         }
         self.finder.note(&self.positions);
@@ -232,9 +236,10 @@ impl Group {
             }
         }
         self.note_start(cloths);
+        let crowded = !self.contacts.is_empty();
         for part in 0..parts {
             if let Some(m) = cloths.member(part)
-                && let Some(report) = m.cloth.finish(m.state, m.scratch)
+                && let Some(report) = m.cloth.finish(crowded, m.state, m.scratch)
             {
                 cloths.done(part, report);
             }

@@ -30,6 +30,11 @@ pub struct Retreat {
 }
 
 impl Retreat {
+    /// Whether a particle was taken back in the frame that ended last.
+    pub fn took(&self, particle: u32) -> bool {
+        self.frames.get(particle as usize).is_some_and(|&frames| frames > 0)
+    }
+
     /// Notes how a frame ended; nothing is known of one that was not clean.
     pub fn note(&mut self, positions: &[Vec4], is_clean: bool) {
         self.clean.clear();

@@ -195,6 +195,9 @@ const TAUT_SWEEPS: u32 = 2;
 /// The same for a calm cloth, whose edges are not shortened at the end of a frame.
 const CALM_SWEEPS: u32 = 8;
 
+/// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two may be as far as a margin apart unseen.
+const CROWDED: f32 = 0.25;
+
 /// Passes over edges that are beyond the strain limit at the end of a frame.
 const FINISH_PASSES: u32 = 8;
 
@@ -251,7 +254,7 @@ pub fn step(
     while cloth.constrain(state, scratch) {
         cloth.project(state, scratch);
     }
-    cloth.finish(state, scratch).unwrap_or_default()
+    cloth.finish(false, state, scratch).unwrap_or_default()
 }
 
 /// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side, and are kept apart
@@ -435,8 +438,8 @@ impl Stepped<'_> {
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
     }
 
-    /// Ends the frame; nothing when none was begun.
-    pub fn finish(&self, state: &mut ClothState, scratch: &mut Scratch) -> Option<StepReport> {
+    /// Ends the frame; nothing when none was begun. `crowded`: whether it may touch cloth.
+    pub fn finish(&self, crowded: bool, state: &mut ClothState, scratch: &mut Scratch) -> Option<StepReport> {
         let frame = scratch.frame.take()?;
         let Self { rest, fabric, input, .. } = *self;
         let mut report = frame.report;
@@ -448,7 +451,7 @@ impl Stepped<'_> {
         scratch.worst_edge = report.worst_edge;
         let limits = if scratch.is_calm() { CALM_STRAINED } else { STRAINED };
         if scratch.strain() > limits * fabric.strain_limit {
-            shorten(rest, fabric, input.bodies, state, scratch, report.mean_edge);
+            shorten(self, crowded, state, scratch, report.mean_edge);
             // Pins on bodies that cloth moves have a mass, but stay where they are.
             scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
@@ -483,7 +486,8 @@ fn mean_square_speed(state: &ClothState) -> f32 {
 }
 
 /// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.
-fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut ClothState, scratch: &mut Scratch, mean_edge: f32) {
+fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: &mut Scratch, mean_edge: f32) {
+    let Stepped { rest, fabric, input: FrameInput { bodies, .. }, .. } = *cloth;
     let bound = 1.0 + fabric.strain_limit;
     let x = &mut state.positions;
     let before = &mut scratch.before;
@@ -495,8 +499,8 @@ fn shorten(rest: &RestShape, fabric: &Fabric, bodies: &[Body], state: &mut Cloth
         // Each particle was drawn to the last of its neighbours: even that out.
         scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
     }
-    // No farther than the distance kept to bodies: nothing can be behind one then.
-    let farthest = fabric.thickness;
+    // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked for.
+    let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
     for (x, before) in x.iter_mut().zip(&*before) {
         let way = *x - *before;
         let square = way.length_squared();

@@ -39,6 +39,20 @@ fn two_sheets_dropped_on_a_ball_rest_on_each_other_and_never_cross() {
 }
 
 #[test]
+fn piles_apart_from_each_other_each_remember_their_contacts() {
+    let mut app = app();
+    let cloths = [0.0, 5.0, 10.0].map(|x| {
+        app.world_mut().spawn((Transform::from_xyz(x, 0.0, 0.0), ClothCollider::ball(0.3)));
+        [0.4, 0.43]
+            .map(|y| spawn(&mut app, sheet(14), Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_y(10.0 * y))))
+    });
+    run(&mut app, 120);
+    for pile in cloths {
+        assert!(pile.iter().all(|&cloth| report(&app, cloth).contacts > 10), "{:?}", pile.map(|c| report(&app, c).contacts));
+    }
+}
+
+#[test]
 fn without_contact_cloths_pass_through_each_other() {
     let mut app = app();
     let alone = || (ClothCollision { contact: false, ..default() }, Untangle { enabled: false, ..default() });

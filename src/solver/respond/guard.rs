@@ -60,6 +60,12 @@ impl Contacts {
                 return pass > 1;
             }
         }
+        // Some may have passed all the same; the others did not.
+        for pair in pairs.iter_mut().filter(|pair| pair.behind && !pair.was_behind) {
+            let from = pair.slots.map(|s| start[s as usize].truncate());
+            let to = pair.slots.map(|s| now[s as usize]);
+            pair.behind = !divides(dividing(pair, &from), pair.first(), &from, &to);
+        }
         true
     }
 

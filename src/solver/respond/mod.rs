@@ -94,6 +94,14 @@ impl Contacts {
         self.note_behind();
     }
 
+    /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
+    pub fn absolve(&mut self, put: impl Fn(u32) -> bool) {
+        let Self { pairs, particles, .. } = self;
+        for pair in pairs.iter_mut().filter(|pair| pair.behind) {
+            pair.behind = !pair.slots.iter().any(|&s| put(particles[s as usize]));
+        }
+    }
+
     /// Whether primitives lay in the same place at the last look, so that nobody can say on which side of each other they belong.
     #[must_use]
     pub fn coincide(&self) -> bool {
