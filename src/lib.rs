@@ -27,8 +27,8 @@ pub mod scenes;
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
     ClothCoupling, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse, ClothLastResort,
-    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept,
-    ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
+    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver,
+    ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
     ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet,
     PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor,
     WindZone, WindZoneShape,

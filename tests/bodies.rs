@@ -55,8 +55,7 @@ fn deepest(scene: &Scene, depth: impl Fn(DVec3) -> f64) -> f64 {
 #[test]
 fn no_needle_comes_through_a_sheet_that_falls_on_twenty() {
     let (radius, height) = (f64::from(needles::NEEDLE.0), f64::from(needles::NEEDLE.1));
-    let axes: Vec<[DVec3; 2]> =
-        needles::feet().map(|foot| foot.as_dvec3()).map(|foot| [foot, foot + DVec3::Y * height]).collect();
+    let axes: Vec<[DVec3; 2]> = needles::feet().map(Vec3::as_dvec3).map(|foot| [foot, foot + DVec3::Y * height]).collect();
     for n in [13, 20, 28] {
         for seed in 1..=2 {
             let mut scene = untangled(needles(n).jittered(seed));

@@ -30,6 +30,9 @@ const RINGS: usize = 3;
 /// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
 const MOST_RETREATS: u32 = 8;
 
+/// How far ahead pairs are looked for at most [s]: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
+const LONGEST_LOOK: f32 = 1.0 / 30.0;
+
 /// Time in which [`Group::blend`] should draw a tangle to a pose [s].
 pub const BLEND_TIME: f32 = 0.25;
 
@@ -160,7 +163,9 @@ impl Group {
         self.takes_part.extend((0..parts).map(takes_part));
         self.touch.clear();
         self.touch.extend_from_slice(touch);
-        (self.horizon, self.share, self.looks) = (dt, 0.0, 0);
+        // While no time passes, nobody knows how much will.
+        let horizon = if dt > 0.0 { dt.min(LONGEST_LOOK) } else { self.horizon };
+        (self.horizon, self.share, self.looks) = (horizon, 0.0, 0);
         self.contacts.lift();
     }
 
@@ -203,12 +208,16 @@ impl Group {
     /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it where it is.
     pub fn step(&mut self, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
-        let mut count = 0;
+        let (mut count, mut longest) = (0, 0.0f32);
         for part in 0..parts {
             if let Some(m) = cloths.member(part) {
                 count = count.max(step::substeps_of(m.stepping, m.cloth.input.dt));
+                longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
             }
         }
+        // Share of the time looked ahead that passes in a substep.
+        let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
+        self.share = 0.0;
         for part in 0..parts {
             if let Some(m) = cloths.member(part) {
                 m.cloth.begin(m.stepping, Some(count), m.state, m.scratch);
@@ -230,9 +239,9 @@ impl Group {
                 }
             }
             self.guard(cloths);
-            self.share = n as f32 / count as f32;
+            self.share += each;
             if n < count {
-                self.look_where_strayed(cloths, (n + 1) as f32 / count as f32);
+                self.look_ahead(cloths, each);
             }
         }
         self.note_start(cloths);
@@ -332,10 +341,12 @@ impl Group {
         }
     }
 
-    /// Looks for pairs again where cloth will be, at the share `next` of the frame, where it was not foreseen to be.
-    fn look_where_strayed(&mut self, cloths: &mut impl Members, next: f32) {
-        let mut strayed = false;
-        for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch) {
+    /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead, where it was foreseen to be; everywhere
+    /// when that time is up.
+    fn look_ahead(&mut self, cloths: &mut impl Members, each: f32) {
+        let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
+        let mut strayed = over;
+        for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch).filter(|_| !over) {
             let Some(m) = cloths.member(i) else { continue };
             if m.state.positions.len() == part.particles.len() {
                 let first = part.particles.start as usize;
@@ -352,7 +363,11 @@ impl Group {
                     }
                 }
             }
-            self.find(true);
+            if over {
+                self.share = 0.0;
+                self.finder.note(&self.positions);
+            }
+            self.find(!over);
         }
     }
 

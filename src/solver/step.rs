@@ -195,8 +195,8 @@ const TAUT_SWEEPS: u32 = 2;
 /// The same for a calm cloth, whose edges are not shortened at the end of a frame.
 const CALM_SWEEPS: u32 = 8;
 
-/// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two may be as far as a margin apart unseen.
-const CROWDED: f32 = 0.25;
+/// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two that are moved farther could pass through each other unseen.
+const CROWDED: f32 = 0.5;
 
 /// Passes over edges that are beyond the strain limit at the end of a frame.
 const FINISH_PASSES: u32 = 8;
@@ -441,7 +441,7 @@ impl Stepped<'_> {
     /// Ends the frame; nothing when none was begun. `crowded`: whether it may touch cloth.
     pub fn finish(&self, crowded: bool, state: &mut ClothState, scratch: &mut Scratch) -> Option<StepReport> {
         let frame = scratch.frame.take()?;
-        let Self { rest, fabric, input, .. } = *self;
+        let Self { rest, fabric, .. } = *self;
         let mut report = frame.report;
         state.time += f64::from(frame.dt);
         if frame.calm && fabric.damping > 0.0 {

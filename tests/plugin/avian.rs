@@ -80,7 +80,7 @@ fn momentum(app: &App, cloth: Entity) -> (f32, Vec3) {
 }
 
 fn weight(app: &App, cloth: Entity) -> f32 {
-    let areas = &app.world().get::<bevy_drape::ClothRest>(cloth).expect("a bound cloth").shape().areas;
+    let areas = &app.world().get::<ClothRest>(cloth).expect("a bound cloth").shape().areas;
     app.world().get::<ClothMaterial>(cloth).expect("a cloth").density * areas.iter().sum::<f32>() * G
 }
 

@@ -465,14 +465,14 @@ impl Finder {
 
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
-        let &Moment { positions, substep, .. } = moment;
+        let substep = moment.substep;
         self.astray.fill(false);
         let mut mean = Vec3A::ZERO;
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
                 let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0), FARTHEST);
-                self.start[v] = Vec3A::from_vec4(positions[v]);
+                self.start[v] = Vec3A::from_vec4(moment.positions[v]);
                 self.ahead[v] = self.start[v] + motion;
                 mean += motion;
             }
