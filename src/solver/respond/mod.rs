@@ -80,6 +80,7 @@ impl Contacts {
     fn begin(&mut self) {
         self.coincide = false;
         self.note_loads();
+        let (close, listed) = (self.close.len(), self.pairs.len());
         let Self { pairs, particles, .. } = self;
         pairs.retain(|pair| pair.behind);
         for pair in pairs.iter_mut() {
@@ -92,6 +93,11 @@ impl Contacts {
         }
         self.pairs = kept;
         self.note_behind();
+        // What is brought up to date grows by what comes close, until the next look at everything.
+        self.close.reserve(2 * close);
+        self.pairs.reserve(listed + listed / 2);
+        self.particles.reserve(listed);
+        self.loads.reserve(listed / 2);
     }
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
