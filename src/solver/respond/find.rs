@@ -28,8 +28,9 @@ const DRIFT_OF_HEIGHT: f32 = 0.05;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
-/// What went less than this share of the way its speed would take it, is stuck.
+/// What went less than this share of the way its speed would take it in a frame, and less than this share of its thickness, is stuck.
 const STUCK: f32 = 0.25;
+const STILL: f32 = 0.05;
 
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
 const FARTHEST_EDGES: f32 = 4.0;
@@ -188,7 +189,7 @@ impl Finder {
             let limit = DRIFT * MARGIN * touch.thickness;
             for v in part.particles.start as usize..part.particles.end as usize {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
-                let motion = foreseen(moment, v, scale, self.before[v], 1.0);
+                let motion = foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness);
                 let limit = limit.min(DRIFT_OF_HEIGHT * self.heights[v]);
                 let farthest = now.distance_squared(start).max((now + motion).distance_squared(start));
                 self.astray[v] = !(farthest <= limit * limit);
@@ -242,12 +243,12 @@ impl Finder {
         contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_behind();
-        for (part, &h) in surface.parts.iter().zip(moment.substep) {
+        for ((part, &h), touch) in surface.parts.iter().zip(moment.substep).zip(moment.touch) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
                 if core::mem::take(&mut self.astray[v]) {
                     let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
-                    let motion = foreseen(moment, v, scale, self.before[v], since);
+                    let motion = foreseen(moment, v, scale, self.before[v], since, touch.thickness);
                     self.ahead[v] = now + limited(motion - self.shared * (1.0 - share), longest);
                     // So that it is here now.
                     self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
@@ -468,10 +469,10 @@ impl Finder {
         let substep = moment.substep;
         self.astray.fill(false);
         let mut mean = Vec3A::ZERO;
-        for (part, &h) in surface.parts.iter().zip(substep) {
+        for ((part, &h), touch) in surface.parts.iter().zip(substep).zip(moment.touch) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
-                let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0), FARTHEST);
+                let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness), FARTHEST);
                 self.start[v] = Vec3A::from_vec4(moment.positions[v]);
                 self.ahead[v] = self.start[v] + motion;
                 mean += motion;
@@ -492,13 +493,14 @@ impl Finder {
 }
 
 /// The motion of particle `v` until the next look [m]: that of the last substep times `scale`. Where constraints pull against each other the last substep tells
-/// nothing: what hardly moved since it was `before` moves on like that, `ahead` times as far.
+/// nothing: what is as good as where it was `before` moves on as it did since, `ahead` times as far.
 #[inline]
-fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32) -> Vec3A {
+fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
-    let way = (Vec3A::from_vec4(moment.positions[v]) - before) * ahead;
+    let way = Vec3A::from_vec4(moment.positions[v]) - before;
+    let still = (STILL * thickness).min(STUCK * motion.length());
     // Not a number where nothing is known.
-    if way.length_squared() < (STUCK * STUCK) * motion.length_squared() { way } else { motion }
+    if way.length_squared() < still * still { way * ahead } else { motion }
 }
 
 /// A motion no longer than `longest` [m]: of what goes farther, the rest is looked for when it gets there.
