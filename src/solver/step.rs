@@ -352,7 +352,7 @@ impl Stepped<'_> {
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
         if taut {
-            scratch.tight.find(&rest.springs, fabric.strain_limit, &state.positions);
+            scratch.tight.find(&rest.springs, fabric.strain_limit, calm, &state.positions);
         }
         if calm {
             scratch.before.clone_from(&state.positions);

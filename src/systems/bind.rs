@@ -242,12 +242,6 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
     let placement = wanted.placement;
     if *cloth.build != report {
         debug!("{} is bound: {report:?}", label(cloth.entity, cloth.name));
-        if !report.bad_pins.is_empty() {
-            let (who, bad, count) = (label(cloth.entity, cloth.name), &report.bad_pins, authored.positions.len());
-            warn!(
-                "cloth {who} has pins on vertices that hold nothing, since its mesh has {count}: {bad:?}; name vertices below that"
-            );
-        }
         *cloth.build = report;
     }
     let vertices = authored.positions.len();

@@ -132,12 +132,16 @@ pub struct Tight {
 }
 
 /// From this share of the strain limit on a spring is close to it: what is shortened next to it draws at it.
-const TIGHT: f32 = 0.5;
+const TIGHT: f32 = 0.25;
 
 impl Tight {
-    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest.
-    pub fn find(&mut self, springs: &Springs, strain_limit: f32, positions: &[Vec4]) {
+    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. Of cloth that is not `calm` any may get there within the frame.
+    pub fn find(&mut self, springs: &Springs, strain_limit: f32, calm: bool, positions: &[Vec4]) {
         self.batches.clear();
+        if !calm {
+            self.batches.extend(0..springs.a.len() as u32);
+            return;
+        }
         let near = Vec4::splat((1.0 + TIGHT * strain_limit).powi(2));
         for (k, ((a, b), &inverse_square)) in (0..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
             let (_, _, d) = gather(a, b, positions);
