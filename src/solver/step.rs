@@ -186,6 +186,9 @@ const CALM_STRAINED: f32 = 2.5;
 /// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame those of its springs that are close to the limit are also swept [`TAUT_SWEEPS`] times for it alone.
 const TAUT: f32 = 2.0;
 
+/// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame.
+const WILD: f32 = 8.0;
+
 /// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would do it every other frame.
 const EASED: f32 = 0.5;
 
@@ -352,7 +355,8 @@ impl Stepped<'_> {
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
         if taut {
-            scratch.tight.find(&rest.springs, fabric.strain_limit, calm, &state.positions);
+            let wild = scratch.strain() > WILD * fabric.strain_limit;
+            scratch.tight.find(&rest.springs, fabric.strain_limit, wild, &state.positions);
         }
         if calm {
             scratch.before.clone_from(&state.positions);
