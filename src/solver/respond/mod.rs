@@ -148,6 +148,13 @@ impl Contacts {
     fn fit(&mut self, surface: &Surface) {
         self.slots.resize(surface.len(), NONE);
         self.levels.resize(surface.len(), FREE);
+        // Room for what folded cloth has, so that lists do not grow when it is at rest.
+        let (faces, particles) = (surface.topology.faces.len(), surface.len());
+        self.close.reserve((4 * faces).saturating_sub(self.close.len()));
+        self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
+        self.particles.reserve(particles.saturating_sub(self.particles.len()));
+        self.loads.reserve(particles.saturating_sub(self.loads.len()));
+        self.behind.reserve((particles / 8).saturating_sub(self.behind.len()));
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
         self.slots_of.resize_with(surface.parts.len(), Vec::new);
