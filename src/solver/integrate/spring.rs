@@ -135,10 +135,10 @@ pub struct Tight {
 const TIGHT: f32 = 0.25;
 
 impl Tight {
-    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. In a `wild` cloth any may get there within the frame.
-    pub fn find(&mut self, springs: &Springs, strain_limit: f32, wild: bool, positions: &[Vec4]) {
+    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within the frame.
+    pub fn find(&mut self, springs: &Springs, strain_limit: f32, all: bool, positions: &[Vec4]) {
         self.batches.clear();
-        if wild {
+        if all {
             self.batches.extend(0..springs.a.len() as u32);
             return;
         }
