@@ -214,6 +214,8 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
         x.w = 1.0 / (fabric.density * area).max(1.0e-9);
     }
+    // What a calm cloth needs, before it is.
+    scratch.before.reserve(state.positions.len().saturating_sub(scratch.before.len()));
     scratch.coupling.weigh(anchors);
     let mut rigid = Vec::new();
     for (k, (&p, &weight)) in anchors.particles.iter().zip(&anchors.weights).enumerate() {

@@ -138,6 +138,7 @@ impl Tight {
     /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within the frame.
     pub fn find(&mut self, springs: &Springs, strain_limit: f32, all: bool, positions: &[Vec4]) {
         self.batches.clear();
+        self.batches.reserve(springs.a.len());
         if all {
             self.batches.extend(0..springs.a.len() as u32);
             return;
