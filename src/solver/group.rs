@@ -365,9 +365,12 @@ impl Group {
             }
             if over {
                 self.share = 0.0;
-                self.finder.note(&self.positions);
             }
             self.find(!over);
+            if over {
+                // Not before: what moved since the last time is not stuck.
+                self.finder.note(&self.positions);
+            }
         }
     }
 

@@ -173,9 +173,9 @@ const CALM_AFTER: f32 = 0.25;
 /// What a calm cloth loses of its velocities on top of drag [1/s]: what one sweep over constraints in a row leaves over keeps going around for ever otherwise.
 const CALM_DRAG: f32 = 5.0;
 
-/// What got less far within a frame than this share of the way its speed would take it, is stuck, in a calm cloth: constraints pull it to and fro between them, and it
-/// has the speed of its mean motion.
-const STUCK: f32 = 0.25;
+/// What got less far within a frame than this share of the way its speed would take it (dimensionless) is stuck: constraints pull it to and fro between them. In a
+/// calm cloth it has the speed of its mean motion.
+pub(super) const STUCK: f32 = 0.25;
 
 /// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
@@ -531,10 +531,14 @@ pub fn displace(
     scratch: &mut Scratch,
     displace: impl FnOnce(&mut ClothState),
 ) -> bool {
+    if bodies.is_empty() {
+        displace(state);
+        return false;
+    }
     let Scratch { before, displaced, contacts, faces, coupling, .. } = scratch;
     before.clone_from(&state.positions);
     displace(state);
-    if bodies.is_empty() || state.positions == *before {
+    if state.positions == *before {
         return false;
     }
     let x = &mut state.positions;

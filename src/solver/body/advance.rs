@@ -7,13 +7,7 @@
 //! As for particles ([`sweep`](super::sweep)), with the nearest point of the whole face in place of one point.
 
 use super::nearest::{Face, Near, at};
-
-/// Steps of one trace.
-const STEPS: u32 = 24;
-/// Gap at which a face counts as touching, in units of the distance kept (dimensionless).
-const NEAR: f32 = 0.02;
-/// How far under the plane the nearest point must be led to count as touching, in units of the distance kept (dimensionless).
-const GRAZE: f32 = 1.0e-3;
+use super::sweep::{GRAZE, NEAR, STEPS};
 
 /// The face at the share `s` of its way.
 #[inline]

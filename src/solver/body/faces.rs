@@ -38,13 +38,11 @@ use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, 
 use super::nearest::{Convex, Face, Near, at, to_point};
 use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
-use super::sweep::plane_at;
+use super::sweep::{SLIDES, plane_at};
 use crate::solver::couple::Coupling;
 
 /// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more faces have to be asked for.
 const SHARE: f32 = 0.5;
-/// Touches along the way of a face in one substep.
-const SLIDES: u32 = 3;
 /// Faces whose boxes are looked at as one.
 const BLOCK: usize = 16;
 /// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the distance kept.

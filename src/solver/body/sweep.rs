@@ -10,13 +10,13 @@ use super::distance::Sample;
 use super::respond::Plane;
 
 /// Steps of one trace; a path that takes more ends where it is.
-const STEPS: u32 = 24;
+pub(super) const STEPS: u32 = 24;
 /// Gap at which a path counts as touching, in units of the distance kept (dimensionless).
-const NEAR: f32 = 0.02;
+pub(super) const NEAR: f32 = 0.02;
 /// How far under the plane a path must lead to count as touching, in units of the distance kept (dimensionless).
-const GRAZE: f32 = 1.0e-3;
+pub(super) const GRAZE: f32 = 1.0e-3;
 /// Planes that one path may slide along in a substep: a corner has three.
-const SLIDES: u32 = 3;
+pub(super) const SLIDES: u32 = 3;
 
 /// Where a path ends after sliding along what it met, and the last plane it met.
 #[derive(Clone, Copy, Debug)]

@@ -12,6 +12,7 @@ use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_f
 use crate::solver::detect::surface::FARTHEST;
 use crate::solver::detect::tree::{Bounds, Tree};
 use crate::solver::detect::{Proximity, Surface};
+use crate::solver::step::STUCK;
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
 const MARGIN: f32 = 0.25;
@@ -28,8 +29,7 @@ const DRIFT_OF_HEIGHT: f32 = 0.05;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
-/// What went less than this share of the way its speed would take it in a frame, and less than this share of its thickness, is stuck.
-const STUCK: f32 = 0.25;
+/// What is [stuck](STUCK) went less than this in a frame, too, in thicknesses (dimensionless).
 const STILL: f32 = 0.05;
 
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
