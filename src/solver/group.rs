@@ -185,7 +185,7 @@ impl Group {
     /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
     fn find(&mut self, strayed: bool) {
         self.looks += 1;
-        self.known = false;
+        self.known &= strayed;
         if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
             self.contacts.clear();
             return;

@@ -76,8 +76,9 @@ pub struct Finder {
     start: Vec<Vec3A>,
     /// Where each particle was a frame ago [m].
     before: Vec<Vec3A>,
-    /// Particles that are elsewhere than foreseen, and faces with one.
+    /// Particles that are elsewhere than foreseen, those that were so at a substep since the last look, and faces with one.
     astray: Vec<bool>,
+    shifted: Vec<bool>,
     marked: Vec<bool>,
     /// Normals of faces as long as twice their area, their sums around particles, and particles around which the cloth hardly bends.
     normals: Vec<Vec3A>,
@@ -116,7 +117,7 @@ impl Finder {
         let start = vec![Vec3A::ZERO; surface.len()];
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
         let (normals, sums) = (vec![Vec3A::ZERO; topology.faces.len()], start.clone());
-        let flat = astray.clone();
+        let (flat, shifted) = (astray.clone(), astray.clone());
         let mut heights = vec![f32::INFINITY; surface.len()];
         for t in &topology.faces {
             let [a, b, c] = t.map(|v| surface.rest[v as usize]);
@@ -130,6 +131,7 @@ impl Finder {
             before: vec![Vec3A::NAN; surface.len()],
             start,
             astray,
+            shifted,
             marked,
             normals,
             sums,
@@ -192,7 +194,7 @@ impl Finder {
                 let motion = foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness);
                 let limit = limit.min(DRIFT_OF_HEIGHT * self.heights[v]);
                 let farthest = now.distance_squared(start).max((now + motion).distance_squared(start));
-                self.astray[v] = !(farthest <= limit * limit);
+                self.astray[v] = self.shifted[v] || !(farthest <= limit * limit);
                 drifted += usize::from(self.astray[v]);
             }
         }
@@ -247,6 +249,8 @@ impl Finder {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
                 if core::mem::take(&mut self.astray[v]) {
+                    // Others were looked at where they were at that substep, not where they will have drifted from.
+                    self.shifted[v] = share > 0.0;
                     let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
                     let motion = foreseen(moment, v, scale, self.before[v], since, touch.thickness);
                     self.ahead[v] = now + limited(motion - self.shared * (1.0 - share), longest);
@@ -468,6 +472,7 @@ impl Finder {
     fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
         let substep = moment.substep;
         self.astray.fill(false);
+        self.shifted.fill(false);
         let mut mean = Vec3A::ZERO;
         for ((part, &h), touch) in surface.parts.iter().zip(substep).zip(moment.touch) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
