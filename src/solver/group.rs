@@ -347,7 +347,7 @@ impl Group {
         let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
         let mut strayed = over;
         for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch).filter(|_| !over) {
-            let Some(m) = cloths.member(i) else { continue };
+            let Some(m) = cloths.member(i).filter(|m| m.moves) else { continue };
             if m.state.positions.len() == part.particles.len() {
                 let first = part.particles.start as usize;
                 let ClothState { positions, previous, .. } = &*m.state;
@@ -528,7 +528,8 @@ impl Group {
     /// Takes back what crosses since the last frame, if that ended clean and cloth is to be kept apart.
     fn take_back(&mut self) {
         let touches = self.takes_part.contains(&true);
-        if !touches || self.total.is_clean() || !self.retreat.begin(&self.positions) {
+        let crossings = self.untangler.detector.crossings();
+        if !touches || self.total.is_clean() || !self.retreat.begin(&self.surface, crossings, &self.positions) {
             return;
         }
         for _ in 0..MOST_RETREATS {

@@ -1,7 +1,7 @@
 //! A tangle that came up within one frame is taken back: its particles go where they were when nothing crossed.
 //!
 //! ```text
-//!   x ─► x0 + u     x0: where it was when the last frame ended clean; u: mean motion of all since; velocity is kept
+//!   x ─► x0 + u     x0: where it was when the last frame ended clean; u: mean motion since of the cloth that crosses and moved least; velocity is kept
 //! ```
 //!
 //! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their guard know the
@@ -12,7 +12,7 @@ use glam::{Vec3A, Vec4};
 
 use super::detect::{Crossing, Surface};
 
-/// How far a particle may have gone in the frame, relative to the mean, in mean edges: what was moved farther, by a teleport, is not taken back.
+/// How far a particle may have gone in the frame, relative to the shared motion, in mean edges: what was moved farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// Frames in a row in which a particle is taken back: what is pressed through for seconds has to be taken apart.
@@ -26,7 +26,8 @@ pub struct Retreat {
     taken: Vec<bool>,
     /// Frames in a row in which each particle was taken back.
     frames: Vec<u8>,
-    mean: Vec3A,
+    /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
+    shared: Vec3A,
 }
 
 impl Retreat {
@@ -49,18 +50,24 @@ impl Retreat {
     }
 
     /// Begins with nothing taken back; whether anything can be.
-    pub fn begin(&mut self, positions: &[Vec4]) -> bool {
+    pub fn begin(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4]) -> bool {
         if self.clean.len() != positions.len() {
             return false;
         }
-        let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
-        for (now, then) in positions.iter().zip(&self.clean) {
-            let way = Vec3A::from_vec4(*now - *then);
-            if now.w > 0.0 && way.is_finite() {
-                (sum, count) = (sum + way, count + 1.0);
+        let crosses =
+            |part: u16| crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part));
+        let ways = (0_u16..).zip(&surface.parts).filter(|(part, _)| crosses(*part)).map(|(_, part)| {
+            let range = part.particles.start as usize..part.particles.end as usize;
+            let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
+            for (now, then) in positions[range.clone()].iter().zip(&self.clean[range]) {
+                let way = Vec3A::from_vec4(*now - *then);
+                if now.w > 0.0 && way.is_finite() {
+                    (sum, count) = (sum + way, count + 1.0);
+                }
             }
-        }
-        self.mean = sum / f32::max(count, 1.0);
+            sum / f32::max(count, 1.0)
+        });
+        self.shared = ways.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(Vec3A::ZERO);
         true
     }
 
@@ -72,7 +79,7 @@ impl Retreat {
         for crossing in crossings {
             let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
             for v in e.into_iter().chain(f).map(|v| v as usize) {
-                let by = self.mean - Vec3A::from_vec4(positions[v] - self.clean[v]);
+                let by = self.shared - Vec3A::from_vec4(positions[v] - self.clean[v]);
                 if positions[v].w > 0.0
                     && self.frames[v] < MOST_FRAMES
                     && by.length_squared() < farthest * farthest

@@ -76,6 +76,8 @@ pub struct Scratch {
     /// Longest edge at rest [m].
     longest_edge: f32,
     coupling: Coupling,
+    /// Particles that are pinned to bodies that cloth can move.
+    welded: Vec<u32>,
     wind: WindForces,
     pulls: pull::Pulls,
     rigid: Vec<u32>,
@@ -217,18 +219,17 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     // What a calm cloth needs, before it is.
     scratch.before.reserve(state.positions.len().saturating_sub(scratch.before.len()));
     scratch.coupling.weigh(anchors);
-    let mut rigid = Vec::new();
-    for (k, (&p, &weight)) in anchors.particles.iter().zip(&anchors.weights).enumerate() {
-        let w = scratch.coupling.weight(k);
-        if w > 0.0 {
-            state.positions[p as usize].w = w;
-        } else if weight >= anchor::RIGID {
-            rigid.push(p);
-        }
-    }
+    let mut rigid: Vec<u32> =
+        anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= anchor::RIGID).map(|(p, _)| *p).collect();
     for &p in &rigid {
         state.positions[p as usize].w = 0.0;
     }
+    for (anchor, w) in scratch.coupling.weights() {
+        if let Some(&p) = anchors.particles.get(anchor) {
+            state.positions[p as usize].w = w;
+        }
+    }
+    rigid.retain(|&p| state.positions[p as usize].w == 0.0);
     for (x, old) in state.positions.iter().zip(&mut state.previous) {
         old.w = x.w;
     }
@@ -342,7 +343,7 @@ impl Stepped<'_> {
             substep: state.substep,
             gravity: input.gravity,
             thickness: fabric.thickness,
-            extra: anchors.longest_way() + input.wind.fastest() * dt,
+            extra: anchors.longest_way() + input.wind.fastest() * dt + scratch.pulls.reach(dt, &state.positions),
         };
         scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
         let sheet = Sheet {
@@ -365,8 +366,11 @@ impl Stepped<'_> {
             scratch.before.clone_from(&state.positions);
         }
         scratch.coupling.begin(dt, anchors, &state.positions);
-        scratch.contacts.leave_out(scratch.coupling.welded(anchors));
-        scratch.faces.leave_out(scratch.coupling.welded(anchors));
+        scratch.welded.clear();
+        scratch.welded.extend(scratch.coupling.welded(anchors));
+        scratch.welded.sort_unstable();
+        scratch.contacts.leave_out(&scratch.welded);
+        scratch.faces.leave_out(&scratch.welded);
         scratch.frame = Some(Frame {
             dt,
             h,

@@ -65,6 +65,8 @@ struct Candidate {
     /// A point of body space and a radius without any surface around it [m]: no query while the path stays inside.
     clear_at: Vec3,
     clear: f32,
+    /// Whether it is pinned to a body, and so touches none.
+    left_out: bool,
 }
 
 /// One simple shape of a body, with its candidates.
@@ -94,7 +96,9 @@ pub struct BodyContacts {
     places: Vec<Vec3>,
     places_before: Vec<Vec3>,
     rooms: Rooms,
+    /// Length of the frame [s].
     dt: f32,
+    /// How far a particle can get in it by itself [m].
     way: f32,
 }
 
@@ -208,11 +212,14 @@ impl BodyContacts {
         self.rooms.begin(self.parts.len(), positions.len());
     }
 
-    /// Takes out particles that are pinned to bodies, sorted or not.
-    pub(crate) fn leave_out(&mut self, particles: impl Iterator<Item = u32>) {
-        for out in particles {
-            for candidate in self.candidates.iter_mut().filter(|c| c.particle == out) {
-                candidate.particle = u32::MAX;
+    /// Takes out particles that are pinned to bodies, in ascending order.
+    pub(crate) fn leave_out(&mut self, particles: &[u32]) {
+        if particles.is_empty() {
+            return;
+        }
+        for candidate in &mut self.candidates {
+            if particles.binary_search(&candidate.particle).is_ok() {
+                (candidate.left_out, candidate.load) = (true, 0.0);
             }
         }
     }
@@ -282,6 +289,7 @@ impl BodyContacts {
             let setting = Setting {
                 motion,
                 rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h)),
+                timeless: h == 0.0,
                 keep,
                 number,
                 clip: geometry.inner_radius().min(0.5 * keep),
@@ -329,7 +337,7 @@ impl BodyContacts {
 
 impl Candidate {
     fn new(particle: u32) -> Self {
-        Self { particle, load: 0.0, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY }
+        Self { particle, load: 0.0, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, left_out: false }
     }
 }
 
@@ -378,11 +386,15 @@ struct Setting<'a> {
     motion: Motion,
     /// The body, if it takes what it does to the cloth.
     rigid: Option<Yielding<'a>>,
+    /// Whether no time passes.
+    timeless: bool,
+    /// Distance kept [m].
     keep: f32,
     /// Place of the part among the parts.
     number: u32,
     /// How deep a straight path may cut a corner between two points outside [m].
     clip: f32,
+    /// Way that an overlap is recovered in the substep [m].
     recovery: f32,
     friction: Friction,
 }
@@ -401,7 +413,7 @@ impl Setting<'_> {
         let band = BAND * self.keep;
         let mut contacts = 0;
         if let Some(rigid) = self.rigid.as_mut().filter(|rigid| rigid.is_movable()) {
-            let touches = candidates.iter().filter(|candidate| {
+            let touches = candidates.iter().filter(|candidate| !candidate.left_out).filter(|candidate| {
                 let Some(x) = particles.positions.get(candidate.particle as usize) else { return false };
                 let q = to_body1 * (Vec3A::from_vec4(*x) - self.motion.translation1);
                 let off = (q - Vec3A::from(candidate.clear_at)).length();
@@ -410,7 +422,15 @@ impl Setting<'_> {
             });
             rigid.several = touches.count().max(1) as f32;
         }
-        for (k, candidate) in candidates.iter_mut().enumerate() {
+        for (k, kept) in candidates.iter_mut().enumerate().filter(|(_, candidate)| !candidate.left_out) {
+            // While no time passes loads stay.
+            let mut spare;
+            let candidate = if self.timeless {
+                spare = *kept;
+                &mut spare
+            } else {
+                kept
+            };
             let i = candidate.particle as usize;
             let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {
                 continue;

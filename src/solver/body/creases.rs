@@ -9,10 +9,14 @@
 //!
 //! Of a solid only those that stick out count.
 
-use glam::Vec3;
-use parry3d::bounding_volume::Aabb;
-use parry3d::shape::{HeightField, TriMesh, Triangle};
+use std::sync::Arc;
 
+use glam::Vec3;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::shape::{HeightField, Shape, SharedShape, TriMesh, Triangle, TypedShape};
+
+/// Sharp edges are found in a box this much longer on every side than the one they are asked for in, so that they are known for a while (dimensionless).
+const WIDER: f32 = 0.25;
 /// Most sharp edges that are taken of one surface in a frame, in their order: beyond that particles have to do.
 const MOST: usize = 4096;
 
@@ -50,15 +54,73 @@ struct Half {
     corner: Vec3,
 }
 
-/// Finds sharp edges. The buffer is reused.
+/// The sharp edges of a part of a shape in a box.
+#[derive(Clone)]
+struct Known {
+    shape: SharedShape,
+    /// Number of the body and of its part.
+    part: [u32; 2],
+    flat: f32,
+    within: Aabb,
+    creases: Vec<Crease>,
+    /// Whether it was asked for in this frame.
+    used: bool,
+}
+
+impl core::fmt::Debug for Known {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Known").field("part", &self.part).field("creases", &self.creases.len()).finish_non_exhaustive()
+    }
+}
+
+/// Finds sharp edges, and knows those of shapes that stay. Buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Creases {
     halves: Vec<Half>,
+    known: Vec<Known>,
 }
 
 impl Creases {
-    /// Appends the edges of `mesh` in a box that are bent by an angle whose cosine is below `flat`, in order.
-    pub(super) fn of_mesh(&mut self, mesh: &TriMesh, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
+    /// Begins a frame: what nobody asked for in the last is forgotten.
+    pub(super) fn begin(&mut self) {
+        self.known.retain_mut(|known| core::mem::take(&mut known.used));
+    }
+
+    /// Appends the edges of a part of a shape, which is `surface`, in a box [m] that are bent by an angle whose cosine is below `flat`, in order.
+    pub(super) fn near(
+        &mut self,
+        (shape, part, surface): (&SharedShape, [u32; 2], &dyn Shape),
+        near: &Aabb,
+        flat: f32,
+        found: &mut Vec<Crease>,
+    ) {
+        let of = |known: &Known| Arc::ptr_eq(&known.shape.0, &shape.0) && known.part == part;
+        let place = self.known.iter().position(of).unwrap_or_else(|| {
+            let (within, creases) = (Aabb::new_invalid(), Vec::new());
+            self.known.push(Known { shape: shape.clone(), part, flat, within, creases, used: false });
+            self.known.len() - 1
+        });
+        let known = &self.known[place];
+        if known.flat != flat || !known.within.contains(near) {
+            let mut creases = core::mem::take(&mut self.known[place].creases);
+            let within = near.loosened(WIDER * near.extents().max_element());
+            creases.clear();
+            match surface.as_typed_shape() {
+                TypedShape::TriMesh(mesh) => self.of_mesh(mesh, &within, flat, &mut creases),
+                TypedShape::HeightField(field) => self.of_heights(field, &within, flat, &mut creases),
+                _ => {}
+            }
+            let known = &mut self.known[place];
+            (known.flat, known.within, known.creases) = (flat, within, creases);
+        }
+        let known = &mut self.known[place];
+        known.used = true;
+        let meets = |c: &&Crease| (c.a.min(c.b).cmple(near.maxs) & c.a.max(c.b).cmpge(near.mins)).all();
+        found.extend(known.creases.iter().filter(meets).take(MOST));
+    }
+
+    /// As [`Self::near`], of a mesh.
+    fn of_mesh(&mut self, mesh: &TriMesh, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
         self.halves.clear();
         for i in mesh.bvh().intersect_aabb(near) {
             self.add(&mesh.triangle(i));
@@ -67,7 +129,7 @@ impl Creases {
     }
 
     /// The same of a height field.
-    pub(super) fn of_heights(&mut self, field: &HeightField, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
+    fn of_heights(&mut self, field: &HeightField, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
         self.halves.clear();
         field.map_elements_in_local_aabb(near, &mut |_, triangle| self.add(triangle));
         self.sort_out(flat, false, found);
@@ -83,7 +145,6 @@ impl Creases {
 
     fn sort_out(&mut self, flat: f32, solid: bool, found: &mut Vec<Crease>) {
         self.halves.sort_unstable_by_key(|half| (half.crease.key(), bits(half.corner)));
-        let most = found.len() + MOST;
         for halves in self.halves.chunk_by(|a, b| a.crease == b.crease) {
             let sharp = match halves {
                 [one, other] => {
@@ -95,7 +156,7 @@ impl Creases {
                 }
                 _ => true,
             };
-            if sharp && found.len() < most && halves.iter().all(|half| half.normal != Vec3::ZERO) {
+            if sharp && halves.iter().all(|half| half.normal != Vec3::ZERO) {
                 found.extend(halves.first().map(|half| half.crease));
             }
         }
@@ -127,6 +188,26 @@ mod tests {
             Creases::default().of_mesh(shape.as_trimesh().unwrap(), &everything(), 0.9, &mut found);
             assert_eq!(found.len(), 12, "{found:?}");
         }
+    }
+
+    #[test]
+    fn what_is_known_of_a_shape_is_what_is_found_anew_wherever_it_is_asked_for() {
+        let heights: Vec<f32> = (0..400).map(|i| 0.3 * fastrand::Rng::with_seed(i).f32()).collect();
+        let shape = shape::heightfield(20, 20, &heights, Vec3::splat(4.0)).unwrap();
+        let mut kept = Creases::default();
+        for k in 0..40 {
+            let centre = Vec3::new(-1.5 + 0.08 * k as f32, 0.5, 0.3);
+            let near = Aabb::from_half_extents(centre, Vec3::splat(0.6));
+            let (mut known, mut anew) = (Vec::new(), Vec::new());
+            kept.begin();
+            kept.near((&shape, [0, 0], &*shape.0), &near, 0.9, &mut known);
+            Creases::default().near((&shape, [0, 0], &*shape.0), &near, 0.9, &mut anew);
+            assert!(known == anew && !known.is_empty(), "box {k}: {} known, {} anew", known.len(), anew.len());
+        }
+        assert_eq!(kept.known.len(), 1);
+        kept.begin();
+        kept.begin();
+        assert!(kept.known.is_empty(), "nobody asked for it");
     }
 
     #[test]

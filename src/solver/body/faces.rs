@@ -26,7 +26,7 @@
 use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
-use parry3d::shape::{Shape, TypedShape};
+use parry3d::shape::{Shape, SharedShape, TypedShape};
 
 use super::Body;
 use super::advance::{first_touch, longest_way};
@@ -81,6 +81,8 @@ struct Candidate {
     /// Corners when a tangent plane was last found, in the part's own space [m], and how far they may go until one has to be looked for again [m].
     corners: [Vec3; 3],
     clear: f32,
+    /// Whether a corner is pinned to a body.
+    left_out: bool,
 }
 
 /// One convex shape or surface of a body, with the faces near it.
@@ -167,6 +169,7 @@ impl FaceContacts {
         self.blocks.clear();
         self.creases.clear();
         self.creases.push(Crease::default());
+        self.finder.begin();
         self.dt = dt;
         let passes = dt > 0.0;
         if !passes {
@@ -194,7 +197,7 @@ impl FaceContacts {
                 if shape.as_support_map().is_some() {
                     self.list(sheet, 0, swept.mins - reach, swept.maxs + reach);
                 } else {
-                    self.list_creases(sheet, shape, (&from, &to), reach, keep);
+                    self.list_creases(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
                 }
                 let candidates = (first, self.candidates.len() as u32);
                 if candidates.1 == candidates.0 {
@@ -220,7 +223,14 @@ impl FaceContacts {
     }
 
     /// Lists the faces near the sharp edges of a surface that goes from one pose to another.
-    fn list_creases(&mut self, sheet: &Sheet<'_>, shape: &dyn Shape, (from, to): (&Pose, &Pose), reach: f32, keep: f32) {
+    fn list_creases(
+        &mut self,
+        sheet: &Sheet<'_>,
+        part: (&SharedShape, [u32; 2], &dyn Shape),
+        (from, to): (&Pose, &Pose),
+        reach: f32,
+        keep: f32,
+    ) {
         self.fill_blocks(sheet);
         let all = self.blocks.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), (c, d)| (a.min(*c), b.max(*d)));
         if !(all.0.cmple(all.1).all() && all.0.is_finite() && all.1.is_finite()) {
@@ -230,11 +240,7 @@ impl FaceContacts {
         let near = cloth.transform_by(&from.inverse()).merged(&cloth.transform_by(&to.inverse()));
         let flat = creases::flat(sheet.longest_edge, (1.0 - SHARE) * keep);
         let first = self.creases.len();
-        match shape.as_typed_shape() {
-            TypedShape::TriMesh(mesh) => self.finder.of_mesh(mesh, &near, flat, &mut self.creases),
-            TypedShape::HeightField(field) => self.finder.of_heights(field, &near, flat, &mut self.creases),
-            _ => {}
-        }
+        self.finder.near(part, &near, flat, &mut self.creases);
         for k in first..self.creases.len() {
             let Crease { a, b } = self.creases[k];
             let ends = [*from * a, *from * b, *to * a, *to * b];
@@ -275,11 +281,14 @@ impl FaceContacts {
         }
     }
 
-    /// Takes out the faces of particles that are pinned to bodies, sorted or not.
-    pub(crate) fn leave_out(&mut self, particles: impl Iterator<Item = u32>) {
-        for out in particles {
-            for candidate in self.candidates.iter_mut().filter(|c| c.particles.contains(&out)) {
-                candidate.particles = [u32::MAX; 3];
+    /// Takes out the faces of particles that are pinned to bodies, in ascending order.
+    pub(crate) fn leave_out(&mut self, particles: &[u32]) {
+        if particles.is_empty() {
+            return;
+        }
+        for candidate in &mut self.candidates {
+            if candidate.particles.iter().any(|p| particles.binary_search(p).is_ok()) {
+                (candidate.left_out, candidate.load) = (true, 0.0);
             }
         }
     }
@@ -330,17 +339,21 @@ impl FaceContacts {
                 ),
             };
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
-            for candidate in candidates.iter_mut() {
+            for candidate in candidates.iter_mut().filter(|candidate| !candidate.left_out) {
                 if support.is_none() {
                     setting.take(self.creases.get(candidate.crease as usize));
                 }
                 if setting.is_clear(candidate, positions) {
                     continue;
                 }
+                let load = candidate.load;
                 let mut state = State { candidate, positions, previous, rigid: &mut rigid };
                 let touched = setting.project(&mut state, &mut self.rooms);
                 touches += u32::from(touched);
-                if !touched {
+                if h == 0.0 {
+                    // While no time passes loads stay.
+                    state.candidate.load = load;
+                } else if !touched {
                     state.candidate.load = 0.0;
                 } else if let Some(rigid) = &rigid {
                     setting.motion.follow(rigid.slot, part.radius);
@@ -365,6 +378,7 @@ impl Candidate {
             over: 0.0,
             corners,
             clear: f32::NEG_INFINITY,
+            left_out: false,
         }
     }
 
@@ -454,7 +468,9 @@ struct Setting<'a> {
     pierces: bool,
     /// Place of the part among the parts.
     number: u32,
+    /// Distance kept [m].
     keep: f32,
+    /// Way that an overlap is recovered in the substep [m].
     recovery: f32,
     friction: Friction,
 }

@@ -278,9 +278,9 @@ impl Coupling {
         self.pins.weigh(&mut self.slots, anchors);
     }
 
-    /// Inverse mass of pin `anchor` [1/kg]; 0: nothing moves it.
-    pub(crate) fn weight(&self, anchor: usize) -> f32 {
-        self.pins.weight(anchor)
+    /// Anchors of the pins that something moves, and their inverse masses [1/kg].
+    pub(crate) fn weights(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
+        self.pins.weights()
     }
 
     /// Particles that are pinned to bodies that cloth can move.

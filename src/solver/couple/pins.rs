@@ -83,8 +83,8 @@ impl Pins {
         }
     }
 
-    pub(super) fn weight(&self, anchor: usize) -> f32 {
-        self.pins.iter().find(|pin| pin.anchor as usize == anchor).map_or(0.0, |pin| pin.w)
+    pub(super) fn weights(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
+        self.pins.iter().filter(|pin| pin.w > 0.0).map(|pin| (pin.anchor as usize, pin.w))
     }
 
     pub(super) fn welded<'a>(&'a self, anchors: &'a Anchors) -> impl Iterator<Item = u32> + 'a {

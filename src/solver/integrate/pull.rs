@@ -49,6 +49,27 @@ impl Pulls {
         self.pulls.push((pull, self.grips.len()));
     }
 
+    /// How far a grip can move a particle in a frame of `dt` [s], at most [m].
+    pub(crate) fn reach(&self, dt: f32, positions: &[Vec4]) -> f32 {
+        let (mut first, mut farthest) = (0, 0.0f32);
+        for &(pull, end) in &self.pulls {
+            let grip = self.grips.get(first..end).unwrap_or(&[]);
+            first = end;
+            let (mut point, mut mobility, mut most) = (Vec3::ZERO, 0.0, 0.0f32);
+            for &(i, share) in grip {
+                if let Some(x) = positions.get(i as usize) {
+                    point += x.truncate() * share;
+                    mobility += x.w * share * share;
+                    most = most.max(x.w * share);
+                }
+            }
+            let way = pull.from.distance(point).max(pull.to.distance(point)) * most / mobility;
+            // NaN, of what nothing moves, is passed over.
+            farthest = farthest.max(way.min(pull.force * most * dt * dt));
+        }
+        if farthest.is_finite() { farthest } else { 0.0 }
+    }
+
     /// Pulls, at the fraction `s` of the frame at the end of a substep of `h` [s].
     pub(crate) fn solve(&self, s: f32, h: f32, positions: &mut [Vec4]) {
         let mut first = 0;

@@ -86,6 +86,7 @@ impl Contact {
         };
         let near = at(&x);
         if !(near.distance < f32::INFINITY) {
+            (self.load, self.drive) = (0.0, 0.0);
             return false;
         }
         let delta = sum(&near.weights, &x);
@@ -128,6 +129,7 @@ impl Contact {
         let step = Vec3::from(out.end - end).extend(0.0) / mobility;
         let lift = Vec3::from(out.shift).extend(0.0) / mobility;
         if !(step.is_finite() && lift.is_finite()) {
+            (self.load, self.drive) = (0.0, 0.0);
             return false;
         }
         for (&slot, (weight, x)) in self.slots.iter().zip(self.weights.iter().zip(&x)) {
