@@ -229,6 +229,8 @@ pub(crate) struct ClothInputs {
     pub wind: Wind,
     /// Whether fabric or anchors changed since the solver was prepared.
     pub stale: bool,
+    /// Whether the fabric, or how firmly a pin holds, is on its way to what it is to be.
+    pub tuned: bool,
     pub checked: Checked,
 }
 
@@ -271,6 +273,7 @@ impl ClothInputs {
             coupled: Coupled::default(),
             wind: Wind::default(),
             stale: true,
+            tuned: false,
             checked: Checked::default(),
         }
     }
@@ -291,7 +294,7 @@ impl ClothInputs {
     pub fn aim(&mut self, origin: DVec3) {
         let Anchors { particles, from, to, .. } = &mut self.anchors;
         core::mem::swap(from, to);
-        let AnchorSets { sets, set_of, local } = &self.sets;
+        let AnchorSets { sets, set_of, local, .. } = &self.sets;
         let mut space = (u32::MAX, Affine3A::IDENTITY);
         for (i, to) in to.iter_mut().enumerate() {
             let Some(set) = sets.get(set_of[i] as usize) else { continue };
@@ -327,6 +330,7 @@ impl ClothInputs {
         filter(&mut self.anchors.to, &keep);
         filter(&mut self.sets.set_of, &keep);
         filter(&mut self.sets.local, &keep);
+        filter(&mut self.sets.weights, &keep);
         self.stale = true;
     }
 

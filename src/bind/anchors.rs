@@ -7,7 +7,9 @@ use bevy::prelude::*;
 use super::placement::seen_from;
 use super::{Authored, Placement};
 use crate::components::{ClothError, ClothErrorKind, ClothPins, ColorChannel, PinSelect};
+use crate::solver::integrate::anchor::RIGID;
 use crate::solver::rest::RestShape;
+use crate::solver::slew::SLEW_TIME;
 use crate::solver::step::Anchors;
 
 /// What holds the anchors.
@@ -18,6 +20,8 @@ pub(crate) struct AnchorSets {
     pub set_of: Vec<u32>,
     /// Position of each anchor [m], in the space that its set moves.
     pub local: Vec<Vec3>,
+    /// Weight that each anchor is to have (dimensionless, 0 to 1).
+    pub weights: Vec<f32>,
 }
 
 /// One pin set and its target.
@@ -152,9 +156,29 @@ impl Resolved {
         let places: Vec<(Vec3, Option<Vec3>)> = self.particles.iter().zip(&self.set_of).map(place).collect();
         let to: Vec<Vec3> = places.iter().map(|(local, to)| to.unwrap_or(*local)).collect();
         let local = places.into_iter().map(|(local, _)| local).collect();
-        let anchors = Anchors { particles: self.particles, weights: self.weights, from: to.clone(), to };
-        (anchors, AnchorSets { sets, set_of: self.set_of, local })
+        // What was held goes on as firmly as it was: what holds it at once where it was not would throw it.
+        let weight = |(&particle, &wanted): (&u32, &f32)| {
+            let before = before.map(|before| before.anchors);
+            let old = before.and_then(|anchors| Some(anchors.weights[anchors.particles.binary_search(&particle).ok()?]));
+            old.unwrap_or(wanted)
+        };
+        let now = self.particles.iter().zip(&self.weights).map(weight).collect();
+        let anchors = Anchors { particles: self.particles, weights: now, from: to.clone(), to };
+        (anchors, AnchorSets { sets, set_of: self.set_of, local, weights: self.weights })
     }
+}
+
+/// Moves weights towards those that anchors are to have, for `dt` [s]. Whether one moved, and whether one became rigid or ceased to be.
+pub(crate) fn slew_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [bool; 2] {
+    let step = (dt / SLEW_TIME).max(0.0);
+    let (mut moved, mut turned) = (false, false);
+    for (weight, &wanted) in anchors.weights.iter_mut().zip(wanted).filter(|(weight, wanted)| weight != wanted) {
+        let was = *weight >= RIGID;
+        *weight += (wanted - *weight).clamp(-step, step);
+        moved = true;
+        turned |= was != (*weight >= RIGID);
+    }
+    [moved, turned]
 }
 
 fn color(mesh: &Mesh, channel: ColorChannel) -> Result<impl Iterator<Item = f32> + '_, ClothError> {

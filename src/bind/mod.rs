@@ -9,7 +9,7 @@ mod shapes;
 mod skin;
 mod surface;
 
-pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve};
+pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve, slew_weights};
 pub(crate) use cache::{RestCache, Sources};
 pub(crate) use instance::{corners, instance_of};
 pub(crate) use placement::{Placement, seen_from, uniform_scale};

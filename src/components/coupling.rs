@@ -8,7 +8,8 @@ use crate::systems::couple::CoupledBody;
 
 /// Whether a body takes what cloth does to it. On the entity of a collider, on an ancestor of several, or on what cloth is pinned to.
 ///
-/// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is.
+/// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives a body something does not sleep
+/// ([`ClothSleep`](crate::ClothSleep)).
 ///
 /// A body lighter than the cloth is as stable as a heavier one. One that is much heavier takes more substeps to be held: a net of 0.3 kg catches 1 kg
 /// at the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz, 3 kg at 720 Hz and 10 kg at 1440 Hz; with fewer they stretch it until they slip through between

@@ -102,6 +102,7 @@ pub(crate) fn bind(
 struct Wanted {
     source: Handle<Mesh>,
     placement: Placement,
+    /// Only when something changed.
     skinned: Option<SkinnedMesh>,
     change: Change,
 }
@@ -154,8 +155,8 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
         Some(b) if b.instance.is_some() => b.source.clone(),
         _ => assembly.sources.authored(shown),
     };
-    let skinned = cloth.skinned.or(cloth.binding.as_ref().and_then(|b| b.skinned.as_ref())).cloned();
-    let placement = match &skinned {
+    let skinned = cloth.skinned.or(cloth.binding.as_ref().and_then(|b| b.skinned.as_ref()));
+    let placement = match skinned {
         Some(skinned) => match (skin_placement(assembly, skinned), &cloth.inputs) {
             // A joint that is gone or broken is where it was last.
             (Err(_), Some(inputs)) if cloth.skinned.is_none() => inputs.placement,
@@ -168,6 +169,7 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
         Some(b) if b.source.id() == source.id() && cloth.error.is_none() => b.pending.max(Change::Scale),
         _ => Change::Mesh,
     };
+    let skinned = skinned.filter(|_| change > Change::None).cloned();
     Ok(Wanted { source, placement, skinned, change })
 }
 
@@ -217,7 +219,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     let resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
     let mut joints = last_joints(cloth, origin);
     let skin = match skinned {
-        Some(skinned) => Skin::new(mesh, &authored, &rest, bound_joints(assembly, skinned)?),
+        Some(skinned) => Skin::new(mesh, &authored, &rest, Skin::joints(skinned, bindposes(assembly, skinned)?)),
         None => None,
     };
     if let Some(skin) = &skin
@@ -382,17 +384,20 @@ fn join(
     pins.sets.iter().enumerate().map(join).collect()
 }
 
-/// Joints with their inverse bind poses.
-fn bound_joints(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Vec<(Entity, Affine3A)>, Obstacle> {
+/// The inverse bind poses of a skin.
+fn bindposes<'a>(assembly: &'a Assembly, skinned: &SkinnedMesh) -> Result<&'a SkinnedMeshInverseBindposes, Obstacle> {
     let bindposes = assembly.bindposes.as_ref().and_then(|b| b.get(&skinned.inverse_bindposes));
-    Ok(Skin::joints(skinned, bindposes.ok_or(Obstacle::Wait(WaitingFor::Skin))?))
+    bindposes.ok_or(Obstacle::Wait(WaitingFor::Skin))
 }
 
 /// A skinned cloth is where its first joint takes it; its scale is that of the joint, and even.
 fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placement, Obstacle> {
     let missing = Obstacle::Wait(WaitingFor::Skin);
-    let Some(first) = bound_joints(assembly, skinned)?.first().copied() else { return Err(missing) };
+    let (Some(&joint), Some(inverse_bind)) = (skinned.joints.first(), bindposes(assembly, skinned)?.first()) else {
+        return Err(missing);
+    };
     let mut matrices = Vec::new();
+    let first = (joint, Affine3A::from_mat4(*inverse_bind));
     if !skinning_matrices(&[first], &assembly.transforms, DVec3::ZERO, &mut matrices) {
         return Err(missing);
     }

@@ -77,6 +77,13 @@ pub(crate) struct WorldBodies {
     pub checked: Checked,
 }
 
+impl WorldBodies {
+    /// The body that takes what cloth does to `body`.
+    pub fn taker(&self, body: &WorldBody) -> Option<Entity> {
+        self.rigids.get(body.rigid? as usize).map(|rigid| rigid.entity)
+    }
+}
+
 /// Makes shapes of new colliders, and of those whose data, scale or mesh changed.
 pub(crate) fn shapes(
     mut commands: Commands,

@@ -42,14 +42,24 @@ pub(crate) fn bodies(
     mut world: ResMut<WorldBodies>,
     mut notices: ResMut<Notices>,
     takers: Takers,
-    mut coupled: Query<(Entity, Option<&Name>, &ClothCoupling, &ClothRigidBody, &GlobalTransform, &mut CoupledBody)>,
+    mut coupled: Query<(
+        Entity,
+        Option<&Name>,
+        &ClothCoupling,
+        &ClothRigidBody,
+        &GlobalTransform,
+        &mut CoupledBody,
+        &mut ClothImpulse,
+    )>,
 ) {
     let WorldBodies { bodies, rigids, checked } = &mut *world;
     rigids.clear();
-    for (entity, name, coupling, rigid, global, mut body) in &mut coupled {
+    for (entity, name, coupling, rigid, global, mut body, mut impulse) in &mut coupled {
         let (_, rotation, translation) = global.to_scale_rotation_translation();
         if *coupling == ClothCoupling::OneWay || !(rotation.is_finite() && translation.is_finite()) {
-            body.pose = None;
+            *body = CoupledBody::default();
+            // It is given nothing any more: an impulse that stays would be taken over in every frame.
+            impulse.set_if_neq(ClothImpulse::default());
             continue;
         }
         let to = Isometry3d::new(translation, rotation.normalize());
@@ -96,12 +106,13 @@ pub(crate) fn couple(
     mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &mut ClothScratch), With<Cloth>>,
 ) {
     for (entity, particles, mut inputs, mut scratch) in &mut cloths {
-        let ClothInputs { bodies, sets, skin, coupled, stale, .. } = &mut *inputs;
+        let ClothInputs { asleep, bodies, sets, skin, coupled, stale, .. } = &mut *inputs;
         let coupling = scratch.solver.coupling_mut();
         coupling.clear();
         coupled.begin();
         for body in bodies.iter_mut() {
-            body.rigid = body.rigid.map(|index| coupled.slot_of(index));
+            // The bodies of a cloth that sleeps are those of an older frame: their places are now those of others, or of none.
+            body.rigid = body.rigid.filter(|_| !*asleep).map(|index| coupled.slot_of(index));
         }
         if !world.rigids.is_empty() {
             for (set, at) in sets.sets.iter().enumerate() {
@@ -114,7 +125,7 @@ pub(crate) fn couple(
         }
         for &index in &coupled.rigids {
             let body = &world.rigids[index as usize];
-            let others = body.givers.saturating_sub(u32::from(coupled.gave_before.contains(&body.entity)));
+            let others = body.givers.saturating_sub(u32::from(coupled.gave.contains(&body.entity)));
             let share = (others + 1) as f32;
             coupled.shares.push(share);
             let seen = |at: Vec3| (at.as_dvec3() - particles.origin).as_vec3();
@@ -127,6 +138,7 @@ pub(crate) fn couple(
             };
             coupling.add(rigid);
         }
+        coupled.gave.clear();
         for &(set, slot) in &coupled.pinned {
             for (anchor, _) in sets.set_of.iter().enumerate().filter(|(_, of)| **of == set) {
                 coupling.hold(anchor as u32, slot);
@@ -157,7 +169,6 @@ pub(crate) fn give(
     for &entity in &*order {
         let Ok((_, _, mut inputs, scratch)) = cloths.get_mut(entity) else { continue };
         let coupled = &mut inputs.coupled;
-        coupled.gave_before.clear();
         for (slot, (&index, &share)) in (0..).zip(coupled.rigids.iter().zip(&coupled.shares)) {
             let given = scratch.solver.coupling().given(slot);
             let finite = given.linear.is_finite() && given.angular.is_finite() && given.shift.is_finite();
@@ -168,7 +179,7 @@ pub(crate) fn give(
             *shift += given.shift / share;
             *turn = (Quat::IDENTITY.lerp(given.turn, 1.0 / share) * *turn).normalize();
             body.gave += 1;
-            coupled.gave_before.push(body.entity);
+            coupled.gave.push(body.entity);
         }
     }
     for rigid in rigids.iter() {
@@ -221,8 +232,8 @@ pub(crate) struct Coupled {
     shares: Vec<f32>,
     /// Pin sets on bodies: number of the set and slot.
     pinned: Vec<(u32, u32)>,
-    /// Bodies that this cloth gave something to in the last frame.
-    gave_before: Vec<Entity>,
+    /// Bodies that this cloth gave something to: in the last frame until [`couple`] has asked, in this one from [`give`] on.
+    gave: Vec<Entity>,
     /// Pin sets on movable bodies and the inverse masses of those, when the solver was prepared.
     weighed: Vec<(u32, Vec3)>,
 }
@@ -232,6 +243,11 @@ impl Coupled {
         self.rigids.clear();
         self.shares.clear();
         self.pinned.clear();
+    }
+
+    /// Whether the cloth gave a body something in this frame. Asked after [`give`].
+    pub fn gives(&self) -> bool {
+        !self.gave.is_empty()
     }
 
     /// The slot of a body of the world's list.

@@ -4,7 +4,8 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use super::colliders::{WorldBodies, WorldBody};
-use crate::bind::{AnchorSet, Placement, Transforms};
+use super::sleep::reaches;
+use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
 use crate::components::checked::Checked;
 use crate::components::{
     Cloth, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleported,
@@ -13,6 +14,8 @@ use crate::components::{
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body::{Body, Pose};
+use crate::solver::settings::Fabric;
+use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 
 /// Distance from the origin of the frame at which it is moved along [m]. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
@@ -84,7 +87,13 @@ pub(crate) fn settings(
         let fabric = material.fabric(checked);
         inputs.time_scale = solver.time_scale(checked);
         let dt = time.delta_secs() * inputs.time_scale;
-        inputs.stale |= inputs.slew.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
+        let factors =
+            |fabric: &Fabric| [fabric.density, fabric.stretch_stiffness, fabric.shear_stiffness, fabric.bend_stiffness];
+        let before = factors(&inputs.fabric);
+        let tuned = inputs.slew.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
+        let [moved, turned] = slew_weights(&mut inputs.anchors, &inputs.sets.weights, dt);
+        inputs.tuned = tuned || moved;
+        inputs.stale |= turned || before != factors(&inputs.fabric);
         inputs.thickness = fabric.thickness;
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);
@@ -263,8 +272,23 @@ fn scaled(zone: WindZone, scale: Vec3) -> WindZone {
     WindZone { shape, ..zone }
 }
 
-/// Brings bodies and wind zones into the frame of each cloth.
+/// Box in the world that a cloth may be in during a frame of `dt` [s], as far as its speed and its anchors tell, with its own radius to spare for
+/// what wind and bodies do [m]; none when it is nowhere.
+fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Vec3, Vec3)> {
+    let ClothState { positions, previous, substep, .. } = &particles.state;
+    let substeps = if *substep > 0.0 { dt / substep } else { 0.0 };
+    let ends = positions.iter().zip(previous).map(|(x, old)| (*x + (*x - *old) * substeps).truncate());
+    let points = positions.iter().map(|x| x.truncate()).chain(ends).chain(inputs.anchors.to.iter().copied());
+    let (low, high) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let spare = Vec3::splat(inputs.radius + inputs.gravity.length() * dt * dt);
+    let seen = |p: Vec3| (particles.origin + p.as_dvec3()).as_vec3();
+    let (low, high) = (seen(low - spare), seen(high + spare));
+    low.cmple(high).all().then_some((low, high))
+}
+
+/// Brings bodies, and wind zones that may reach it, into the frame of each cloth.
 pub(crate) fn surroundings(
+    time: Res<Time>,
     world: Res<WorldBodies>,
     air: Res<WorldAir>,
     mut cloths: Query<(Entity, &ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
@@ -298,7 +322,11 @@ pub(crate) fn surroundings(
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
         inputs.wind.origin = origin;
         inputs.wind.zones.clear();
-        inputs.wind.zones.extend(air.zones.iter().map(|(_, zone, at)| wind::WindZone {
+        let dt = time.delta_secs() * inputs.time_scale;
+        let room = if air.zones.is_empty() { None } else { room(inputs, particles, dt) };
+        let blows = |zone, at| room.is_none_or(|(low, high)| reaches(zone, at, low, high));
+        let zones = air.zones.iter().filter(|(_, zone, at)| blows(zone, at));
+        inputs.wind.zones.extend(zones.map(|(_, zone, at)| wind::WindZone {
             shape: match zone.shape {
                 WindZoneShape::Box { half_size } => ZoneShape::Box { half_extents: half_size },
                 WindZoneShape::Sphere { radius } => ZoneShape::Sphere { radius },
@@ -309,5 +337,61 @@ pub(crate) fn surroundings(
             falloff: zone.falloff,
             mode: if zone.replace { ZoneMode::Replace } else { ZoneMode::Add },
         }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::system::RunSystemOnce;
+    use bevy::math::{Affine3A, Vec4};
+
+    use super::*;
+    use crate::bind::AnchorSets;
+    use crate::solver::group::Display;
+    use crate::solver::recover::Recovery;
+    use crate::solver::step::Anchors;
+
+    /// Numbers of the zones that a particle at `at` with the speed `velocity` [m/s] is told of in a frame of 0.1 s.
+    fn told(at: Vec3, velocity: Vec3, zones: &[(Vec3, f32)]) -> Vec<usize> {
+        let mut world = World::new();
+        let mut time = Time::<()>::default();
+        time.advance_by(core::time::Duration::from_millis(100));
+        world.insert_resource(time);
+        world.init_resource::<WorldBodies>();
+        let zone = |&(at, radius): &(Vec3, f32)| {
+            let zone = WindZone::sphere(radius, Vec3::Y * radius);
+            (Entity::PLACEHOLDER, zone, Isometry3d::from_translation(at))
+        };
+        world.insert_resource(WorldAir { zones: zones.iter().map(zone).collect(), ..WorldAir::default() });
+        let placement = Placement::of(&Affine3A::IDENTITY).expect("a placement");
+        let inputs = ClothInputs::new(placement, 0.5, Anchors::default(), AnchorSets::default(), None, Vec::new());
+        let positions: Vec<Vec4> = vec![at.extend(1.0)];
+        let previous = vec![(at - velocity * 0.01).extend(1.0)];
+        let state = ClothState { positions, previous, substep: 0.01, ..ClothState::default() };
+        let particles = ClothParticles {
+            state,
+            origin: DVec3::new(100.0, 0.0, 0.0),
+            before: Vec::new(),
+            recovery: Recovery::default(),
+            display: Display::default(),
+            carrier: None,
+            disturbed: false,
+        };
+        let cloth = world.spawn((Cloth, inputs, particles)).id();
+        world.run_system_once(surroundings).expect("a system");
+        let seen = &world.get::<ClothInputs>(cloth).expect("inputs").wind.zones;
+        seen.iter().filter_map(|seen| zones.iter().position(|(_, radius)| *radius == seen.velocity.y)).collect()
+    }
+
+    #[test]
+    fn only_zones_that_a_cloth_may_come_to_within_the_frame_are_listed() {
+        // At 101 m in the world, with 0.5 m to spare.
+        let x = |x: f32, radius: f32| (Vec3::X * x, radius);
+        let zones = [x(101.0, 0.1), x(103.0, 1.6), x(103.1, 1.4), x(500.0, 2.0), x(0.0, 90.0), x(0.0, 101.0)];
+        assert_eq!(told(Vec3::X, Vec3::ZERO, &zones), [0, 1, 5]);
+        // At 3 m/s it comes 0.3 m further.
+        assert_eq!(told(Vec3::X, Vec3::X * 3.0, &zones), [0, 1, 2, 5]);
+        let nowhere = told(Vec3::NAN, Vec3::ZERO, &zones);
+        assert_eq!(nowhere.len(), zones.len(), "a cloth that is nowhere: {nowhere:?}");
     }
 }

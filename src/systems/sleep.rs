@@ -67,16 +67,18 @@ struct SeenBody {
     shape: SharedShape,
     at: Isometry3d,
     surface: [f32; 3],
+    /// The body that takes what cloth does to it.
+    taker: Option<Entity>,
 }
 
 impl SeenBody {
-    fn of(body: &WorldBody) -> Self {
+    fn of(body: &WorldBody, taker: Option<Entity>) -> Self {
         let surface = [body.margin, body.static_friction, body.dynamic_friction];
-        Self { entity: body.entity, shape: body.shape.clone(), at: body.to, surface }
+        Self { entity: body.entity, shape: body.shape.clone(), at: body.to, surface, taker }
     }
 
-    fn is(&self, body: &WorldBody) -> bool {
-        self.entity == body.entity
+    fn is(&self, body: &WorldBody, taker: Option<Entity>) -> bool {
+        (self.entity, self.taker) == (body.entity, taker)
             && Arc::ptr_eq(&self.shape.0, &body.shape.0)
             && self.surface == [body.margin, body.static_friction, body.dynamic_friction]
             && stays(&self.at, &body.to)
@@ -135,6 +137,7 @@ pub(crate) fn watch(
             || cloth.untangle.is_changed()
             || cloth.sleep.is_changed()
             || cloth.inputs.stale
+            || cloth.inputs.tuned
             || !cloth.inputs.active
             || cloth.scratch.fresh
             || core::mem::take(&mut cloth.particles.disturbed)
@@ -199,9 +202,10 @@ impl Seen {
             let others = around.bodies.bodies.iter().filter(|b| b.entity != entity && layers.touches(b.layers));
             others.filter(|body| is_near(body, low - keep, high + keep))
         };
-        if near().count() != self.bodies.len() || !near().zip(&self.bodies).all(|(body, seen)| seen.is(body)) {
+        let taker = |body: &WorldBody| around.bodies.taker(body);
+        if near().count() != self.bodies.len() || !near().zip(&self.bodies).all(|(body, seen)| seen.is(body, taker(body))) {
             self.bodies.clear();
-            self.bodies.extend(near().map(SeenBody::of));
+            self.bodies.extend(near().map(|body| SeenBody::of(body, taker(body))));
             news = true;
         }
         let blows = || around.air.zones.iter().filter(|(_, zone, at)| reaches(zone, at, low, high));
@@ -231,7 +235,7 @@ fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
 }
 
 /// Whether a zone may reach into a box [m].
-fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
+pub(super) fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
     let radius = match zone.shape {
         WindZoneShape::Box { half_size } => half_size.length(),
         WindZoneShape::Sphere { radius } => radius,
@@ -270,12 +274,18 @@ pub(crate) fn doze(
     }
 }
 
-/// Measures how long a cloth has been at rest.
+/// Measures how long a cloth has been at rest, by its own clock. One that gives a body something bears a load: asleep it would let go of it.
 fn rest(cloth: &mut SleeperItem, dt: f32) {
     let slumber = &mut *cloth.slumber;
+    let dt = dt * cloth.inputs.time_scale;
+    if dt == 0.0 {
+        // What is paused may be in flight.
+        slumber.ready = false;
+        return;
+    }
     let positions = &cloth.particles.state.positions;
     let whole = cloth.report.crossings == 0 && cloth.particles.display.held().is_none();
-    let free = cloth.inputs.active && whole && !cloth.scratch.fresh && slumber.threshold > 0.0;
+    let free = cloth.inputs.active && whole && !cloth.scratch.fresh && slumber.threshold > 0.0 && !cloth.inputs.coupled.gives();
     let limit = slumber.threshold * slumber.delay;
     let near = |(x, mark): (&Vec4, &Vec3)| x.truncate().distance_squared(*mark) <= limit * limit;
     let rests = free && slumber.marks.len() == positions.len() && positions.iter().zip(&slumber.marks).all(near);

@@ -40,6 +40,9 @@ pub(crate) fn shape(
             let shown = &mut *shown;
             let moves = shown.forced || shown.affine != affine || shown.origin != particles.origin;
             if inputs.asleep && shown.still && !moves {
+                if report.sync_ms != 0.0 {
+                    report.sync_ms = 0.0;
+                }
                 return;
             }
             let moved = show_particles(particles, overstep, &mut shown.particles);

@@ -6,7 +6,7 @@ use crate::components::checked::Checked;
 use crate::components::{Cloth, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothReport, ClothTouch};
 use crate::groups::ClothGroups;
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 
 /// Compares what touches with what did.
 pub(crate) fn touches(
@@ -15,13 +15,22 @@ pub(crate) fn touches(
     groups: Res<ClothGroups>,
     mut notices: ResMut<Notices>,
     mut cloths: Query<
-        (Entity, Option<&Name>, &ClothInputs, &ClothParticles, &ClothScratch, &ClothReport, &mut ClothContactEvents),
+        (
+            Entity,
+            Option<&Name>,
+            &ClothRest,
+            &ClothInputs,
+            &ClothParticles,
+            &ClothScratch,
+            &ClothReport,
+            &mut ClothContactEvents,
+        ),
         With<Cloth>,
     >,
     mut now: Local<Vec<ClothTouch>>,
     mut checked: Local<Checked>,
 ) {
-    for (entity, name, inputs, particles, scratch, report, mut events) in &mut cloths {
+    for (entity, name, rest, inputs, particles, scratch, report, mut events) in &mut cloths {
         // Nothing begins or ends while it sleeps.
         if inputs.asleep || !inputs.active {
             continue;
@@ -33,12 +42,14 @@ pub(crate) fn touches(
         if particles.state.substep > 0.0 {
             // Of one substep, times their number, over its length: the impulse of the frame.
             let scale = report.substeps as f32 / particles.state.substep;
-            with_bodies(inputs, particles, scratch, scale, &mut now);
+            with_bodies(rest.0.mean_edge, inputs, particles, scratch, scale, &mut now);
             with_cloths(entity, &groups, scratch, scale, &mut now);
         }
         now.sort_unstable_by_key(|touch| touch.other);
+        let touching = now.len();
         for old in &events.touches {
-            if now.binary_search_by_key(&old.other, |touch| touch.other).is_err() {
+            // What is added below stands behind them.
+            if now[..touching].binary_search_by_key(&old.other, |touch| touch.other).is_err() {
                 let since = old.since + time.delta_secs();
                 if since > patience {
                     commands.trigger(ClothContactEnded { entity, other: old.other });
@@ -67,7 +78,9 @@ fn entry(now: &mut Vec<ClothTouch>, other: Entity) -> &mut ClothTouch {
     &mut now[at]
 }
 
+/// `edge`: how far a particle may be from the point of its face that touches [m].
 fn with_bodies(
+    edge: f32,
     inputs: &ClothInputs,
     particles: &ClothParticles,
     scratch: &ClothScratch,
@@ -90,8 +103,11 @@ fn with_bodies(
         let Some(body) = inputs.body_entities.iter().position(|&e| e == touch.other).and_then(|b| inputs.bodies.get(b)) else {
             continue;
         };
-        let nearest = body.shape.project_point(&body.to, touch.point, false);
-        let away = (touch.point - nearest.point).normalize_or_zero();
+        let at = body.to.inverse_transform_point(touch.point);
+        // Without a reach a height field is searched as a whole.
+        let nearest = body.shape.project_local_point_with_max_dist(at, false, inputs.thickness + body.margin + edge);
+        let nearest = nearest.unwrap_or_else(|| body.shape.project_local_point(at, false));
+        let away = body.to.rotation * (at - nearest.point).normalize_or_zero();
         touch.normal = if nearest.is_inside { -away } else { away };
         touch.point = (particles.origin + touch.point.as_dvec3()).as_vec3();
     }

@@ -396,3 +396,31 @@ fn avian_and_cloth_give_the_same_bits_on_one_thread_and_on_many() {
     assert!(first == fall(false), "a second run differs");
     assert!(first == fall(true), "a single thread differs");
 }
+
+#[test]
+fn avian_a_body_that_no_longer_takes_part_falls_freely() {
+    let mut app = physics(FixedPostUpdate);
+    spawn(&mut app, net(16), (rim(), elastic()));
+    let body = app.world_mut().spawn(ball(1.0, 0.2, Vec3::ZERO)).id();
+    run(&mut app, 30);
+    assert!(impulse(&app, body).linear.y > 0.0, "the net holds the ball: {:?}", impulse(&app, body));
+    app.world_mut().entity_mut(body).insert((ClothCoupling::OneWay, NoClothCollision));
+    run(&mut app, 1);
+    assert!(impulse(&app, body).is_zero(), "{:?}", impulse(&app, body));
+    let before = velocity(&app, body).y;
+    run(&mut app, RATE / 2);
+    let gained = velocity(&app, body).y - before;
+    assert!((gained + 0.5 * G).abs() < 0.05, "it gained {gained} m/s");
+}
+
+#[test]
+fn avian_a_net_does_not_sleep_under_a_ball_at_rest() {
+    let mut app = physics(FixedPostUpdate);
+    record::<ClothSlept>(&mut app);
+    let cloth = spawn(&mut app, net(16), (rim(), elastic()));
+    let damped = (LinearDamping(5.0), AngularDamping(5.0));
+    let ball = app.world_mut().spawn((ball(1.0, 0.2, Vec3::new(0.0, -0.1, 0.0)), damped)).id();
+    run(&mut app, 20 * RATE);
+    assert!(seen::<ClothSlept>(&app).is_empty() && !report(&app, cloth).asleep, "{:?}", report(&app, cloth));
+    assert!(at(&app, ball).y > -0.9 && velocity(&app, ball).length() < 0.05, "{} {}", at(&app, ball), velocity(&app, ball));
+}

@@ -213,3 +213,54 @@ fn a_part_of_a_compound_that_is_fitted_waits_for_the_mesh_and_a_fit_that_failed_
     run(&mut app, 3);
     assert_eq!(bodies(&app, cloth), 2);
 }
+
+#[test]
+fn a_zone_blows_from_the_frame_in_which_the_cloth_comes_to_it() {
+    let teleported = |zone: bool| {
+        let mut app = app();
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let cloth = spawn(&mut app, sheet(8), ());
+        if zone {
+            app.world_mut().spawn((WindZone::sphere(3.0, Vec3::Y * 20.0), Transform::from_xyz(50.0, 0.0, 0.0)));
+        }
+        run(&mut app, 5);
+        app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation.x = 50.0;
+        run(&mut app, 1);
+        particles(&app, cloth).iter().map(|p| p.y).sum::<f32>() / 64.0
+    };
+    let (without, with) = (teleported(false), teleported(true));
+    assert!(with > without + 1.0e-4, "{with} m with a zone, {without} m without");
+
+    let thrown = |zone: f32| {
+        let mut app = app();
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let cloth = spawn(&mut app, sheet(8), ClothMaterial { drag: 0.5, ..default() });
+        app.world_mut().spawn((WindZone::cuboid(Vec3::splat(4.0), Vec3::Y * 20.0), Transform::from_xyz(zone, 0.0, 0.0)));
+        run(&mut app, 1);
+        let mut at = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
+        at.apply_impulse(Vec3::ZERO, Vec3::X * 6.0, 2.0);
+        run(&mut app, 60);
+        particles(&app, cloth).iter().map(|p| p.y).fold(f32::MIN, f32::max)
+    };
+    assert!(thrown(4.5) > 0.02, "blown up by {} m", thrown(4.5));
+    assert!(thrown(400.0).abs() < 1.0e-3, "blown up by {} m", thrown(400.0));
+}
+
+#[test]
+fn a_body_that_no_longer_takes_part_is_told_of_nothing() {
+    for nowhere in [false, true] {
+        let mut app = app();
+        let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
+        spawn(&mut app, sheet(8), border().to(mast));
+        run(&mut app, 30);
+        let given = |app: &App| *app.world().get::<ClothImpulse>(mast).expect("a body that took part");
+        assert!(given(&app).linear.y < 0.0, "the mast bears {:?}", given(&app));
+        if nowhere {
+            app.world_mut().get_mut::<Transform>(mast).expect("a transform").translation.x = f32::NAN;
+        } else {
+            app.world_mut().entity_mut(mast).insert(ClothCoupling::OneWay);
+        }
+        run(&mut app, 1);
+        assert!(given(&app).is_zero(), "nowhere {nowhere}: {:?}", given(&app));
+    }
+}

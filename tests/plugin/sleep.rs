@@ -210,3 +210,88 @@ fn cloths_that_can_meet_sleep_and_wake_together() {
     assert!(cloths.iter().all(|&c| !report(&app, c).asleep), "the third lies on them");
     assert!(cloths.iter().all(|&c| report(&app, c).crossings == 0));
 }
+
+#[test]
+fn a_cloth_sleeps_through_two_way_bodies_elsewhere_that_come_and_go() {
+    let mut app = app();
+    let far = |x: f32| (Transform::from_xyz(x, 1.0, 0.0), ClothCollider::ball(0.1), ClothCoupling::TwoWay);
+    let bodies = [5.0, 10.0, 15.0].map(|x| app.world_mut().spawn(far(x)).id());
+    let cloth = sleeping(&mut app, ());
+    app.world_mut().despawn(bodies[0]);
+    run(&mut app, 2);
+    set::<ClothCoupling>(&mut app, bodies[1], |coupling| *coupling = ClothCoupling::OneWay);
+    run(&mut app, 2);
+    app.world_mut().despawn(bodies[2]);
+    run(&mut app, 2);
+    assert!(report(&app, cloth).asleep, "what is far away does not concern it");
+}
+
+#[test]
+fn a_sail_goes_on_pulling_at_its_mast_and_sleeps_when_the_mast_no_longer_takes_it() {
+    let mut app = app();
+    record::<ClothSlept>(&mut app);
+    let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
+    let sail = spawn(&mut app, sheet(8), (border().to(mast), ClothMaterial { drag: 5.0, damping: 5.0, ..default() }));
+    run(&mut app, 900);
+    let pull = app.world().get::<ClothImpulse>(mast).expect("a two-way body").linear.y;
+    assert!(pull < 0.0, "the mast bears {pull} N s");
+    assert!(seen::<ClothSlept>(&app).is_empty() && !report(&app, sail).asleep, "{:?}", report(&app, sail));
+    set::<ClothCoupling>(&mut app, mast, |coupling| *coupling = ClothCoupling::OneWay);
+    until_asleep(&mut app, sail);
+    // It wakes to pull again.
+    set::<ClothCoupling>(&mut app, mast, |coupling| *coupling = ClothCoupling::TwoWay);
+    run(&mut app, 3);
+    let pull = app.world().get::<ClothImpulse>(mast).expect("a two-way body").linear.y;
+    assert!(pull < 0.0 && !report(&app, sail).asleep, "the mast bears {pull} N s");
+}
+
+#[test]
+fn a_sheet_on_a_body_that_takes_its_weight_stays_awake_and_a_body_that_begins_to_take_it_wakes_it() {
+    let mut app = app();
+    let table = app.world_mut().spawn((ClothCollider::ground(), ClothCoupling::TwoWay)).id();
+    let cloth = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.006, 0.0));
+    let given = |app: &App| app.world().get::<ClothImpulse>(table).expect("a two-way body").linear.y;
+    run(&mut app, 400);
+    assert!(given(&app) < 0.0 && !report(&app, cloth).asleep, "the table bears {} N s", given(&app));
+    set::<ClothCoupling>(&mut app, table, |coupling| *coupling = ClothCoupling::OneWay);
+    until_asleep(&mut app, cloth);
+    set::<ClothCoupling>(&mut app, table, |coupling| *coupling = ClothCoupling::TwoWay);
+    run(&mut app, 10);
+    assert!(given(&app) < 0.0 && !report(&app, cloth).asleep, "the table bears {} N s", given(&app));
+}
+
+#[test]
+fn a_cloth_that_is_paused_in_its_fall_falls_on_with_its_speed() {
+    let mut app = app();
+    record::<ClothSlept>(&mut app);
+    let cloth = spawn(&mut app, sheet(6), ());
+    run(&mut app, 30);
+    let height = |app: &App| particles(app, cloth).iter().map(|p| p.y).sum::<f32>() / 36.0;
+    let speed = |app: &mut App| {
+        let before = height(app);
+        run(app, 1);
+        (height(app) - before) / FRAME
+    };
+    let before = speed(&mut app);
+    assert!(before < -1.0, "it falls at {before} m/s");
+    set::<ClothSolver>(&mut app, cloth, |solver| solver.time_scale = 0.0);
+    run(&mut app, 120);
+    assert!(seen::<ClothSlept>(&app).is_empty(), "it fell asleep in the air");
+    assert_eq!(speed(&mut app), 0.0, "it is paused");
+    set::<ClothSolver>(&mut app, cloth, |solver| solver.time_scale = 1.0);
+    let after = speed(&mut app);
+    assert!((after / before - 1.0).abs() < 0.1, "it fell at {before} m/s and falls on at {after} m/s");
+}
+
+#[test]
+fn a_cloth_in_slow_motion_rests_by_its_own_clock() {
+    let mut app = app();
+    app.world_mut().spawn(ClothCollider::ground());
+    let slow = ClothSolver { time_scale: 0.1, ..default() };
+    let cloth = spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.006, 0.0), slow));
+    // 0.5 s of its own are 5 s.
+    run(&mut app, 240);
+    assert!(!report(&app, cloth).asleep);
+    run(&mut app, 600);
+    assert!(report(&app, cloth).asleep, "{:?}", report(&app, cloth));
+}

@@ -82,3 +82,39 @@ fn a_cloth_that_falls_asleep_goes_on_touching() {
     assert!(seen::<ClothContactEnded>(&app).is_empty());
     assert_eq!(app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.len(), 1);
 }
+
+#[test]
+fn a_body_that_leaves_does_not_double_the_ones_that_stay() {
+    let mut app = recorded();
+    let at = |x: f32| (Transform::from_xyz(x, -0.1, 0.0), ClothCollider::ball(0.1));
+    let mut balls = [-0.3, 0.0, 0.3].map(|x| app.world_mut().spawn(at(x)).id());
+    balls.sort_unstable();
+    let cloth = spawn(&mut app, sheet(14), (Transform::from_xyz(0.0, 0.01, 0.0), border(), ClothContactEvents::default()));
+    run(&mut app, 20);
+    let touching = |app: &App| -> Vec<Entity> {
+        app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.iter().map(|touch| touch.other).collect()
+    };
+    assert_eq!(touching(&app), balls);
+    app.world_mut().despawn(balls[0]);
+    for frame in 0..20 {
+        run(&mut app, 1);
+        let now = touching(&app);
+        assert!(now == balls || now == balls[1..], "frame {frame}: {now:?} of {balls:?}");
+    }
+    let ended: Vec<Entity> = seen::<ClothContactEnded>(&app).iter().map(|e| e.other).collect();
+    assert_eq!(ended, [balls[0]]);
+    assert_eq!(seen::<ClothContactStarted>(&app).len(), 3);
+}
+
+#[test]
+fn a_touch_of_a_height_field_has_the_normal_of_the_slope_there() {
+    let mut app = recorded();
+    let slope: Vec<f32> = (0..64 * 64).map(|i| 0.2 * (i / 64) as f32 / 63.0).collect();
+    let field = ClothCollider::height_field(64, 64, slope, Vec3::new(4.0, 1.0, 4.0));
+    app.world_mut().spawn(field);
+    spawn(&mut app, sheet(10), (Transform::from_xyz(0.0, 0.2, 0.0), ClothContactEvents::default()));
+    run(&mut app, 30);
+    let [started] = seen::<ClothContactStarted>(&app) else { panic!("one touch") };
+    let normal = started.touch.normal;
+    assert!((normal.y - 0.05_f32.atan().cos()).abs() < 1.0e-3 && normal.is_normalized(), "{normal}");
+}
