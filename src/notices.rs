@@ -23,6 +23,13 @@ impl Notices {
         first
     }
 
+    /// Says that a matter is settled: when it comes up again it is said again.
+    pub fn settle(&mut self, entity: Entity, kind: &str) {
+        if let Some(told) = self.told.get_mut(&entity) {
+            told.retain(|known| known != kind);
+        }
+    }
+
     /// Warns once for each setting that was clamped.
     pub fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, fields: &[Cow<'static, str>]) {
         for field in fields {

@@ -26,7 +26,7 @@ impl ClothDebug {
                 lines.extend(entries.iter().map(|(label, color)| LegendLine { item, label: label.clone(), color: *color }));
             }
         };
-        let percent = 100.0 * self.strain;
+        let percent = (1.0e5 * super::springs::full_scale(self.strain)).round() / 1.0e3;
         let says = |text: &str, color| (text.to_string(), color);
         add(self.pins, "pins", &[says("held firmly", scale::sequential(1.0)), says("hardly held", scale::sequential(0.0))]);
         add(self.wind, "wind", &[says("still air", scale::sequential(0.0)), says("20 m/s", scale::sequential(1.0))]);

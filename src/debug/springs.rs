@@ -6,12 +6,17 @@ use super::{ClothDebug, ClothGizmos, place, scale};
 use crate::components::Cloth;
 use crate::simulation::{ClothParticles, ClothRest};
 
+/// Strain at the ends of the scale (dimensionless).
+pub(super) fn full_scale(strain: f32) -> f32 {
+    strain.clamp(1.0e-4, 10.0)
+}
+
 pub(super) fn draw(
     debug: Res<ClothDebug>,
     mut gizmos: Gizmos<ClothGizmos>,
     cloths: Query<(&ClothRest, &ClothParticles), With<Cloth>>,
 ) {
-    let range = debug.strain.clamp(1.0e-4, 10.0);
+    let range = full_scale(debug.strain);
     for (rest, particles) in &cloths {
         let (shape, x) = (rest.shape(), &particles.state().positions);
         for edge in &shape.topology.edges {

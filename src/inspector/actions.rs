@@ -7,9 +7,9 @@ use bevy::prelude::*;
 
 use super::state::ClothInspector;
 use super::tangle;
-use crate::components::Cloth;
-use crate::groups::{ClothGroup, ClothGroups};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::components::{Cloth, ClothError};
+use crate::groups::ClothGroups;
+use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown};
 
 /// Length of the frame that is stepped while time stands still [s].
 pub const STEP: f64 = 1.0 / 60.0;
@@ -56,8 +56,12 @@ fn step(world: &mut World) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Puts a cloth at its pose at rest.
+/// Puts a cloth at its pose at rest; one that was stopped is made anew.
 fn reset(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
+    if world.entity(cloth).contains::<ClothError>() {
+        world.get_mut::<Binding>(cloth).ok_or(NOT_BOUND)?.pending = Change::Mesh;
+        return Ok(());
+    }
     let mut cloths = world.query::<(&ClothRest, &mut ClothInputs, &mut ClothParticles, &mut ClothScratch)>();
     let (rest, mut inputs, mut particles, mut scratch) = cloths.get_mut(world, cloth).map_err(|_| NOT_BOUND)?;
     let pose: Vec<Vec3> = inputs.pose(&rest.0, particles.origin).collect();
@@ -107,15 +111,23 @@ fn displace(world: &mut World, cloth: Entity, motion: impl FnOnce(&mut [Vec4]) -
             *old = x.truncate().extend(old.w);
         }
         particles.before.clear();
+        particles.disturbed = true;
         forget(world, cloth);
     }
     Ok(done)
 }
 
-/// Forgets on which side of each other the members of a cloth's group were: they would be brought back there.
+/// Forgets on which side of each other the members of a cloth's group were: they would be brought back there. They wake, and the cloth is shown where it is now.
 fn forget(world: &mut World, cloth: Entity) {
+    if let Some(mut shown) = world.get_mut::<ClothShown>(cloth) {
+        shown.forced = true;
+    }
     let Some(mut groups) = world.get_resource_mut::<ClothGroups>() else { return };
-    if let Some(group) = groups.list.iter_mut().find(|g| g.members.iter().any(|m| m.entity == cloth)) {
-        *group = ClothGroup::default();
+    let Some(group) = groups.list.iter_mut().find(|g| g.members.iter().any(|m| m.entity == cloth)) else { return };
+    let group = core::mem::take(group);
+    for member in group.members {
+        if let Some(mut particles) = world.get_mut::<ClothParticles>(member.entity) {
+            particles.disturbed = true;
+        }
     }
 }

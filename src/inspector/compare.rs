@@ -2,19 +2,90 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy_egui::egui::{CollapsingHeader, Color32, Grid, RichText, TextEdit, Ui};
+use bevy_egui::egui::{CollapsingHeader, Color32, Grid, RichText, ScrollArea, TextEdit, Ui};
 
 use super::entry::show;
 use super::export::{as_ron, as_rust, from_ron};
+use super::row;
 use super::setting::{Kind, Part, Setting};
 use super::settings::{ClothSettings, Edit, OWN};
 use super::state::ClothInspector;
 use super::table::settings_of;
-use crate::components::ClothMaterial;
+use crate::components::{ClothMaterial, ClothWind};
+use crate::presets::ClothPreset;
 
-/// What a file is called whose name has no extension.
-const EXTENSION: &str = "cloth.ron";
+/// How the name of a file ends.
+const EXTENSION: &str = ".cloth.ron";
 const NAMES: [&str; 2] = ["A", "B"];
+/// Height of the list of what differs; the rest is scrolled to [points].
+const LIST: f32 = 160.0;
+
+/// What was clicked and concerns all settings. It is done after the rows, which take what was being typed in the frame of the click.
+#[derive(Clone, Debug)]
+pub(super) enum Ask {
+    /// Takes a fabric of the library.
+    Preset(ClothMaterial),
+    /// Keeps the settings as A or B.
+    Keep(usize),
+    /// Takes those kept.
+    Use(usize),
+    /// Forgets both.
+    Clear,
+    /// Copies them as Rust.
+    Rust,
+    /// Copies them as RON.
+    Ron,
+    Save,
+    Load,
+    /// Gives the cloth a wind of its own, or takes it away.
+    OwnWind(bool),
+}
+
+/// Does what was asked for.
+pub(super) fn answer(ui: &Ui, ask: Ask, state: &mut ClothInspector, edit: &mut Edit) {
+    let mut copy = |text: String| {
+        state.copied.clone_from(&text);
+        ui.ctx().copy_text(text);
+    };
+    match ask {
+        Ask::Preset(material) => {
+            edit.take(material.into());
+            row::forget(ui);
+        }
+        Ask::Keep(i) => state.kept[i] = Some(edit.settings.clone()),
+        Ask::Use(i) => {
+            if let Some(kept) = &state.kept[i] {
+                edit.settings.take(kept);
+                OWN.into_iter().for_each(|part| edit.touch(part));
+                row::forget(ui);
+            }
+        }
+        Ask::Clear => state.kept = [None, None],
+        Ask::Rust => copy(as_rust(&edit.settings)),
+        Ask::Ron => copy(as_ron(&edit.settings.preset())),
+        Ask::Save => {
+            let saved = path(&state.file).and_then(|path| {
+                save(&path, &edit.settings.preset())?;
+                Ok(format!("saved {}", path.display()))
+            });
+            state.say(saved);
+        }
+        Ask::Load => {
+            let loaded = path(&state.file).and_then(|path| {
+                let (preset, clamped) = load(&path)?;
+                edit.take(preset);
+                row::forget(ui);
+                let but = if clamped.is_empty() { "" } else { "; out of range and used clamped: " };
+                Ok(format!("loaded {}{but}{}", path.display(), clamped.join(", ")))
+            });
+            state.say(loaded);
+        }
+        Ask::OwnWind(own) => {
+            edit.settings.own_wind = own.then_some(ClothWind(edit.settings.wind));
+            edit.touch(Part::OwnWind);
+        }
+    }
+}
 
 /// A button with a name for screen readers and tests.
 pub(super) fn button(ui: &mut Ui, text: &str, label: &str, tip: &str) -> bool {
@@ -24,51 +95,60 @@ pub(super) fn button(ui: &mut Ui, text: &str, label: &str, tip: &str) -> bool {
 }
 
 /// Buttons for the fabrics of the library.
-pub(super) fn presets(ui: &mut Ui, edit: &mut Edit) {
+pub(super) fn presets(ui: &mut Ui, material: &ClothMaterial) -> Option<Ask> {
     ui.horizontal_wrapped(|ui| {
         ui.label("Preset");
         let default = [("default", ClothMaterial::default())];
+        let mut asked = None;
         for (name, preset) in default.into_iter().chain(ClothMaterial::PRESETS) {
-            let response = ui.selectable_label(edit.settings.material == preset, name);
+            let response = ui.selectable_label(*material == preset, name);
             ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(format!("preset {name}")));
             if response.clicked() {
-                edit.settings.material = preset;
-                edit.touch(Part::Material);
+                asked = Some(Ask::Preset(preset));
             }
         }
-    });
+        asked
+    })
+    .inner
 }
 
 /// Keeps settings as A and B, goes from one to the other, and lists what differs.
-pub(super) fn compare(ui: &mut Ui, state: &mut ClothInspector, edit: &mut Edit) {
+pub(super) fn compare(ui: &mut Ui, state: &mut ClothInspector, settings: &ClothSettings) -> Option<Ask> {
+    let mut asked = None;
     ui.horizontal(|ui| {
-        for (name, kept) in NAMES.into_iter().zip(&mut state.kept) {
-            if button(
-                ui,
-                &format!("keep as {name}"),
-                &format!("keep as {name}"),
-                "Keeps the settings of this cloth to be compared.",
-            ) {
-                *kept = Some(edit.settings.clone());
+        for (i, (name, kept)) in NAMES.into_iter().zip(&state.kept).enumerate() {
+            let text = format!("keep as {name}");
+            if button(ui, &text, &text, "Keeps the settings of this cloth to be compared.") {
+                asked = Some(Ask::Keep(i));
             }
             let shown = kept.as_ref().is_some_and(|kept| {
-                let mut same = edit.settings.clone();
+                let mut same = settings.clone();
                 same.take(kept);
-                same == edit.settings
+                same == *settings
             });
             let response = ui.add_enabled_ui(kept.is_some(), |ui| ui.selectable_label(shown, format!("use {name}"))).inner;
-            if let (true, Some(kept)) = (response.clicked(), kept) {
-                edit.settings.take(kept);
-                OWN.into_iter().for_each(|part| edit.touch(part));
+            if response.clicked() {
+                asked = Some(Ask::Use(i));
             }
         }
+        let any = state.kept.iter().any(Option::is_some);
+        if ui.add_enabled_ui(any, |ui| button(ui, "clear", "clear A and B", "Forgets both A and B.")).inner {
+            asked = Some(Ask::Clear);
+        }
     });
-    let [Some(a), Some(b)] = &mut state.kept else { return };
-    let rows = differences(a, b);
-    if rows.is_empty() {
-        ui.weak("A and B are equal");
-        return;
+    if let [Some(a), Some(b)] = &mut state.kept {
+        let rows = differences(a, b);
+        if rows.is_empty() {
+            ui.weak("A and B are equal");
+        } else {
+            let list = ScrollArea::vertical().max_height(LIST).auto_shrink([false, true]);
+            list.id_salt("cloth inspector differences").show(ui, |ui| list_of(ui, rows));
+        }
     }
+    asked
+}
+
+fn list_of(ui: &mut Ui, rows: Vec<(String, String, String)>) {
     Grid::new("cloth inspector differences").striped(true).num_columns(3).show(ui, |ui| {
         for text in ["", "A", "B"] {
             ui.strong(text);
@@ -104,14 +184,20 @@ pub fn differences(a: &mut ClothSettings, b: &mut ClothSettings) -> Vec<(String,
 }
 
 /// Copies, saves and loads.
-pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector, edit: &mut Edit) {
+pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector) -> Option<Ask> {
+    let mut asked = None;
     ui.horizontal(|ui| {
-        let rust =
-            button(ui, "copy as Rust", "copy as Rust", "Everything that differs from the defaults, to paste into a program.");
-        let ron = button(ui, "copy as RON", "copy as RON", "The material, as in a .cloth.ron file.");
-        if rust || ron {
-            state.copied = if rust { as_rust(&edit.settings) } else { as_ron(&edit.settings.material) };
-            ui.ctx().copy_text(state.copied.clone());
+        for (text, tip, ask) in [
+            (
+                "copy as Rust",
+                "The components that differ from their defaults, to paste into `commands.spawn((..))`. Wind and gravity of the world and weights of pins follow as comments.",
+                Ask::Rust,
+            ),
+            ("copy as RON", "The text of a .cloth.ron file, as \"save\" writes it.", Ask::Ron),
+        ] {
+            if button(ui, text, text, tip) {
+                asked = Some(ask);
+            }
         }
     });
     if !state.copied.is_empty() {
@@ -123,21 +209,12 @@ pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector, edit: &mut Edit) {
         ui.label("File");
         let response = ui.add(TextEdit::singleline(&mut state.file).hint_text("my_fabric.cloth.ron").desired_width(170.0));
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("file name"));
-        if button(ui, "save", "save material", "Writes the material to the file.") {
-            let path = path(&state.file);
-            let saved =
-                path.and_then(|path| save(&path, &edit.settings.material).map(|()| format!("saved {}", path.display())));
-            state.say(saved);
+        let saves = "Writes the material to the file, and what else differs from its default: solver, collision, untangling, what is shown while tangled, wind of its own. Sleep, pins and the world are not in files.";
+        if button(ui, "save", "save to file", saves) {
+            asked = Some(Ask::Save);
         }
-        if button(ui, "load", "load material", "Takes the material from the file.") {
-            match path(&state.file).and_then(|path| Ok((load(&path)?, path))) {
-                Ok((material, path)) => {
-                    edit.settings.material = material;
-                    edit.touch(Part::Material);
-                    state.say(Ok(format!("loaded {}", path.display())));
-                }
-                Err(reason) => state.say(Err(reason)),
-            }
+        if button(ui, "load", "load from file", "Takes what the file holds; the rest stays.") {
+            asked = Some(Ask::Load);
         }
     });
     match &state.note {
@@ -145,34 +222,56 @@ pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector, edit: &mut Edit) {
         Some(Err(reason)) => ui.colored_label(ui.visuals().error_fg_color, reason),
         None => ui.label(RichText::new(" ")),
     };
+    asked
 }
 
-/// The file that was named; `.cloth.ron` is added where there is no extension.
+/// The file that was named; `.cloth.ron` is added where it is not there.
 fn path(name: &str) -> Result<PathBuf, String> {
     let name = name.trim();
-    if name.is_empty() {
+    if name.is_empty() || name.ends_with(std::path::is_separator) {
         return Err("type the name of a file first".into());
     }
-    let path = Path::new(name);
-    Ok(if path.extension().is_none() { path.with_extension(EXTENSION) } else { path.to_owned() })
+    Ok(if name.ends_with(EXTENSION) { name.into() } else { format!("{name}{EXTENSION}").into() })
 }
 
-/// Writes a material to a file. What is there already and is no material is left alone.
+/// Writes a preset to a file. What is there already and is no preset is left alone.
 ///
 /// # Errors
 /// Why the file cannot be written.
-pub fn save(path: &Path, material: &ClothMaterial) -> Result<(), String> {
+pub fn save(path: &Path, preset: &ClothPreset) -> Result<(), String> {
     if path.exists() && load(path).is_err() {
-        return Err(format!("{} exists and is not a material: choose another name", path.display()));
+        return Err(format!("{} exists and is not a preset: choose another name", path.display()));
     }
-    std::fs::write(path, as_ron(material)).map_err(|error| format!("{}: {error}", path.display()))
+    std::fs::write(path, as_ron(preset)).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// Reads a material from a file.
+/// Reads a preset from a file, and what in it is out of range, as [`from_ron`] does.
 ///
 /// # Errors
-/// Why the file cannot be read, where it is wrong, or which field is out of range.
-pub fn load(path: &Path) -> Result<ClothMaterial, String> {
-    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-    from_ron(&text).map_err(|error| format!("{}: {error}", path.display()))
+/// Why the file cannot be read, or where it is wrong.
+pub fn load(path: &Path) -> Result<(ClothPreset, Vec<String>), String> {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{file}: {error}"))?;
+    from_ron(&text, &file)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_ends_in_what_the_loader_loads() {
+        for (name, file) in [
+            ("silk", "silk.cloth.ron"),
+            (" a/silk.v2 ", "a/silk.v2.cloth.ron"),
+            ("my.cloth", "my.cloth.cloth.ron"),
+            ("silk.ron", "silk.ron.cloth.ron"),
+            ("silk.cloth.ron", "silk.cloth.ron"),
+        ] {
+            assert_eq!(path(name), Ok(PathBuf::from(file)), "{name}");
+        }
+        for name in ["", "  ", "fabrics/"] {
+            assert!(path(name).is_err(), "`{name}` is {:?}", path(name));
+        }
+    }
 }

@@ -40,14 +40,11 @@ pub fn parse(text: &str, unit: &str, scale: &Scale) -> Result<f64, String> {
         Err(_) if bare.contains(',') => return Err(format!("`{bare}` is not a number: write a point instead of the comma")),
         Err(_) => return Err(format!("`{bare}` is not a number; the range is {}", range())),
     };
-    let (low, high) = scale.limits;
     if value.is_nan() {
         Err(format!("`{bare}` is not a number; the range is {}", range()))
-    } else if value == f64::INFINITY && scale.endless {
-        Ok(value)
-    } else if value < 0.0 && low >= 0.0 {
+    } else if value < 0.0 && scale.limits.0 >= 0.0 {
         Err(format!("it must not be negative; the range is {}", range()))
-    } else if value < f64::from(low as f32).min(low) || value > f64::from(high as f32).max(high) {
+    } else if !scale.holds(value) {
         Err(format!("{bare} is out of range, which is {}", range()))
     } else if scale.integer && value.fract() != 0.0 {
         Err(format!("{bare} is not a whole number"))

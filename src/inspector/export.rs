@@ -3,16 +3,18 @@
 use bevy::prelude::*;
 use bevy::reflect::enums::VariantType;
 use bevy::reflect::{PartialReflect, ReflectRef};
+use ron::extensions::Extensions;
 
-use super::entry::parse;
-use super::setting::Part;
-use super::settings::ClothSettings;
-use super::table::settings_of;
-use crate::components::ClothMaterial;
+use super::setting::Setting;
+use super::settings::{ClothSettings, Edit};
+use super::table::settings;
+use crate::components::{ClothGravity, ClothMaterial, GlobalWind, OnTargetLost};
+use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
 ///
-/// The material is written over the preset that it differs least from. Pins, wind and gravity of the world are not part of it.
+/// The material is written over the preset that it differs least from. What lies elsewhere follows as comments, where it differs: weights of pins, which
+/// belong to the sets that the program makes, and wind and gravity of the world, which are resources.
 #[must_use]
 pub fn as_rust(settings: &ClothSettings) -> String {
     let mut lines = vec![material_as_rust(&settings.material)];
@@ -25,10 +27,30 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     add(&mut lines, &settings.collision);
     add(&mut lines, &settings.untangle);
     add(&mut lines, &settings.skip);
+    add(&mut lines, &settings.sleep);
     if let Some(wind) = &settings.own_wind {
-        lines.push(format!("ClothWind({})", over(&wind.0, &crate::GlobalWind::default(), "default()")));
+        lines.push(format!("ClothWind({})", over(&wind.0, &GlobalWind::default(), "default()")));
     }
-    lines.join(",\n") + ",\n"
+    lines.join(",\n") + ",\n" + &elsewhere(settings)
+}
+
+/// What differs and is no component to be spawned, as comments.
+fn elsewhere(settings: &ClothSettings) -> String {
+    let mut lines = Vec::new();
+    for (i, set) in settings.pins.sets.iter().enumerate().filter(|(_, set)| set.weight != 1.0) {
+        lines.push(format!("pins.sets[{i}].weight = {};", number_as_rust(set.weight)));
+    }
+    if settings.pins.on_target_lost != OnTargetLost::default() {
+        lines.push(format!("pins.on_target_lost = {};", literal(&settings.pins.on_target_lost)));
+    }
+    if settings.wind != GlobalWind::default() {
+        let wind = over(&settings.wind, &GlobalWind::default(), "default()");
+        lines.extend(format!("commands.insert_resource({wind});").lines().map(String::from));
+    }
+    if settings.gravity != ClothGravity::default() {
+        lines.push(format!("commands.insert_resource(ClothGravity({}));", literal(&settings.gravity.0)));
+    }
+    lines.iter().map(|line| format!("// {line}\n")).collect()
 }
 
 /// A material as a Rust expression.
@@ -111,31 +133,30 @@ fn number_as_rust(number: f32) -> String {
     }
 }
 
-/// A material as the text of a `.cloth.ron` file.
+/// A preset as the text of a `.cloth.ron` file.
 #[must_use]
-pub fn as_ron(material: &ClothMaterial) -> String {
+pub fn as_ron(preset: &ClothPreset) -> String {
     // Numbers and names only: there is nothing in it that could fail.
-    ron::ser::to_string_pretty(material, ron::ser::PrettyConfig::default()).unwrap_or_default() + "\n"
+    let options = ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
+    options.to_string_pretty(preset, ron::ser::PrettyConfig::default()).unwrap_or_default() + "\n"
 }
 
-/// A material from the text of a `.cloth.ron` file.
+/// A preset from the text of a `.cloth.ron` file, and the settings in it that are out of range and used clamped; `file` is its name in errors.
 ///
 /// # Errors
-/// Where the text is wrong, or which field is out of range.
-pub fn from_ron(text: &str) -> Result<ClothMaterial, String> {
-    let material: ClothMaterial = ron::from_str(text).map_err(|error| format!("not a material: {error}"))?;
-    let mut settings = ClothSettings { material, ..ClothSettings::default() };
-    for setting in settings_of(Part::Material) {
-        let (Some(value), Some(scale)) = (setting.get(&mut settings), setting.scale()) else { continue };
-        parse(&(value as f32).to_string(), setting.unit, &scale).map_err(|reason| format!("{}: {reason}", setting.name))?;
-    }
-    Ok(settings.material)
+/// Where the text is wrong: see [`ClothPreset::from_ron`].
+pub fn from_ron(text: &str, file: &str) -> Result<(ClothPreset, Vec<String>), String> {
+    let preset = ClothPreset::from_ron(text, file).map_err(|error| error.to_string())?;
+    let mut edit = Edit::new(ClothSettings::default());
+    edit.take(preset.clone());
+    let clamped = settings().filter(|setting| !setting.in_range(&mut edit.settings)).map(Setting::label).collect();
+    Ok((preset, clamped))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::components::{ClothSolver, SkipFrame, SkipPolicy, TeleportMode};
+    use crate::components::{ClothCollision, ClothPins, ClothSolver, SkipFrame, SkipPolicy, TeleportMode, Untangle};
 
     #[test]
     fn a_preset_is_written_by_its_name_and_a_change_over_it() {
@@ -159,22 +180,52 @@ mod tests {
     }
 
     #[test]
+    fn pins_and_the_world_follow_as_comments_where_they_differ() {
+        let mut settings = ClothSettings {
+            pins: ClothPins::vertices([0]).and(ClothPins::vertices([1]).weighted(0.25)).on_target_lost(OnTargetLost::Release),
+            wind: GlobalWind::new(Vec3::X),
+            gravity: ClothGravity(Vec3::ZERO),
+            ..default()
+        };
+        let expected = "ClothMaterial::default(),\n// pins.sets[1].weight = 0.25;\n// pins.on_target_lost = OnTargetLost::Release;\n\
+                        // commands.insert_resource(GlobalWind {\n//     velocity: Vec3::new(1.0, 0.0, 0.0),\n//     ..default()\n// });\n\
+                        // commands.insert_resource(ClothGravity(Vec3::new(0.0, 0.0, 0.0)));\n";
+        assert_eq!(as_rust(&settings), expected);
+        (settings.pins, settings.wind, settings.gravity) = default();
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\n");
+    }
+
+    #[test]
     fn every_preset_comes_back_from_its_file() {
-        for (name, preset) in ClothMaterial::PRESETS {
-            assert_eq!(from_ron(&as_ron(&preset)), Ok(preset), "{name}");
+        for (name, material) in ClothMaterial::PRESETS {
+            let (preset, text) = (ClothPreset::from(material.clone()), as_ron(&material.into()));
+            assert_eq!(from_ron(&text, name), Ok((preset, Vec::new())), "{name}: {text}");
+            assert!(!text.contains("None") && !text.contains("Some"), "{name}: {text}");
         }
+    }
+
+    #[test]
+    fn every_part_of_a_file_comes_back_with_what_is_clamped_in_it() {
+        let preset = ClothPreset {
+            material: ClothMaterial { density: 0.005, strain_limit: f32::INFINITY, ..default() },
+            solver: Some(ClothSolver { substep_rate: 1.0e6, ..default() }),
+            collision: Some(ClothCollision { layer: -7, ..default() }),
+            untangle: Some(Untangle { iterations: 65, ..default() }),
+            skip_frame: Some(SkipFrame { policy: SkipPolicy::UntilClean { max: 3 }, ..default() }),
+            wind: Some(GlobalWind { turbulence: 9.0, ..GlobalWind::new(Vec3::X) }),
+        };
+        let clamped = ["material density", "solver substep_rate", "untangle iterations", "own wind turbulence"];
+        assert_eq!(from_ron(&as_ron(&preset), ""), Ok((preset, clamped.map(String::from).to_vec())));
     }
 
     #[test]
     fn a_file_that_is_wrong_says_where() {
         for (text, reason) in [
-            ("(density: 0.2, colour: 3)", "colour"),
-            ("(density: -1)", "density: it must not be negative"),
-            ("(density: NaN)", "density: `NaN` is not a number"),
-            ("(stretch_stiffness: \"stiff\")", "1:"),
-            ("hello", "not a material"),
+            ("(density: 0.2, colour: 3)", "a.cloth.ron:1:16: `colour` is not known"),
+            ("(material: (stretch_stiffness: \"stiff\"))", "a.cloth.ron:1:"),
+            ("hello", "a.cloth.ron:1:1"),
         ] {
-            let error = from_ron(text).expect_err(text);
+            let error = from_ron(text, "a.cloth.ron").expect_err(text);
             assert!(error.contains(reason), "{text}: {error}");
         }
     }

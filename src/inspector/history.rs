@@ -9,11 +9,13 @@ use crate::solver::state::ClothState;
 pub const SPAN: f64 = 10.0;
 /// Samples per second at most; faster frames are merged, the worst of them stays [Hz].
 const RATE: f64 = 60.0;
-/// Samples that are kept.
-const KEPT: usize = (SPAN * RATE) as usize;
+/// A frame joins the last sample within this share of the time for one (dimensionless): a little less than all, so that frames of just that length are never merged.
+const MERGES: f64 = 0.9;
+/// Samples that are kept: the span is full at every frame rate.
+const KEPT: usize = (SPAN * RATE / MERGES) as usize + 1;
 
 /// The stages whose times are kept, in the order of [`Sample::stages`].
-pub const STAGES: [&str; 5] = ["integrate", "detect", "resolve", "evaluate", "respond"];
+pub const STAGES: [&str; 6] = ["integrate", "detect", "resolve", "evaluate", "respond", "sync"];
 
 /// What a frame showed, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -71,7 +73,7 @@ pub struct Sample {
     /// Time of the clock of the cloth at its end [s].
     pub time: f64,
     /// Time spent on each of the [`STAGES`] [ms].
-    pub stages: [f32; 5],
+    pub stages: [f32; STAGES.len()],
     /// Edges that cross faces.
     pub crossings: u32,
     /// Length of all intersection curves [m].
@@ -93,7 +95,14 @@ impl Sample {
     pub(crate) fn of(time: f64, report: &ClothReport, particles: &ClothParticles, skip: &SkipFrame) -> Self {
         Self {
             time,
-            stages: [report.integrate_ms, report.detect_ms, report.resolve_ms, report.evaluate_ms, report.respond_ms],
+            stages: [
+                report.integrate_ms,
+                report.detect_ms,
+                report.resolve_ms,
+                report.evaluate_ms,
+                report.respond_ms,
+                report.sync_ms,
+            ],
             crossings: report.crossings,
             contour_length: report.contour_length,
             worst_edge: report.worst_edge,
@@ -155,8 +164,7 @@ impl History {
             self.clear();
         }
         self.ring.reserve_exact(KEPT - self.ring.len());
-        // A little less than a sixtieth, so that frames of just that length are never merged.
-        if self.ring.is_empty() || sample.time - self.since > 0.9 / RATE {
+        if self.ring.is_empty() || sample.time - self.since > MERGES / RATE {
             self.since = sample.time;
             if self.ring.len() < KEPT {
                 self.ring.push(sample);

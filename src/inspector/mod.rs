@@ -11,7 +11,7 @@
 //! button that leads back to it; what is typed and makes no sense is refused with the reason. Changes take effect at once and without a jump: the library lets a fabric
 //! go to its new stiffness over a quarter of a second. An app that has windows of its own calls [`cloth_inspector`] in one of them.
 //!
-//! "Copy" hands the text to egui; `bevy_egui` puts it on the clipboard of the system with its feature `manage_clipboard`. It can be read in the panel as well.
+//! "Copy" shows the text in the panel, and with the feature `clipboard` puts it on the clipboard of the system.
 //!
 //! One table of descriptions ([`settings()`]) drives rows, tests and the comparison of A and B.
 

@@ -4,14 +4,14 @@ use bevy::prelude::*;
 use bevy_egui::egui::{CollapsingHeader, ScrollArea, Ui};
 
 use super::actions::Action;
-use super::compare::{self, button};
+use super::compare::{self, Ask, button};
 use super::row::{self, Row};
 use super::setting::{Part, Scale};
 use super::settings::{ClothSettings, Edit};
 use super::state::ClothInspector;
 use super::table::settings_of;
 use super::{air, pins, plots};
-use crate::components::{Cloth, ClothBuildReport, ClothError, ClothReport, ClothStatus, ClothWind};
+use crate::components::{Cloth, ClothBuildReport, ClothError, ClothReport, ClothStatus};
 
 /// Draws the panel into a window of the app's own.
 ///
@@ -35,18 +35,19 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
     clock(ui, world, state);
     ui.separator();
     choose(ui, world, state);
-    let Some((cloth, settings)) = state.selected.and_then(|c| Some((c, ClothSettings::read(world, c)?))) else {
+    let read = |cloth: Option<Entity>| cloth.and_then(|c| Some((c, ClothSettings::read(world, c)?)));
+    // Where another one was picked, the one before is drawn once more: its rows take what was being typed.
+    let Some((cloth, settings)) = read(state.shown).or_else(|| read(state.selected)) else {
         ui.weak("there is no cloth");
         return;
     };
     status(ui, world, cloth);
     let mut edit = Edit::new(settings);
-    let mut defaults = ClothSettings::defaults();
     actions(ui, state, cloth);
     ui.separator();
-    compare::presets(ui, &mut edit);
-    compare::compare(ui, state, &mut edit);
-    compare::files(ui, state, &mut edit);
+    let mut asked: Vec<Ask> = compare::presets(ui, &edit.settings.material).into_iter().collect();
+    asked.extend(compare::compare(ui, state, &edit.settings));
+    asked.extend(compare::files(ui, state));
     ui.separator();
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
         for part in Part::ALL {
@@ -54,54 +55,60 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
             if part == Part::Solver {
                 section(ui, "Curves", true, |ui| plots::show(ui, &state.history, &mut state.curves));
             }
-            section(ui, part.heading(), part == Part::Material, |ui| match part {
-                Part::Pins => {
-                    let report = world.get::<ClothReport>(cloth).cloned().unwrap_or_default();
-                    let build = world.get::<ClothBuildReport>(cloth).cloned().unwrap_or_default();
-                    pins::show(ui, &mut edit, &report, &build);
-                }
-                Part::OwnWind => own_wind(ui, &mut edit, &mut defaults),
-                Part::Wind => {
-                    if let Some(velocity) = air::pad(ui, "wind pad", edit.settings.wind.velocity) {
-                        edit.settings.wind.velocity = velocity;
-                        edit.touch(part);
+            section(ui, part.heading(), part == Part::Material, |ui| {
+                ui.push_id(cloth, |ui| match part {
+                    Part::Pins => {
+                        let report = world.get::<ClothReport>(cloth).cloned().unwrap_or_default();
+                        let build = world.get::<ClothBuildReport>(cloth).cloned().unwrap_or_default();
+                        pins::show(ui, &mut edit, &report, &build);
                     }
-                    rows(ui, part, &mut edit, &mut defaults);
-                }
-                _ => rows(ui, part, &mut edit, &mut defaults),
+                    Part::OwnWind => asked.extend(own_wind(ui, &mut edit)),
+                    Part::Wind => {
+                        let dragged = air::pad(ui, "wind pad", edit.settings.wind.velocity);
+                        rows(ui, part, &mut edit);
+                        if let Some(velocity) = dragged {
+                            edit.settings.wind.velocity = velocity;
+                            edit.touch(part);
+                        }
+                    }
+                    _ => rows(ui, part, &mut edit),
+                });
             });
         }
     });
+    // Buttons act after the rows: the click on one ends what was being typed.
+    for ask in asked {
+        compare::answer(ui, ask, state, &mut edit);
+    }
     edit.write(world, cloth);
+    if state.shown != state.selected {
+        state.shown = state.selected;
+        row::forget(ui);
+        ui.ctx().request_repaint();
+    }
 }
 
 fn section(ui: &mut Ui, heading: &str, open: bool, show: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(heading).id_salt(("cloth inspector", heading)).default_open(open).show(ui, show);
 }
 
-fn rows(ui: &mut Ui, part: Part, edit: &mut Edit, defaults: &mut ClothSettings) {
+fn rows(ui: &mut Ui, part: Part, edit: &mut Edit) {
     for setting in settings_of(part) {
-        row::setting(ui, setting, edit, defaults);
+        row::setting(ui, setting, edit);
     }
 }
 
-fn own_wind(ui: &mut Ui, edit: &mut Edit, defaults: &mut ClothSettings) {
+fn own_wind(ui: &mut Ui, edit: &mut Edit) -> Option<Ask> {
     let mut own = edit.settings.own_wind.is_some();
-    if ui
-        .checkbox(&mut own, "a wind of its own")
-        .on_hover_text("In place of the wind in the world; zones still add to it.")
-        .changed()
-    {
-        edit.settings.own_wind = own.then_some(ClothWind(edit.settings.wind));
+    let tip = "In place of the wind in the world; zones still add to it.";
+    let switched = ui.checkbox(&mut own, "a wind of its own").on_hover_text(tip).changed();
+    let dragged = edit.settings.own_wind.and_then(|wind| air::pad(ui, "own wind pad", wind.0.velocity));
+    rows(ui, Part::OwnWind, edit);
+    if let (Some(velocity), Some(wind)) = (dragged, &mut edit.settings.own_wind) {
+        wind.0.velocity = velocity;
         edit.touch(Part::OwnWind);
     }
-    if let Some(ClothWind(wind)) = &mut edit.settings.own_wind
-        && let Some(velocity) = air::pad(ui, "own wind pad", wind.velocity)
-    {
-        wind.velocity = velocity;
-        edit.touch(Part::OwnWind);
-    }
-    rows(ui, Part::OwnWind, edit, defaults);
+    switched.then_some(Ask::OwnWind(own))
 }
 
 /// Stops, steps and slows time.

@@ -9,12 +9,13 @@ use super::history::{History, SPAN, STAGES, Sample, Verdict};
 const HEIGHT: f32 = 74.0;
 const STRIP: f32 = 14.0;
 /// Colours of the stages.
-const COLORS: [Color32; 5] = [
+const COLORS: [Color32; STAGES.len()] = [
     Color32::from_rgb(78, 121, 167),
     Color32::from_rgb(242, 142, 43),
     Color32::from_rgb(225, 87, 89),
     Color32::from_rgb(118, 183, 178),
     Color32::from_rgb(176, 122, 161),
+    Color32::from_rgb(237, 201, 72),
 ];
 
 /// Buffers for what is drawn, reused from frame to frame.
@@ -42,7 +43,7 @@ pub(super) fn show(ui: &mut Ui, history: &History, curves: &mut Curves) {
         ui.weak("nothing was simulated yet");
         return;
     };
-    heading(ui, "Stages [ms]", &core::array::from_fn::<_, 5, _>(|i| (STAGES[i], COLORS[i])));
+    heading(ui, "Stages [ms]", &core::array::from_fn::<_, { STAGES.len() }, _>(|i| (STAGES[i], COLORS[i])));
     stages(ui, history, curves, now);
     line(ui, "Crossings", history, curves, now, &[("edges that cross faces", COLORS[2], &|s| f64::from(s.crossings))]);
     line(ui, "Contour length [m]", history, curves, now, &[("all contours", COLORS[4], &|s| f64::from(s.contour_length))]);

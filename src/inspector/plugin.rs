@@ -1,6 +1,6 @@
 //! The plugin: a window that a key opens, input kept from the game while it is over the panel, and a click that picks a cloth.
 
-use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
+use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseMotion};
 use bevy::prelude::*;
 use bevy_egui::{
     EguiContext, EguiGlobalSettings, EguiPlugin, EguiPreUpdateSet, EguiPrimaryContextPass, PrimaryEguiContext, egui,
@@ -23,9 +23,10 @@ pub struct ClothInspectorPlugin {
     /// Whether the window is open at the start. Default false.
     pub open: bool,
     /// Whether keys and mouse over the panel are kept from the game. Default true. They are taken from `ButtonInput` and from the messages and sums of the
-    /// mouse; `CursorMoved` goes on, so a system that reads only that one asks `EguiWantsInput`.
+    /// mouse; `CursorMoved` and picking (`Pointer` events) go on: what listens to those asks `EguiWantsInput`.
     pub absorbs_input: bool,
-    /// Whether there is a window. Default true. Without, the app calls [`cloth_inspector`] in one of its own, and egui is up to the app.
+    /// Whether there is a window. Default true. Without, the app calls [`cloth_inspector`] in one of its own, and egui is up to the app: the plugin does what the
+    /// buttons ask for and keeps the history while the panel is drawn.
     pub window: bool,
 }
 
@@ -40,7 +41,10 @@ impl Plugin for ClothInspectorPlugin {
         let &Self { key, open, absorbs_input, window } = self;
         app.insert_resource(ClothInspector { open, ..default() }).add_systems(PreUpdate, act).add_systems(Last, record);
         if let Some(key) = key {
-            let pressed = move |keys: Option<Res<ButtonInput<KeyCode>>>| keys.is_some_and(|keys| keys.just_pressed(key));
+            let pressed = move |keys: Option<Res<ButtonInput<KeyCode>>>, egui: Option<Res<EguiWantsInput>>| {
+                let typing = egui.is_some_and(|egui| egui.wants_any_keyboard_input());
+                !typing && keys.is_some_and(|keys| keys.just_pressed(key))
+            };
             app.add_systems(Update, toggle.run_if(pressed));
         }
         if !window {
@@ -61,13 +65,17 @@ fn toggle(mut inspector: ResMut<ClothInspector>) {
     inspector.open = !inspector.open;
 }
 
-/// Takes what `bevy_egui` leaves: motion and wheel that were summed up before egui looked.
+/// Takes what `bevy_egui` leaves: motion of the mouse, and motion and wheel that were summed up before egui looked.
 fn absorb(
     wants: Res<EguiWantsInput>,
+    messages: Option<ResMut<Messages<MouseMotion>>>,
     motion: Option<ResMut<AccumulatedMouseMotion>>,
     scroll: Option<ResMut<AccumulatedMouseScroll>>,
 ) {
     if wants.wants_any_pointer_input() {
+        if let Some(mut messages) = messages {
+            messages.clear();
+        }
         if let Some(mut motion) = motion {
             *motion = default();
         }

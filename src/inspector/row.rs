@@ -1,13 +1,13 @@
 //! One row of the panel: name, slider with the default marked, the number to type, unit, and a way back to the default.
 
 use bevy_egui::egui::{
-    Align, Button, Color32, Id, Key, Label, Layout, Response, RichText, Shape, Slider, SliderClamping, Stroke, TextEdit, Ui,
-    WidgetInfo, WidgetType, lerp, style::HandleShape, vec2,
+    Align, Button, Color32, Id, Key, Label, Layout, Pos2, Response, RichText, Shape, Slider, SliderClamping, Stroke, TextEdit,
+    Ui, WidgetInfo, WidgetType, lerp, pos2, style::HandleShape, util::IdTypeMap, vec2,
 };
 
 use super::entry::{parse, show};
 use super::setting::{Kind, Scale, Setting};
-use super::settings::{ClothSettings, Edit};
+use super::settings::Edit;
 
 /// Widths of the columns [points].
 const NAME: f32 = 136.0;
@@ -29,18 +29,25 @@ pub(super) struct Row<'a> {
     pub tips: [&'a str; 3],
 }
 
-/// Text under the hands of the user.
+/// Text under the hands of the user, of one row of one cloth.
 #[derive(Clone)]
 struct Entry {
     text: String,
+    /// The number that it was typed over, as shown.
+    over: String,
     /// Why it was refused.
     refused: Option<String>,
 }
 
+/// Drops what was refused: the numbers that it was typed over are others now.
+pub(super) fn forget(ui: &Ui) {
+    ui.data_mut(IdTypeMap::remove_by_type::<Entry>);
+}
+
 /// The row of a setting.
-pub(super) fn setting(ui: &mut Ui, setting: &Setting, edit: &mut Edit, defaults: &mut ClothSettings) {
+pub(super) fn setting(ui: &mut Ui, setting: &Setting, edit: &mut Edit) {
     let Some(value) = setting.get(&mut edit.settings) else { return };
-    let default = setting.get(defaults);
+    let default = setting.default_value();
     let label = setting.label();
     let tips = [setting.does, setting.low, setting.high];
     let new = match setting.kind {
@@ -56,25 +63,24 @@ pub(super) fn setting(ui: &mut Ui, setting: &Setting, edit: &mut Edit, defaults:
     }
 }
 
-/// A number; the new one when it was changed.
+/// A number; the new one when it was changed. What is typed belongs to the `ui`: the panel has one for each cloth.
 pub(super) fn number(ui: &mut Ui, row: &Row<'_>, value: f64) -> Option<f64> {
-    let id = Id::new(("cloth inspector", row.label));
+    let id = ui.make_persistent_id(row.label);
     let mut new = None;
     let refused = ui
         .horizontal(|ui| {
-            name(
-                ui,
-                row.name,
-                row.unit,
-                row.tips,
-                Some((&row.scale, row.default)),
-                row.default.is_some_and(|d| differs(d, value)),
-            );
+            let shown = |v: f64| show(v, row.scale.integer);
+            name(ui, row.name, row.tips, row.default.is_some_and(|d| differs(d, value)), || {
+                let (low, high) = row.scale.limits;
+                let ends = format!("Range {} to {} {}", shown(low), shown(high), row.unit);
+                let default = row.default.map_or(String::new(), |d| format!(", default {}", shown(d)));
+                format!("{}{default}", ends.trim_end())
+            });
             new = slide(ui, row, value);
             let typed = typed(ui, id, row, value);
             new = new.or(typed);
             ui.add_sized([UNIT, HEIGHT], Label::new(RichText::new(row.unit).weak()).halign(Align::LEFT));
-            new = reset(ui, row.label, &|v| show(v, row.scale.integer), value, row.default).or(new);
+            new = reset(ui, row.label, &shown, value, row.default).or(new);
             if new.is_some() {
                 ui.data_mut(|data| data.remove::<Entry>(id));
             }
@@ -92,14 +98,8 @@ fn differs(a: f64, b: f64) -> bool {
     a as f32 != b as f32
 }
 
-fn name(
-    ui: &mut Ui,
-    name: &str,
-    unit: &str,
-    tips: [&str; 3],
-    number: Option<(&Scale, Option<f64>)>,
-    changed: bool,
-) -> Response {
+/// The name, bold when the value is not the default; `last` is the last line of its tip.
+fn name(ui: &mut Ui, name: &str, tips: [&str; 3], changed: bool, last: impl FnOnce() -> String) -> Response {
     let text = if changed { RichText::new(name).strong() } else { RichText::new(name) };
     let layout = Layout::left_to_right(Align::Center);
     let response = ui.allocate_ui_with_layout(vec2(NAME, HEIGHT), layout, |ui| {
@@ -112,11 +112,7 @@ fn name(
         ui.label(does);
         ui.label(RichText::new(format!("Low: {low}")).weak());
         ui.label(RichText::new(format!("High: {high}")).weak());
-        if let Some((scale, default)) = number {
-            let ends = format!("{} to {} {unit}", show(scale.limits.0, scale.integer), show(scale.limits.1, scale.integer));
-            let default = default.map_or(String::new(), |d| format!(", default {}", show(d, scale.integer)));
-            ui.label(RichText::new(format!("Range {}{default}", ends.trim_end())).weak());
-        }
+        ui.label(RichText::new(last()).weak());
     })
 }
 
@@ -141,37 +137,48 @@ fn slide(ui: &mut Ui, row: &Row<'_>, value: f64) -> Option<f64> {
             HandleShape::Rect { aspect_ratio } => radius * aspect_ratio,
         };
         let rail = rect.x_range().shrink(inset);
-        let (x, bottom) = (lerp(rail.min..=rail.max, row.scale.share(default) as f32), rect.bottom());
-        let points = vec![(x, bottom - 5.0).into(), (x + 3.5, bottom).into(), (x - 3.5, bottom).into()];
-        ui.painter().add(Shape::convex_polygon(points, ui.visuals().weak_text_color(), Stroke::NONE));
+        mark(ui, pos2(lerp(rail.min..=rail.max, row.scale.share(default) as f32), rect.bottom()));
     }
     new
+}
+
+/// Marks the default, from below.
+fn mark(ui: &Ui, at: Pos2) {
+    let points = vec![at - vec2(0.0, 5.0), at + vec2(3.5, 0.0), at - vec2(3.5, 0.0)];
+    ui.painter().add(Shape::convex_polygon(points, ui.visuals().weak_text_color(), Stroke::NONE));
 }
 
 /// The number as text; taken when the user is done, or refused.
 fn typed(ui: &mut Ui, id: Id, row: &Row<'_>, value: f64) -> Option<f64> {
     let shown = show(value, row.scale.integer);
-    let before = ui.data(|data| data.get_temp::<Entry>(id));
-    let mut entry = before.unwrap_or_else(|| Entry { text: shown.clone(), refused: None });
+    // What was refused goes with the number that it was typed over.
+    let holds = |entry: &Entry| entry.refused.is_none() || entry.over == shown;
+    let before = ui.data(|data| data.get_temp::<Entry>(id)).filter(holds);
+    let typing = before.is_some();
+    let mut entry = before.unwrap_or_else(|| Entry { text: shown.clone(), over: shown.clone(), refused: None });
     let color = if entry.refused.is_some() { Some(ui.visuals().error_fg_color) } else { None };
     let edit = TextEdit::singleline(&mut entry.text).id(id).desired_width(NUMBER).text_color_opt(color);
     let response = ui.add(edit);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(row.label));
-    if response.lost_focus() {
-        if ui.input(|input| input.key_pressed(Key::Escape)) || entry.text == shown {
-            ui.data_mut(|data| data.remove::<Entry>(id));
-            return None;
-        }
-        match parse(&entry.text, row.unit, &row.scale) {
-            Ok(number) => return Some(number),
-            Err(reason) => entry.refused = Some(reason),
-        }
-        ui.data_mut(|data| data.insert_temp(id, entry));
-    } else if response.changed() {
+    let mut new = None;
+    if response.changed() {
         entry.refused = None;
-        ui.data_mut(|data| data.insert_temp(id, entry));
     }
-    None
+    if response.lost_focus() {
+        let given_up = ui.input(|input| input.key_pressed(Key::Escape)) || entry.text == shown;
+        match parse(&entry.text, row.unit, &row.scale) {
+            _ if given_up => entry.refused = None,
+            Ok(number) => new = Some(number),
+            Err(reason) => (entry.over, entry.refused) = (shown, Some(reason)),
+        }
+    }
+    // What was neither taken nor refused, as when its section was closed over it, is no longer typed.
+    if entry.refused.is_some() || response.has_focus() && (typing || response.changed()) {
+        ui.data_mut(|data| data.insert_temp(id, entry));
+    } else {
+        ui.data_mut(|data| data.remove::<Entry>(id));
+    }
+    new
 }
 
 /// A button that leads back to the default.
@@ -188,13 +195,19 @@ fn reset(ui: &mut Ui, label: &str, show: &dyn Fn(f64) -> String, value: f64, def
 }
 
 fn switch(ui: &mut Ui, label: &str, text: &str, tips: [&str; 3], value: f64, default: Option<f64>) -> Option<f64> {
+    let named = |v: f64| if v == 0.0 { "off".to_string() } else { "on".to_string() };
+    let told = default.map_or(String::new(), |d| format!("default {}", named(d)));
     ui.horizontal(|ui| {
-        name(ui, text, "", tips, None, default.is_some_and(|d| differs(d, value)));
+        name(ui, text, tips, default.is_some_and(|d| differs(d, value)), || told.clone());
         let mut on = value != 0.0;
         let response = ui.checkbox(&mut on, "");
-        ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
+        ui.ctx().accesskit_node_builder(response.id, |node| {
+            node.set_label(label);
+            node.set_description(told.as_str());
+        });
         let new = response.changed().then_some(f64::from(u8::from(on)));
-        reset(ui, label, &|v| if v == 0.0 { "off".into() } else { "on".into() }, value, default).or(new)
+        ui.weak(&told);
+        reset(ui, label, &named, value, default).or(new)
     })
     .inner
 }
@@ -208,19 +221,30 @@ pub(super) fn choice(
     value: f64,
     default: Option<f64>,
 ) -> Option<f64> {
+    let named = |v: f64| options.get(v as usize).map_or(String::new(), |o| (*o).to_string());
     ui.horizontal(|ui| {
-        name(ui, text, "", tips, None, default.is_some_and(|d| differs(d, value)));
+        name(ui, text, tips, default.is_some_and(|d| differs(d, value)), || {
+            default.map_or(String::new(), |d| format!("default {}", named(d)))
+        });
         let mut new = None;
         ui.spacing_mut().item_spacing.x = 3.0;
         for (i, option) in options.iter().enumerate() {
             let chosen = value as usize == i;
             let response = ui.selectable_label(chosen, *option);
-            ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(format!("{label}: {option}")));
+            let usual = default == Some(i as f64);
+            ui.ctx().accesskit_node_builder(response.id, |node| {
+                node.set_label(format!("{label}: {option}"));
+                if usual {
+                    node.set_description("default");
+                }
+            });
+            if usual {
+                mark(ui, response.rect.center_bottom());
+            }
             if response.clicked() && !chosen {
                 new = Some(i as f64);
             }
         }
-        let named = |v: f64| options.get(v as usize).map_or(String::new(), |o| (*o).to_string());
         reset(ui, label, &named, value, default).or(new)
     })
     .inner

@@ -15,6 +15,8 @@ pub enum Part {
     Untangle,
     /// [`SkipFrame`](crate::SkipFrame).
     Skip,
+    /// [`ClothSleep`](crate::ClothSleep).
+    Sleep,
     /// [`ClothWind`](crate::ClothWind).
     OwnWind,
     /// [`ClothPins`](crate::ClothPins).
@@ -27,12 +29,13 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the panel.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Material,
         Self::Solver,
         Self::Collision,
         Self::Untangle,
         Self::Skip,
+        Self::Sleep,
         Self::OwnWind,
         Self::Pins,
         Self::Wind,
@@ -48,6 +51,7 @@ impl Part {
             Self::Collision => "collision",
             Self::Untangle => "untangle",
             Self::Skip => "skip",
+            Self::Sleep => "sleep",
             Self::OwnWind => "own wind",
             Self::Pins => "pins",
             Self::Wind => "wind",
@@ -64,6 +68,7 @@ impl Part {
             Self::Collision => "Collision",
             Self::Untangle => "Untangling",
             Self::Skip => "Shown while tangled",
+            Self::Sleep => "Sleep at rest",
             Self::OwnWind => "Wind at this cloth",
             Self::Pins => "Pins",
             Self::Wind => "Wind in the world",
@@ -118,6 +123,15 @@ impl Scale {
         Self { endless: true, ..self }
     }
 
+    /// Whether a component that holds this number uses it as it is.
+    #[must_use]
+    pub fn holds(&self, value: f64) -> bool {
+        let (low, high) = self.limits;
+        let within =
+            if self.integer { (low..=high).contains(&value) } else { (low as f32..=high as f32).contains(&(value as f32)) };
+        within || self.endless && value == f64::INFINITY
+    }
+
     /// Where a value lies on the slider, from 0 to 1.
     #[must_use]
     pub fn share(&self, value: f64) -> f64 {
@@ -169,13 +183,20 @@ pub struct Setting {
     pub high: &'static str,
     /// Kind and place of its value.
     pub kind: Kind,
+    /// What a number that exists only beside some option begins with: no default component has it.
+    pub start: Option<f64>,
 }
 
 impl Setting {
     /// A setting; `tips` are what it does, and what goes wrong at the low and at the high end.
     pub(super) const fn new(part: Part, name: &'static str, unit: &'static str, kind: Kind, tips: [&'static str; 3]) -> Self {
         let [does, low, high] = tips;
-        Self { part, name, unit, does, low, high, kind }
+        Self { part, name, unit, does, low, high, kind, start: None }
+    }
+
+    /// With what it begins with when the option beside which it exists is chosen.
+    pub(super) const fn starts(self, start: f64) -> Self {
+        Self { start: Some(start), ..self }
     }
 
     /// What it is called among all settings, such as `material density`: also its name for screen readers and tests.
@@ -203,6 +224,18 @@ impl Setting {
             Kind::Switch(field) => field(settings).map(|v| f64::from(u8::from(*v))),
             Kind::Choice { get, .. } => get(settings).map(|i| i as f64),
         }
+    }
+
+    /// Its default, as [`Self::get`] gives it.
+    #[must_use]
+    pub fn default_value(&self) -> Option<f64> {
+        self.get(&mut ClothSettings::defaults()).or(self.start)
+    }
+
+    /// Whether the component uses its value as it is; else it is clamped.
+    #[must_use]
+    pub fn in_range(&self, settings: &mut ClothSettings) -> bool {
+        self.scale().zip(self.get(settings)).is_none_or(|(scale, value)| scale.holds(value))
     }
 
     /// Sets its value, as [`Self::get`] gives it. Nothing happens when it does not exist now.

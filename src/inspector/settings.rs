@@ -4,8 +4,9 @@ use bevy::prelude::*;
 
 use super::setting::Part;
 use crate::components::{
-    ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSolver, ClothWind, GlobalWind, SkipFrame, Untangle,
+    ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSleep, ClothSolver, ClothWind, GlobalWind, SkipFrame, Untangle,
 };
+use crate::presets::ClothPreset;
 
 /// Everything the panel can change for one cloth.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +21,8 @@ pub struct ClothSettings {
     pub untangle: Untangle,
     /// What is shown meanwhile.
     pub skip: SkipFrame,
+    /// When it is left alone.
+    pub sleep: ClothSleep,
     /// Its own wind; without, that of the world.
     pub own_wind: Option<ClothWind>,
     /// Where it is held.
@@ -49,6 +52,7 @@ impl ClothSettings {
             collision: part(&entity),
             untangle: part(&entity),
             skip: part(&entity),
+            sleep: part(&entity),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
             wind: world.get_resource::<GlobalWind>().copied().unwrap_or_default(),
@@ -69,6 +73,7 @@ impl ClothSettings {
                     Part::Collision => put(&mut entity, self.collision),
                     Part::Untangle => put(&mut entity, self.untangle),
                     Part::Skip => put(&mut entity, self.skip),
+                    Part::Sleep => put(&mut entity, self.sleep),
                     Part::Pins => put(&mut entity, self.pins.clone()),
                     Part::OwnWind => match self.own_wind {
                         Some(wind) => put(&mut entity, wind),
@@ -82,6 +87,22 @@ impl ClothSettings {
         }
     }
 
+    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, pins and the world are not in files.
+    #[must_use]
+    pub fn preset(&self) -> ClothPreset {
+        fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {
+            (*part != T::default()).then(|| part.clone())
+        }
+        ClothPreset {
+            material: self.material.clone(),
+            solver: changed(&self.solver),
+            collision: changed(&self.collision),
+            untangle: changed(&self.untangle),
+            skip_frame: changed(&self.skip),
+            wind: self.own_wind.map(|wind| wind.0),
+        }
+    }
+
     /// Takes over what belongs to the cloth alone: all but pins and world.
     pub(super) fn take(&mut self, other: &Self) {
         let Self { pins, wind, gravity, .. } = self;
@@ -90,7 +111,8 @@ impl ClothSettings {
 }
 
 /// Parts that [`ClothSettings::take`] takes over.
-pub(super) const OWN: [Part; 6] = [Part::Material, Part::Solver, Part::Collision, Part::Untangle, Part::Skip, Part::OwnWind];
+pub(super) const OWN: [Part; 7] =
+    [Part::Material, Part::Solver, Part::Collision, Part::Untangle, Part::Skip, Part::Sleep, Part::OwnWind];
 
 fn put<T: Component<Mutability = bevy::ecs::component::Mutable>>(entity: &mut EntityWorldMut<'_>, value: T) {
     match entity.get_mut::<T>() {
@@ -118,6 +140,35 @@ impl Edit {
         if !self.touched.contains(&part) {
             self.touched.push(part);
         }
+    }
+
+    /// Takes over what a file holds, as a cloth with a [`ClothPresetHandle`](crate::ClothPresetHandle) does: the rest stays.
+    pub fn take(&mut self, preset: ClothPreset) {
+        let ClothPreset { material, solver, collision, untangle, skip_frame, wind } = preset;
+        let own = &mut self.settings;
+        own.material = material;
+        let mut given = vec![Part::Material];
+        if let Some(solver) = solver {
+            own.solver = solver;
+            given.push(Part::Solver);
+        }
+        if let Some(collision) = collision {
+            own.collision = collision;
+            given.push(Part::Collision);
+        }
+        if let Some(untangle) = untangle {
+            own.untangle = untangle;
+            given.push(Part::Untangle);
+        }
+        if let Some(skip) = skip_frame {
+            own.skip = skip;
+            given.push(Part::Skip);
+        }
+        if let Some(wind) = wind {
+            own.own_wind = Some(ClothWind(wind));
+            given.push(Part::OwnWind);
+        }
+        given.into_iter().for_each(|part| self.touch(part));
     }
 
     /// Writes what was changed.

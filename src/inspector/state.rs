@@ -16,6 +16,8 @@ pub struct ClothInspector {
     pub open: bool,
     /// The cloth that is shown. The first one when it is none, or gone.
     pub selected: Option<Entity>,
+    /// The cloth whose rows were drawn last: what was typed there is taken before another one is shown.
+    pub(super) shown: Option<Entity>,
     /// Settings kept to be compared.
     pub(super) kept: [Option<ClothSettings>; 2],
     /// Name of the file to save to and load from.

@@ -37,6 +37,7 @@ pub(crate) fn apply(
         if let Some(preset) = presets.get(&handle.0) {
             if cloth.is_added() || handle.is_changed() || arrived.contains(&handle.id()) {
                 give(&mut commands, entity, preset, overrides.copied().unwrap_or_default());
+                notices.settle(entity, "preset");
             }
         } else if let Some(LoadState::Failed(error)) = server.as_ref().and_then(|s| s.get_load_state(handle.id()))
             && notices.first(entity, "preset")

@@ -116,6 +116,10 @@ fn schema(text: &str, file: &str, error: &SpannedError) -> ClothPresetError {
         }
     };
     let what = match &error.code {
+        // Read as a material alone: what it stands beside is known, but not there.
+        ron::Error::NoSuchStructField { found, .. } if field == *found && of_preset().contains(&found.as_str()) => {
+            format!("`{found}` cannot stand beside the fields of a material: put those into `material: (…)`")
+        }
         ron::Error::NoSuchStructField { expected, found, .. } | ron::Error::NoSuchEnumVariant { expected, found, .. } => {
             unknown(found, expected)
         }
@@ -123,6 +127,11 @@ fn schema(text: &str, file: &str, error: &SpannedError) -> ClothPresetError {
         code => format!("`{field}`: {code}"),
     };
     ClothPresetError::Schema { file: file.into(), line, column, field, what }
+}
+
+/// Names of the fields of a preset.
+fn of_preset() -> &'static [&'static str] {
+    ClothPreset::type_info().as_struct().map_or(&[], |info| info.field_names())
 }
 
 /// Names of the fields of a material.
@@ -176,6 +185,27 @@ mod tests {
         assert_eq!(wrong("(solvr: ())"), "a.cloth.ron:1:2: `solvr` is not known: did you mean `solver`?");
         let far = wrong("(solver: (colour: 1))");
         assert!(far.starts_with("a.cloth.ron:1:11: `solver.colour` is not known: known are substep_rate"), "{far}");
+    }
+
+    #[test]
+    fn fields_of_a_material_beside_settings_are_sent_into_the_material() {
+        let help = "cannot stand beside the fields of a material: put those into `material: (…)`";
+        for (text, place) in [
+            ("(density: 0.9, solver: (substep_rate: 600))", "1:16: `solver`"),
+            ("(solver: (substep_rate: 600), density: 0.9)", "1:2: `solver`"),
+            ("(material: (drag: 1),\n density: 0.9)", "1:2: `material`"),
+        ] {
+            assert_eq!(wrong(text), format!("a.cloth.ron:{place} {help}"), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_error_in_the_readme_is_that_of_its_file() {
+        let readme = include_str!("../../README.md");
+        let file = readme.split("```ron\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a file");
+        let misspelt = file.replace("stretch", "strech");
+        let error = wrong(&misspelt).replace("a.cloth.ron", "fabric.cloth.ron");
+        assert!(readme.contains(&format!("``{error}``")), "{error}");
     }
 
     #[test]

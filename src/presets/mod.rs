@@ -38,14 +38,19 @@ pub struct ClothPreset {
     /// What the cloth is made of. Default [`ClothMaterial::default`].
     pub material: ClothMaterial,
     /// How exactly it is simulated. Default `None`: the cloth keeps its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<ClothSolver>,
     /// How it meets itself and others. Default `None`: the cloth keeps its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub collision: Option<ClothCollision>,
     /// How it is taken apart. Default `None`: the cloth keeps its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub untangle: Option<Untangle>,
     /// What is shown while it is tangled. Default `None`: the cloth keeps its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_frame: Option<SkipFrame>,
     /// Wind at the cloth, as [`ClothWind`](crate::ClothWind). Default `None`: it keeps its own, or the [`GlobalWind`].
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub wind: Option<GlobalWind>,
 }
 

@@ -430,8 +430,9 @@ impl Group {
         let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
         let moment = Moment { positions, previous, substep, touch, takes_part };
         finder.begin(surface, &moment, self.horizon, contacts);
+        untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
         let ask = finder.ask(surface, &moment, |_| false, contacts, false);
-        let crossings = untangler.detector.detect_and(surface, positions, Some(finder.ahead()), Finder::reach(&moment), ask);
+        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), ask);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;

@@ -5,7 +5,7 @@ use bevy_drape::ClothParticles;
 use bevy_drape::prelude::*;
 
 use crate::common::*;
-use crate::panel::app_with_panel;
+use crate::panel::{Panel, app_with_panel};
 
 /// How far a vertex may move in the frame after a change [m].
 const JUMP: f32 = 0.005;
@@ -134,12 +134,22 @@ fn the_new_stiffness_is_reached() {
 }
 
 #[test]
-fn with_the_plugin_and_without_the_cloth_has_the_same_bits() {
-    let bits = |mut app: App| {
+fn with_the_panel_drawn_in_every_frame_and_without_the_cloth_has_the_same_bits() {
+    let start = |mut app: App| {
         let cloth = spawn(&mut app, sheet(16), (border(), Transform::from_xyz(0.0, 2.0, 0.0)));
         app.insert_resource(GlobalWind::new(Vec3::new(3.0, 0.0, 1.0)));
-        run(&mut app, 90);
-        app.world().get::<ClothParticles>(cloth).expect("a bound cloth").state().clone()
+        (app, cloth)
     };
-    assert!(bits(app()) == bits(app_with_panel()), "the panel changed the cloth");
+    let bits = |app: &App, cloth| app.world().get::<ClothParticles>(cloth).expect("a bound cloth").state().clone();
+    let (mut plain, cloth) = start(app());
+    run(&mut plain, 90);
+    let plain = bits(&plain, cloth);
+    let (app, cloth) = start(app_with_panel());
+    let mut panel = Panel::over(app, cloth, cloth).opened();
+    for _ in 0..90 {
+        panel.app().update();
+        panel.steps(1);
+        assert!(panel.shows("density"), "the panel is not drawn");
+    }
+    assert!(bits(panel.app(), cloth) == plain, "the panel changed the cloth");
 }

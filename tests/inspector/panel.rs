@@ -102,16 +102,21 @@ impl Panel {
         self.steps(3);
     }
 
-    /// Types into the field that is called so, in place of what is there.
+    /// Types into the field that is called so, in place of what is there, and ends it with Enter.
     pub fn type_into(&mut self, label: &str, text: &str) {
+        self.begin_typing(label, text);
+        self.harness.key_press(Key::Enter);
+        self.steps(2);
+    }
+
+    /// Types into the field that is called so, in place of what is there, and stays in it.
+    pub fn begin_typing(&mut self, label: &str, text: &str) {
         self.harness.get_by_role_and_label(Role::TextInput, label).click();
         self.steps(2);
         self.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
         self.steps(1);
         self.harness.get_by_role_and_label(Role::TextInput, label).type_text(text);
         self.steps(1);
-        self.harness.key_press(Key::Enter);
-        self.steps(2);
     }
 
     /// Whether a text with these words is shown.

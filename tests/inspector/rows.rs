@@ -1,10 +1,15 @@
 //! Each setting changes its component and nothing else.
 
+use core::any::TypeId;
+
+use bevy::ecs::component::ComponentInfo;
+use bevy::prelude::*;
+use bevy::reflect::TypeInfo;
 use bevy_drape::inspector::{ClothSettings, Kind, Part, Setting, settings, show};
-use bevy_drape::{ClothWind, SkipPolicy};
+use bevy_drape::prelude::*;
 use bevy_egui::egui::accesskit::Role;
 use bevy_egui::egui::vec2;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::panel::Panel;
 
@@ -15,7 +20,7 @@ fn with_all_rows() -> Panel {
     let world = panel.app().world_mut();
     let mut entity = world.entity_mut(cloth);
     entity.insert(ClothWind::default());
-    entity.get_mut::<bevy_drape::SkipFrame>().expect("a cloth").policy = SkipPolicy::UntilClean { max: 3 };
+    entity.get_mut::<SkipFrame>().expect("a cloth").policy = SkipPolicy::UntilClean { max: 3 };
     panel.opened()
 }
 
@@ -36,46 +41,107 @@ fn with(before: &ClothSettings, setting: &Setting, value: f64) -> ClothSettings 
     after
 }
 
-#[test]
-fn every_field_of_every_component_has_a_row() {
-    use bevy::reflect::{PartialReflect, ReflectRef};
-    let fields = |value: &dyn PartialReflect| match value.reflect_ref() {
-        ReflectRef::Struct(fields) => {
-            (0..fields.field_len()).map(|i| fields.name_at(i).unwrap_or_default().to_string()).collect()
+/// The part that a component is tuned in; none when there is nothing in it to tune.
+fn part_of(component: &str) -> Option<Part> {
+    Some(match component {
+        "ClothMaterial" => Part::Material,
+        "ClothSolver" => Part::Solver,
+        "ClothCollision" => Part::Collision,
+        "Untangle" => Part::Untangle,
+        "SkipFrame" => Part::Skip,
+        "ClothSleep" => Part::Sleep,
+        "ClothWind" => Part::OwnWind,
+        "GlobalWind" => Part::Wind,
+        "ClothGravity" => Part::Gravity,
+        // Pins have a row for each set: `pins_are_weakened_and_let_go`. The others say how it fares.
+        "ClothPins" | "Cloth" | "ClothStatus" | "ClothReport" | "ClothBuildReport" => return None,
+        other => panic!("{other} has no part in the panel"),
+    })
+}
+
+/// Names of the fields of a struct; of one without names, those of what is in it.
+fn fields(info: &TypeInfo, all: &bevy::reflect::TypeRegistry) -> Vec<String> {
+    match info {
+        TypeInfo::Struct(info) => info.field_names().iter().map(ToString::to_string).collect(),
+        TypeInfo::TupleStruct(info) => {
+            let inner = info.field_at(0).and_then(|field| all.get_type_info(field.type_id()));
+            inner.map_or(Vec::new(), |inner| fields(inner, all))
         }
         _ => Vec::new(),
-    };
-    let all = ClothSettings::default();
-    let parts: [(Part, Vec<String>); 7] = [
-        (Part::Material, fields(&all.material)),
-        (Part::Solver, fields(&all.solver)),
-        (Part::Collision, fields(&all.collision)),
-        (Part::Untangle, fields(&all.untangle)),
-        (Part::Skip, fields(&all.skip)),
-        (Part::Wind, fields(&all.wind)),
-        (Part::OwnWind, fields(&all.wind)),
-    ];
-    for (part, fields) in parts {
+    }
+}
+
+#[test]
+fn every_field_of_every_component_that_a_cloth_comes_with_has_a_row() {
+    let mut panel = with_all_rows();
+    let cloth = panel.cloth;
+    let world = panel.app().world();
+    let all = world.resource::<AppTypeRegistry>().read();
+    let components = world.inspect_entity(cloth).expect("a cloth").filter_map(ComponentInfo::type_id);
+    let of_world = [TypeId::of::<GlobalWind>(), TypeId::of::<ClothGravity>()];
+    let mut walked = Vec::new();
+    for info in components.chain(of_world).filter_map(|id| all.get_type_info(id)) {
+        let path = info.type_path_table();
+        let Some(part) = path.crate_name().filter(|name| *name == "bevy_drape").and_then(|_| part_of(path.short_path())) else {
+            continue;
+        };
+        let fields = fields(info, &all);
         assert!(fields.len() > 2, "{part:?} has {fields:?}");
         for field in fields {
             let found = settings().any(|s| s.part == part && s.name.split('.').next() == Some(field.as_str()));
             assert!(found, "{part:?} has no row for `{field}`");
         }
+        walked.push(part);
+    }
+    for part in Part::ALL {
+        assert!(part == Part::Pins || walked.contains(&part), "{part:?} is of no component");
     }
 }
 
 #[test]
 fn every_default_is_in_its_range_and_every_slider_within_its_limits() {
-    let mut defaults = ClothSettings { own_wind: Some(ClothWind::default()), ..ClothSettings::default() };
     for setting in settings() {
+        let default = setting.default_value();
+        assert!(default.is_some(), "{} has no default", setting.label());
         let Some(scale) = setting.scale() else { continue };
         let (low, high) = scale.limits;
         assert!(low <= scale.slider.0 && scale.slider.0 < scale.slider.1 && scale.slider.1 <= high, "{}", setting.label());
         assert!(!scale.log || scale.slider.0 > 0.0, "{} begins at 0", setting.label());
-        if let Some(value) = setting.get(&mut defaults) {
-            assert!((low..=high).contains(&value), "{}: {value}", setting.label());
+        assert!(default.is_some_and(|value| scale.holds(value)), "{}: {default:?}", setting.label());
+    }
+}
+
+#[test]
+fn every_tip_is_a_sentence() {
+    for setting in settings() {
+        for tip in [setting.does, setting.low, setting.high] {
+            let words = tip.split_whitespace().count();
+            assert!(words > 1 && tip.len() > 8 && tip.ends_with('.'), "{}: `{tip}`", setting.label());
         }
-        assert!(setting.does.len() > 10 && !setting.low.is_empty() && !setting.high.is_empty(), "{}", setting.label());
+    }
+}
+
+#[test]
+fn switches_and_choices_mark_their_default() {
+    let panel = with_all_rows();
+    for setting in settings() {
+        let (label, default) = (setting.label(), setting.default_value());
+        match setting.kind {
+            Kind::Switch(_) => {
+                let told = if default == Some(0.0) { "default off" } else { "default on" };
+                let node = panel.harness.get_by_role_and_label(Role::CheckBox, &label);
+                assert_eq!(node.accesskit_node().description().as_deref(), Some(told), "{label}");
+            }
+            Kind::Choice { options, .. } => {
+                let marked = |option: &&&str| {
+                    let name = format!("{label}: {option}");
+                    panel.harness.get_by_label(&name).accesskit_node().description().as_deref() == Some("default")
+                };
+                let marked: Vec<_> = options.iter().filter(marked).collect();
+                assert_eq!(marked, [&options[default.expect("a default") as usize]], "{label}");
+            }
+            Kind::Number(..) | Kind::Count(..) | Kind::Layer(..) => {}
+        }
     }
 }
 
@@ -94,10 +160,9 @@ fn what_is_typed_into_a_row_changes_that_setting_and_nothing_else_and_leads_back
         if !matches!(setting.part, Part::Wind | Part::Gravity) {
             assert_eq!(panel.others(), others, "{label} changed the other cloth");
         }
-        if setting.name != "max" {
-            panel.click(&format!("reset {label}"));
-            assert_eq!(panel.settings(), before, "{label} does not lead back");
-        }
+        panel.click(&format!("reset {label}"));
+        let default = setting.default_value().expect("a default");
+        assert_eq!(panel.settings(), with(&before, setting, default), "{label} does not lead back");
         walked += 1;
     }
     assert!(walked > 40, "{walked} numbers");
@@ -170,8 +235,6 @@ fn a_wind_of_its_own_comes_and_goes_with_its_switch() {
 
 #[test]
 fn nothing_that_is_only_looked_at_is_marked_as_changed() {
-    use bevy::prelude::*;
-    use bevy_drape::prelude::*;
     let mut panel = Panel::new().opened();
     let cloth = panel.cloth;
     let ticks = |world: &World| {
@@ -198,7 +261,7 @@ fn pins_are_weakened_and_let_go() {
     panel.type_into("pins 0 weight", "0.25");
     assert_eq!(panel.settings().pins.sets[0].weight, 0.25);
     panel.click("pins on_target_lost: Release");
-    assert_eq!(panel.settings().pins.on_target_lost, bevy_drape::OnTargetLost::Release);
+    assert_eq!(panel.settings().pins.on_target_lost, OnTargetLost::Release);
     panel.click("pins 0 let go");
     assert!(panel.settings().pins.sets.is_empty());
     assert_eq!(panel.others().pins.sets.len(), 1, "those of the other cloth stay");

@@ -13,7 +13,7 @@ const DENSITY: Scale = Scale::real(0.0, 1000.0).slider(0.01, 1000.0).log();
 
 const X: [&str; 3] =
     ["Velocity of the air along x.", "Blows along -x.", "Blows along x; beyond 30 m/s flags need a higher substep rate."];
-const Y: [&str; 3] = ["Velocity of the air upwards.", "Presses down.", "Lifts."];
+const Y: [&str; 3] = ["Velocity of the air upwards.", "Presses it down.", "Lifts it up."];
 const Z: [&str; 3] =
     ["Velocity of the air along z.", "Blows along -z.", "Blows along z; beyond 30 m/s flags need a higher substep rate."];
 const GUSTS: [&str; 3] = [
@@ -26,8 +26,9 @@ const SIZE: [&str; 3] = [
     "Smaller than the cloth: noise that quivers.",
     "Much larger than the cloth: it swells as a whole.",
 ];
-const OFTEN: [&str; 3] = ["How often the largest gusts change on top of passing by.", "Gusts only pass.", "Flickers."];
-const SEEDS: [&str; 3] = ["Seed of the gusts: the same seed blows the same gusts.", "-", "-"];
+const OFTEN: [&str; 3] = ["How often the largest gusts change on top of passing by.", "Gusts only pass.", "The wind flickers."];
+const SEEDS: [&str; 3] =
+    ["Seed of the gusts: the same seed blows the same gusts.", "None is worse than another.", "None is better than another."];
 const AIR: [&str; 3] =
     ["Density of the air; 1.225 at sea level, water has 1000.", "0 is vacuum: no wind and no drag.", "Moves as under water."];
 

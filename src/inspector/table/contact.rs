@@ -30,11 +30,11 @@ pub(super) const COLLISION: [Setting; 3] = [
         Part::Collision,
         "layer",
         "",
-        Kind::Layer(Scale::whole(-1000.0, 1000.0).slider(-5.0, 5.0), |s| Some(&mut s.collision.layer)),
+        Kind::Layer(Scale::whole(i32::MIN as f64, i32::MAX as f64).slider(-5.0, 5.0), |s| Some(&mut s.collision.layer)),
         [
             "Order of clothing: of two that cross, the higher is brought outside; equal ones have no order.",
-            "Underwear.",
-            "A coat; only the order matters, not the number.",
+            "Worn below, as a shirt.",
+            "Worn above, as a coat; only the order matters, not the number.",
         ],
     ),
 ];
@@ -174,12 +174,13 @@ pub(super) const SKIP: [Setting; 5] = [
         Part::Skip,
         "max",
         "frames",
-        Kind::Count(Scale::whole(0.0, 10_000.0).slider(1.0, 600.0).log(), |s| match &mut s.skip.policy {
+        Kind::Count(Scale::whole(0.0, u32::MAX as f64).slider(1.0, 600.0).log(), |s| match &mut s.skip.policy {
             SkipPolicy::UntilClean { max } => Some(max),
             SkipPolicy::Ladder | SkipPolicy::Off => None,
         }),
         ["Most frames held in a row until clean.", "Crossings are seen sooner.", "The cloth sticks for as long."],
-    ),
+    )
+    .starts(UNTIL_CLEAN as f64),
     Setting::new(
         Part::Skip,
         "max_held_frames",
@@ -199,6 +200,6 @@ pub(super) const SKIP: [Setting; 5] = [
         "fade",
         "s",
         Kind::Number(Scale::real(0.0, 10.0).slider(0.0, 1.0), |s| Some(&mut s.skip.fade)),
-        ["Time over which what was held fades into the live shape.", "Snaps.", "Drifts where it should move."],
+        ["Time over which what was held fades into the live shape.", "It snaps there.", "It drifts where it should move."],
     ),
 ];

@@ -3,6 +3,7 @@
 mod air;
 mod contact;
 mod material;
+mod sleep;
 mod solver;
 
 use super::setting::{Part, Setting};
@@ -16,6 +17,7 @@ pub const fn settings_of(part: Part) -> &'static [Setting] {
         Part::Collision => &contact::COLLISION,
         Part::Untangle => &contact::UNTANGLE,
         Part::Skip => &contact::SKIP,
+        Part::Sleep => &sleep::SLEEP,
         Part::OwnWind => &air::OWN_WIND,
         Part::Pins => &[],
         Part::Wind => &air::WIND,
@@ -26,4 +28,86 @@ pub const fn settings_of(part: Part) -> &'static [Setting] {
 /// Every setting, in the order of the panel.
 pub fn settings() -> impl Iterator<Item = &'static Setting> {
     Part::ALL.into_iter().flat_map(settings_of)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::borrow::Cow;
+
+    use bevy::prelude::*;
+
+    use super::*;
+    use crate::components::checked::Checked;
+    use crate::components::{ClothGravity, ClothWind, SkipPolicy};
+    use crate::inspector::setting::{Kind, Scale};
+    use crate::inspector::settings::ClothSettings;
+
+    /// What the components do not use as given.
+    fn clamped(settings: &ClothSettings) -> Vec<Cow<'static, str>> {
+        let mut checked = Checked::default();
+        settings.material.fabric(&mut checked);
+        settings.solver.stepping(&mut checked);
+        settings.solver.limits(&mut checked);
+        settings.solver.time_scale(&mut checked);
+        settings.solver.gravity(Vec3::ZERO, &mut checked);
+        settings.solver.teleport_limits(&mut checked);
+        settings.untangle.settings(&mut checked);
+        settings.skip.settings(&mut checked);
+        settings.sleep.checked(&mut checked);
+        settings.wind.checked(&mut checked);
+        if let Some(ClothWind(wind)) = &settings.own_wind {
+            wind.checked(&mut checked);
+        }
+        settings.gravity.checked(&mut checked);
+        checked.clamped
+    }
+
+    /// Every row exists, and vectors are 0: the limits of one are those of its length.
+    fn all() -> ClothSettings {
+        let mut all = ClothSettings { own_wind: Some(ClothWind::default()), gravity: ClothGravity(Vec3::ZERO), ..default() };
+        all.skip.policy = SkipPolicy::UntilClean { max: 30 };
+        all
+    }
+
+    /// The numbers beside the limits that the field can hold.
+    fn beyond(setting: &Setting, scale: &Scale) -> Vec<f64> {
+        let (low, high) = scale.limits;
+        match setting.kind {
+            Kind::Number(..) => vec![f64::from((low as f32).next_down()), f64::from((high as f32).next_up())],
+            Kind::Count(..) => {
+                [low - 1.0, high + 1.0].into_iter().filter(|v| (0.0..=f64::from(u32::MAX)).contains(v)).collect()
+            }
+            Kind::Layer(..) => {
+                let held = f64::from(i32::MIN)..=f64::from(i32::MAX);
+                [low - 1.0, high + 1.0].into_iter().filter(|v| held.contains(v)).collect()
+            }
+            Kind::Switch(_) | Kind::Choice { .. } => Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_limits_are_those_of_the_components_and_one_step_beyond_is_clamped_and_named() {
+        assert_eq!(clamped(&all()), [""; 0]);
+        let mut walked = 0;
+        for (setting, scale) in settings().filter_map(|s| Some((s, s.scale()?))) {
+            let label = setting.label();
+            let off = scale.endless.then_some(f64::INFINITY);
+            for limit in [scale.limits.0, scale.limits.1].into_iter().chain(off) {
+                let mut settings = all();
+                setting.set(&mut settings, limit);
+                assert_eq!(clamped(&settings), [""; 0], "{label} at {limit}");
+                assert!(setting.in_range(&mut settings), "{label} at {limit}");
+            }
+            let field = if setting.part == Part::Gravity { "gravity" } else { setting.name.split('.').next().unwrap_or("") };
+            for value in beyond(setting, &scale) {
+                let mut settings = all();
+                setting.set(&mut settings, value);
+                let names = clamped(&settings);
+                assert!(names.len() == 1 && names[0].rsplit('.').next() == Some(field), "{label} at {value}: {names:?}");
+                assert!(!setting.in_range(&mut settings), "{label} at {value} is shown as if it were used");
+                walked += 1;
+            }
+        }
+        assert!(walked > 80, "{walked} steps beyond a limit");
+    }
 }

@@ -73,16 +73,18 @@ impl Detector {
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
-        self.detect_and(surface, positions, None, 0.0, |_, _| true)
+        if positions.len() == surface.len() {
+            self.tree.refit(surface, positions, None);
+        }
+        self.detect_and(surface, positions, 0.0, |_, _| true)
     }
 
-    /// As [`Self::detect`], and calls `also` with every pair of faces whose boxes, widened to where particles are `ahead` [m], come within `margin` [m];
-    /// no more once something is known to cross. It says whether they may cross where they are.
+    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`, and calls `also` with every pair of faces whose boxes come within `margin` [m]; no more
+    /// once something is known to cross. It says whether they may cross where they are.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
-        ahead: Option<&[Vec3A]>,
         margin: f32,
         also: impl FnMut(u32, u32) -> bool,
     ) -> &[Crossing] {
@@ -90,7 +92,6 @@ impl Detector {
             self.crossings.clear();
             return &self.crossings;
         }
-        self.tree.refit(surface, positions, ahead);
         self.cross(surface, positions, |tree, found| tree.pairs(surface, margin, found), also);
         &self.crossings
     }

@@ -80,16 +80,71 @@ pub struct Finder {
     astray: Vec<bool>,
     shifted: Vec<bool>,
     marked: Vec<bool>,
-    /// Normals of faces as long as twice their area, their sums around particles, and particles around which the cloth hardly bends.
-    normals: Vec<Vec3A>,
-    sums: Vec<Vec3A>,
-    flat: Vec<bool>,
+    flatness: Flatness,
     /// The motion that all share until the next frame [m].
     shared: Vec3A,
     /// Least height at rest of the faces around each particle [m].
     heights: Vec<f32>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
+}
+
+/// Where the cloth hardly bends.
+#[derive(Clone, Debug, Default)]
+struct Flatness {
+    /// Normals of faces as long as twice their area [m²], and their sums around particles.
+    normals: Vec<Vec3A>,
+    sums: Vec<Vec3A>,
+    /// Particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
+    flat: Vec<bool>,
+    /// Whether that holds for where everything is now.
+    known: bool,
+}
+
+impl Flatness {
+    fn new(surface: &Surface) -> Self {
+        let n = surface.len();
+        let normals = vec![Vec3A::ZERO; surface.topology.faces.len()];
+        Self { normals, sums: vec![Vec3A::ZERO; n], flat: vec![false; n], known: false }
+    }
+
+    /// Whether particle `v` is flat; finds out about all when first asked.
+    #[inline]
+    fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
+        if !self.known {
+            self.find(surface, positions, ahead);
+        }
+        self.flat[v as usize]
+    }
+
+    #[cold]
+    fn find(&mut self, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) {
+        self.known = true;
+        self.flat.fill(true);
+        self.keep(surface, |v| Vec3A::from_vec4(positions[v as usize]));
+        self.keep(surface, |v| ahead[v as usize]);
+    }
+
+    fn keep(&mut self, surface: &Surface, at: impl Fn(u32) -> Vec3A) {
+        let Self { normals, sums, flat, .. } = self;
+        sums.fill(Vec3A::ZERO);
+        // Any direction will do, so large faces may count for more.
+        for (&[a, b, c], normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
+            let origin = at(a);
+            *normal = (at(b) - origin).cross(at(c) - origin);
+            sums[a as usize] += *normal;
+            sums[b as usize] += *normal;
+            sums[c as usize] += *normal;
+        }
+        for (t, &normal) in surface.topology.faces.iter().zip(normals.iter()) {
+            let limit = 0.5 * normal.length_squared();
+            for &v in t {
+                let sum = sums[v as usize];
+                let along = normal.dot(sum);
+                flat[v as usize] &= along > 0.0 && along * along > limit * sum.length_squared();
+            }
+        }
+    }
 }
 
 impl Finder {
@@ -116,8 +171,7 @@ impl Finder {
         let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
         let start = vec![Vec3A::ZERO; surface.len()];
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
-        let (normals, sums) = (vec![Vec3A::ZERO; topology.faces.len()], start.clone());
-        let (flat, shifted) = (astray.clone(), astray.clone());
+        let shifted = astray.clone();
         let mut heights = vec![f32::INFINITY; surface.len()];
         for t in &topology.faces {
             let [a, b, c] = t.map(|v| surface.rest[v as usize]);
@@ -133,9 +187,7 @@ impl Finder {
             astray,
             shifted,
             marked,
-            normals,
-            sums,
-            flat,
+            flatness: Flatness::new(surface),
             shared: Vec3A::ZERO,
             heights,
             longest,
@@ -148,7 +200,7 @@ impl Finder {
         contacts.begin();
         contacts.fit(surface);
         self.foresee(surface, moment, dt);
-        self.find_flat(surface, moment.positions);
+        self.flatness.known = false;
     }
 
     /// Finds the pairs that may touch within `dt` [s]. `tangled` says of a particle that it is part of a tangle, within which there is no right side.
@@ -259,7 +311,7 @@ impl Finder {
                 }
             }
         }
-        self.find_flat(surface, moment.positions);
+        self.flatness.known = false;
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
         let mut ask = self.ask(surface, moment, tangled, contacts, true);
@@ -273,7 +325,7 @@ impl Finder {
     /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is asked `anew`, of faces nobody has
     /// looked for crossings at since they were elsewhere. Says of two faces whether they may cross now.
     pub fn ask<'a>(
-        &'a self,
+        &'a mut self,
         surface: &'a Surface,
         moment: &Moment<'a>,
         tangled: impl Fn(u32) -> bool + 'a,
@@ -283,7 +335,8 @@ impl Finder {
         let &Moment { positions, touch, takes_part, .. } = moment;
         let reach = Self::reach(moment);
         let topology = &surface.topology;
-        let Self { owns, ahead, longest, flat, .. } = self;
+        let Self { owns, ahead, longest, flatness, .. } = self;
+        let (owns, ahead, longest): (&[u8], &[Vec3A], &[f32]) = (owns, ahead, longest);
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
         let most = MOST_PAIRS * surface.len();
@@ -354,7 +407,7 @@ impl Finder {
         move |f: u32, g: u32| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             // Faces of a fan that hardly bends are hardly closer than at rest.
-            if tf.iter().any(|v| flat[*v as usize] && tg.contains(v)) {
+            if tf.iter().any(|v| tg.contains(v) && flatness.holds(*v, surface, positions, ahead)) {
                 if anew {
                     contacts.close.push([f, g]);
                 }
@@ -436,36 +489,6 @@ impl Finder {
             any |= *astray;
         }
         any
-    }
-
-    /// Finds the particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
-    fn find_flat(&mut self, surface: &Surface, positions: &[Vec4]) {
-        self.flat.fill(true);
-        self.keep_flat(surface, |v| Vec3A::from_vec4(positions[v as usize]));
-        let ahead = core::mem::take(&mut self.ahead);
-        self.keep_flat(surface, |v| ahead[v as usize]);
-        self.ahead = ahead;
-    }
-
-    fn keep_flat(&mut self, surface: &Surface, at: impl Fn(u32) -> Vec3A) {
-        let Self { normals, sums, flat, .. } = self;
-        sums.fill(Vec3A::ZERO);
-        // Any direction will do, so large faces may count for more.
-        for (&[a, b, c], normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
-            let origin = at(a);
-            *normal = (at(b) - origin).cross(at(c) - origin);
-            sums[a as usize] += *normal;
-            sums[b as usize] += *normal;
-            sums[c as usize] += *normal;
-        }
-        for (t, &normal) in surface.topology.faces.iter().zip(normals.iter()) {
-            let limit = 0.5 * normal.length_squared();
-            for &v in t {
-                let sum = sums[v as usize];
-                let along = normal.dot(sum);
-                flat[v as usize] &= along > 0.0 && along * along > limit * sum.length_squared();
-            }
-        }
     }
 
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
