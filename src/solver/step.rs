@@ -358,9 +358,9 @@ impl Stepped<'_> {
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
         if taut {
-            // A calm cloth would feel every change of the list.
-            let all = calm || scratch.strain() > WILD * fabric.strain_limit;
-            scratch.tight.find(&rest.springs, fabric.strain_limit, all, &state.positions);
+            // A calm cloth would feel a list that shrinks.
+            let all = scratch.strain() > WILD * fabric.strain_limit;
+            scratch.tight.find(&rest.springs, fabric.strain_limit, (all, calm), &state.positions);
         }
         if calm {
             scratch.before.clone_from(&state.positions);

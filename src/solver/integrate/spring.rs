@@ -129,24 +129,35 @@ fn scatter([a, b]: [&[u32; LANES]; 2], [pa, pb]: [[Vec4; LANES]; 2], d: [Vec4; L
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tight {
     batches: Vec<u32>,
+    listed: Vec<bool>,
 }
 
 /// From this share of the strain limit on a spring is close to it: what is shortened next to it draws at it.
 const TIGHT: f32 = 0.25;
 
 impl Tight {
-    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within the frame.
-    pub fn find(&mut self, springs: &Springs, strain_limit: f32, all: bool, positions: &[Vec4]) {
+    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within the frame; with `keep`, those
+    /// that were close stay listed.
+    pub fn find(&mut self, springs: &Springs, strain_limit: f32, (all, keep): (bool, bool), positions: &[Vec4]) {
         self.batches.clear();
         self.batches.reserve(springs.a.len());
         if all {
             self.batches.extend(0..springs.a.len() as u32);
+            self.listed.clear();
             return;
         }
+        if !keep {
+            self.listed.clear();
+        }
+        self.listed.resize(springs.a.len(), false);
         let near = Vec4::splat((1.0 + TIGHT * strain_limit).powi(2));
-        for (k, ((a, b), &inverse_square)) in (0..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
-            let (_, _, d) = gather(a, b, positions);
-            if (lengths_squared(d) * inverse_square).cmpgt(near).any() {
+        let springs = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square);
+        for (k, (((a, b), &inverse_square), listed)) in (0..).zip(springs.zip(&mut self.listed)) {
+            if !*listed {
+                let (_, _, d) = gather(a, b, positions);
+                *listed = (lengths_squared(d) * inverse_square).cmpgt(near).any();
+            }
+            if *listed {
                 self.batches.push(k);
             }
         }
