@@ -99,6 +99,74 @@ fn a_cloth_is_pushed_through_the_nearest_other_pinned_or_not() {
     }
 }
 
+/// A sheet that sleeps on the ground, and another far away that does.
+fn asleep() -> Panel {
+    let mut app = app_with_panel();
+    app.world_mut().spawn(ClothCollider::ground());
+    let cloth = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.05, 0.0));
+    let other = spawn(&mut app, sheet(8), Transform::from_xyz(6.0, 0.05, 0.0));
+    run(&mut app, 400);
+    let sleeping = [cloth, other].map(|cloth| report(&app, cloth).asleep);
+    assert_eq!(sleeping, [true, true]);
+    Panel::over(app, cloth, other)
+}
+
+#[test]
+fn what_the_buttons_do_to_a_cloth_that_sleeps_is_seen_at_once() {
+    for (button, paused) in [("fold through itself", false), ("reset to rest", false), ("reset to rest", true)] {
+        let mut panel = asleep();
+        let cloth = panel.cloth;
+        let before = positions(panel.app(), cloth);
+        if paused {
+            panel.click("pause");
+        }
+        panel.click(button);
+        run(panel.app(), 2);
+        assert!(!report(panel.app(), cloth).asleep || paused, "{button}");
+        assert_ne!(positions(panel.app(), cloth), before, "{button}, paused {paused}");
+        let other = panel.other;
+        assert!(report(panel.app(), other).asleep, "{button} is of no concern to a cloth that lies far away");
+    }
+}
+
+#[test]
+fn what_lay_on_a_cloth_that_is_reset_wakes_with_it() {
+    let mut app = app_with_panel();
+    app.world_mut().spawn(ClothCollider::ground());
+    let low = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.3, 0.0));
+    run(&mut app, 60);
+    let high = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.05, 0.0));
+    run(&mut app, 700);
+    assert_eq!([low, high].map(|cloth| report(&app, cloth).asleep), [true, true]);
+    let mut panel = Panel::over(app, low, high);
+    panel.click("reset to rest");
+    run(panel.app(), 2);
+    assert_eq!([low, high].map(|cloth| report(panel.app(), cloth).asleep), [false, false]);
+}
+
+#[test]
+fn a_cloth_that_was_stopped_goes_on_after_a_reset() {
+    let mut panel = Panel::new();
+    let cloth = panel.cloth;
+    for _ in 0..600 {
+        let mut particles = panel.app().world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
+        particles.state_mut().positions[20].x = f32::NAN;
+        run(panel.app(), 1);
+        if status(panel.app(), cloth) == ClothStatus::Failed {
+            break;
+        }
+    }
+    assert_eq!(status(panel.app(), cloth), ClothStatus::Failed);
+    // The reason takes room: what is below it moves.
+    panel.steps(2);
+    panel.click("reset to rest");
+    run(panel.app(), 3);
+    assert_eq!(status(panel.app(), cloth), ClothStatus::Active);
+    let start = particles(panel.app(), cloth);
+    run(panel.app(), 20);
+    assert!(finite(panel.app(), cloth) && particles(panel.app(), cloth) != start, "it does not move");
+}
+
 #[test]
 fn without_another_cloth_the_reason_is_shown() {
     let mut app = app_with_panel();
