@@ -1,10 +1,11 @@
 //! Ten sheets fall on a ball, one above the other, and stay apart.
 //!
-//! R lets them fall again.
+//! R lets them fall again, I opens the panel.
 
 mod stage;
 
 use bevy::prelude::*;
+use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
 use bevy_drape::scenes::stack;
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
@@ -17,10 +18,10 @@ const ORIGIN: Vec3 = Vec3::new(0.0, 0.85, 0.0);
 fn main() -> AppExit {
     Stage::new("stack")
         .camera(OrbitCamera::around(Vec3::new(0.0, 0.85, 0.0), 2.9).from(0.5, 0.28))
-        .hint("R: again")
+        .hint("R: again   I: panel")
         .report(report)
         .build()
-        .add_plugins(ClothPlugin::default())
+        .add_plugins((ClothPlugin::default(), ClothInspectorPlugin::default()))
         .add_systems(Startup, (ball, sheets))
         .add_systems(Update, keys)
         .run()

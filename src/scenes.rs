@@ -384,6 +384,11 @@ impl Scene {
                     group.regather(part, state, Vec3::ZERO);
                 }
             }
+            if group.stay() {
+                for (part, cloth) in self.cloths.iter_mut().enumerate() {
+                    group.scatter(part, &mut cloth.state, Vec3::ZERO);
+                }
+            }
         }
         self.times.resolve = since(start);
 

@@ -1,4 +1,4 @@
-//! A panel that tunes every setting of a cloth while it moves (feature `inspector`).
+//! A panel that tunes the settings of a cloth while it moves (feature `inspector`).
 //!
 //! ```no_run
 //! # use bevy::prelude::*;

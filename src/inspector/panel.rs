@@ -15,6 +15,8 @@ use crate::components::{Cloth, ClothBuildReport, ClothError, ClothReport, ClothS
 
 /// Draws the panel into a window of the app's own.
 ///
+/// [`ClothInspectorPlugin`](super::ClothInspectorPlugin) with `window: false` does what its buttons ask for and keeps what the curves show.
+///
 /// ```no_run
 /// # use bevy::prelude::*;
 /// # use bevy_egui::{EguiContext, PrimaryEguiContext, egui};
@@ -32,6 +34,7 @@ pub fn cloth_inspector(ui: &mut Ui, world: &mut World) {
 }
 
 fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
+    state.drawn = true;
     clock(ui, world, state);
     ui.separator();
     choose(ui, world, state);

@@ -28,6 +28,8 @@ pub struct ClothInspector {
     pub(super) note: Option<Result<String, String>>,
     pub(super) actions: Vec<Action>,
     pub(super) history: History,
+    /// Whether it was drawn in this frame.
+    pub(super) drawn: bool,
     /// The cloth that the history is of.
     pub(super) recorded: Option<Entity>,
     pub(super) curves: Curves,
@@ -46,14 +48,15 @@ impl ClothInspector {
     }
 }
 
-/// Keeps what the selected cloth did, while the panel is open and time flows.
+/// Keeps what the selected cloth did, while the panel is open or drawn and time flows.
 pub(super) fn record(
     time: Res<Time>,
     mut inspector: ResMut<ClothInspector>,
     cloths: Query<(Entity, &ClothReport, &SkipFrame, Option<&ClothParticles>), With<Cloth>>,
 ) {
     let inspector = &mut *inspector;
-    if !inspector.open {
+    let drawn = core::mem::take(&mut inspector.drawn);
+    if !(inspector.open || drawn) {
         return;
     }
     if inspector.selected.is_none_or(|cloth| !cloths.contains(cloth)) {

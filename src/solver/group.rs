@@ -543,6 +543,27 @@ impl Group {
         }
     }
 
+    /// When bodies pushed what was taken back, and something crosses again: the cloths that cross stay where they were when nothing did, as a whole. Whether they do, and
+    /// are to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    pub fn stay(&mut self) -> bool {
+        if !(self.stale && self.retreat.may_stay()) {
+            return false;
+        }
+        self.look();
+        let mut stays = false;
+        // A cloth that stays may be met by one that went on.
+        for _ in 0..self.surface.parts.len().min(MOST_RETREATS as usize) {
+            if self.total.is_clean() {
+                break;
+            }
+            let Self { surface, untangler, retreat, positions, previous, .. } = self;
+            retreat.stay(surface, untangler.detector.crossings(), positions, previous);
+            (stays, self.moved) = (true, true);
+            self.look();
+        }
+        stays
+    }
+
     /// Uses stronger means from now on; `None` goes back to the ordinary ones.
     pub fn escalate(&mut self, resort: Resort) {
         self.untangler.resolver.escalate(resort);

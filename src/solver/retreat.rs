@@ -18,6 +18,9 @@ const FARTHEST_EDGES: f32 = 4.0;
 /// Frames in a row in which a particle is taken back: what is pressed through for seconds has to be taken apart.
 const MOST_FRAMES: u8 = 120;
 
+/// Frames in a row in which whole cloths stay where they were.
+const MOST_STAYS: u32 = 8;
+
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default)]
 pub struct Retreat {
@@ -28,6 +31,11 @@ pub struct Retreat {
     frames: Vec<u8>,
     /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
     shared: Vec3A,
+    /// Whether something was taken back in this frame, and whether whole cloths stayed.
+    retreats: bool,
+    stayed: bool,
+    /// Frames in a row in which they did.
+    stays: u32,
 }
 
 impl Retreat {
@@ -47,6 +55,8 @@ impl Retreat {
         if is_clean {
             self.clean.extend_from_slice(positions);
         }
+        self.stays = if self.stayed { self.stays + 1 } else { 0 };
+        (self.retreats, self.stayed) = (false, false);
     }
 
     /// Begins with nothing taken back; whether anything can be.
@@ -92,6 +102,29 @@ impl Retreat {
                 }
             }
         }
+        self.retreats |= any;
         any
+    }
+
+    /// Whether something was taken back in this frame, and whole cloths may stay where they were.
+    pub fn may_stay(&self) -> bool {
+        self.retreats && self.stays < MOST_STAYS
+    }
+
+    /// Puts the cloths that cross where they were, as a whole; velocity is kept. A body pushed what was taken back, and nothing else is known to be clean.
+    pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) {
+        self.stayed = true;
+        for (part, range) in (0_u16..).zip(surface.parts.iter().map(|part| part.particles.clone())) {
+            if !crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part)) {
+                continue;
+            }
+            for v in range.start as usize..range.end as usize {
+                let by = (self.clean[v] - positions[v]).truncate().extend(0.0);
+                if positions[v].w > 0.0 && by.is_finite() {
+                    positions[v] += by;
+                    previous[v] += by;
+                }
+            }
+        }
     }
 }

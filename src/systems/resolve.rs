@@ -65,6 +65,14 @@ pub(crate) fn scatter(
                 }
             }
         }
+        if group.group.stay() {
+            for part in 0..group.members.len() {
+                if let Ok((_, mut particles, _)) = cloths.get_mut(group.members[part].entity) {
+                    let offset = group.offset(particles.origin);
+                    group.group.scatter(part, &mut particles.state, offset);
+                }
+            }
+        }
     }
 }
 

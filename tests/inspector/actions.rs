@@ -222,3 +222,17 @@ fn the_curves_are_of_the_chosen_cloth_and_no_longer_than_ten_seconds() {
     run(panel.app(), 1);
     assert_eq!(panel.app().world().resource::<ClothInspector>().history().samples().count(), 1);
 }
+
+#[test]
+fn the_curves_go_on_while_an_app_draws_the_panel_in_a_window_of_its_own() {
+    let mut panel = Panel::new();
+    panel.app().world_mut().resource_mut::<ClothInspector>().open = false;
+    let kept = |panel: &mut Panel| panel.app().world().resource::<ClothInspector>().history().newest().map(|s| s.time);
+    run(panel.app(), 1);
+    let before = kept(&mut panel);
+    run(panel.app(), 20);
+    assert_eq!(kept(&mut panel), before, "nobody sees it");
+    panel.steps(1);
+    run(panel.app(), 1);
+    assert!(kept(&mut panel) > before);
+}
