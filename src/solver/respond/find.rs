@@ -97,21 +97,34 @@ struct Flatness {
     sums: Vec<Vec3A>,
     /// Particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
     flat: Vec<bool>,
-    /// Whether that holds for where everything is now.
+    /// How often it was asked for since everything moved, and whether it is known.
+    asked: u32,
     known: bool,
 }
+
+/// Up to this many times it is cheaper not to know.
+const FEW: u32 = 512;
 
 impl Flatness {
     fn new(surface: &Surface) -> Self {
         let n = surface.len();
         let normals = vec![Vec3A::ZERO; surface.topology.faces.len()];
-        Self { normals, sums: vec![Vec3A::ZERO; n], flat: vec![false; n], known: false }
+        Self { normals, sums: vec![Vec3A::ZERO; n], flat: vec![false; n], asked: 0, known: false }
     }
 
-    /// Whether particle `v` is flat; finds out about all when first asked.
+    /// Everything moved: nothing is known.
+    fn forget(&mut self) {
+        (self.asked, self.known) = (0, false);
+    }
+
+    /// Whether particle `v` is known to be flat; finds out about all when asked more than a [few](FEW) times.
     #[inline]
     fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
         if !self.known {
+            self.asked += 1;
+            if self.asked <= FEW {
+                return false;
+            }
             self.find(surface, positions, ahead);
         }
         self.flat[v as usize]
@@ -200,7 +213,7 @@ impl Finder {
         contacts.begin();
         contacts.fit(surface);
         self.foresee(surface, moment, dt);
-        self.flatness.known = false;
+        self.flatness.forget();
     }
 
     /// Finds the pairs that may touch within `dt` [s]. `tangled` says of a particle that it is part of a tangle, within which there is no right side.
@@ -311,7 +324,7 @@ impl Finder {
                 }
             }
         }
-        self.flatness.known = false;
+        self.flatness.forget();
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
         let mut ask = self.ask(surface, moment, tangled, contacts, true);
