@@ -1,10 +1,12 @@
-//! Whether a cloth moves, is calm or sleeps: its border, or every edge of a cloth that has none.
+//! How much is solved of a cloth, its level of detail: its border, or every edge of a cloth that has none.
 //!
 //! ```text
 //! awake ─ slow for 0.25 s ─► calm ─ within a few millimetres for 0.5 s, and so its group ─► asleep
 //!   ▲                         │                                                               │
 //!   └─────────────────────────┴────────────────────── anything that moves it ─────────────────┘
 //! ```
+//!
+//! One with an edge far beyond the strain limit is strained: a coarse net over it is solved, too.
 
 use bevy::prelude::*;
 
@@ -13,19 +15,21 @@ use crate::components::{Cloth, ClothReport};
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 use crate::solver::rest::NONE;
 
-/// What a cloth costs and how it is stepped.
+/// What a cloth costs and how it is stepped, dearest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rest {
+    Strained,
     Awake,
     Calm,
     Asleep,
 }
 
 impl Rest {
-    pub(super) const ALL: [Self; 3] = [Self::Awake, Self::Calm, Self::Asleep];
+    pub(super) const ALL: [Self; 4] = [Self::Strained, Self::Awake, Self::Calm, Self::Asleep];
 
     pub(super) fn label(self) -> &'static str {
         match self {
+            Self::Strained => "strained: a coarse net is solved, too",
             Self::Awake => "awake",
             Self::Calm => "calm: slow for a while",
             Self::Asleep => "asleep: costs nothing",
@@ -34,6 +38,7 @@ impl Rest {
 
     pub(super) fn color(self) -> Color {
         match self {
+            Self::Strained => Color::srgb_u8(204, 121, 167),
             Self::Awake => Color::srgb_u8(213, 94, 0),
             Self::Calm => Color::srgb_u8(240, 228, 66),
             Self::Asleep => Color::srgb_u8(86, 180, 233),
@@ -41,10 +46,12 @@ impl Rest {
     }
 
     fn of(report: &ClothReport, scratch: &ClothScratch) -> Self {
-        match (report.asleep, scratch.solver.is_calm()) {
-            (true, _) => Self::Asleep,
-            (false, true) => Self::Calm,
-            (false, false) => Self::Awake,
+        let solver = &scratch.solver;
+        match (report.asleep, solver.is_strained(), solver.is_calm()) {
+            (true, ..) => Self::Asleep,
+            (false, true, _) => Self::Strained,
+            (false, false, true) => Self::Calm,
+            (false, false, false) => Self::Awake,
         }
     }
 }

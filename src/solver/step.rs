@@ -121,6 +121,12 @@ impl Scratch {
         self.slow_for >= CALM_AFTER
     }
 
+    /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse net, too.
+    #[must_use]
+    pub fn is_strained(&self) -> bool {
+        self.strained
+    }
+
     /// Particles that touched a body in the last substep, one once for each of its faces that did, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
     /// `C` the mean push of a substep `h`. What other cloth lies on them is not in it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {

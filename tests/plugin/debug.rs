@@ -7,6 +7,7 @@ use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_drape::prelude::*;
+use bevy_drape::solver::state::ClothState;
 use bevy_drape::{ClothDebug, ClothDebugPlugin, ClothGizmos};
 
 use crate::common::*;
@@ -116,8 +117,15 @@ fn the_border_of_a_cloth_that_comes_to_rest_goes_through_the_colours_of_the_lege
         }
     }
     let labels: Vec<String> = app.world().resource::<ClothDebug>().legend().into_iter().map(|line| line.label).collect();
-    assert_eq!(seen, labels);
+    seen.retain(|label| *label != labels[0]);
+    seen.dedup();
+    assert_eq!(seen, labels[1..]);
     app.world_mut().get_mut::<ClothMaterial>(cloth).expect("a cloth").density *= 2.0;
     run(&mut app, 1);
-    assert_ne!(meaning(&mut app).0, labels[2], "it woke");
+    assert_ne!(meaning(&mut app).0, labels[3], "it woke");
+    let mut particles = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
+    let ClothState { positions, previous, .. } = particles.state_mut();
+    positions.iter_mut().chain(previous).for_each(|x| x.x *= 1.6);
+    run(&mut app, 2);
+    assert_eq!(meaning(&mut app).0, labels[0], "{:?}", report(&app, cloth));
 }

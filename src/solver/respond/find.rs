@@ -12,6 +12,7 @@ use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_f
 use crate::solver::detect::surface::FARTHEST;
 use crate::solver::detect::tree::{Bounds, Tree};
 use crate::solver::detect::{Proximity, Surface};
+use crate::solver::rest::NONE;
 use crate::solver::step::STUCK;
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
@@ -102,7 +103,7 @@ struct Flatness {
     known: bool,
 }
 
-/// Up to this many times it is cheaper not to know.
+/// Up to this many times it is cheaper to look around the particle than at all.
 const FEW: u32 = 512;
 
 impl Flatness {
@@ -117,13 +118,14 @@ impl Flatness {
         (self.asked, self.known) = (0, false);
     }
 
-    /// Whether particle `v` is known to be flat; finds out about all when asked more than a [few](FEW) times.
+    /// Whether particle `v` is flat; finds out about all when asked more than a [few](FEW) times.
     #[inline]
     fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
         if !self.known {
             self.asked += 1;
             if self.asked <= FEW {
-                return false;
+                let now = is_flat(v, surface, |v| Vec3A::from_vec4(positions[v as usize]));
+                return now && is_flat(v, surface, |v| ahead[v as usize]);
             }
             self.find(surface, positions, ahead);
         }
@@ -158,6 +160,22 @@ impl Flatness {
             }
         }
     }
+}
+
+/// Whether all normals around a particle lie within 45° of their sum.
+fn is_flat(v: u32, surface: &Surface, at: impl Fn(u32) -> Vec3A) -> bool {
+    let topology = &surface.topology;
+    // Each face twice: it has two edges there.
+    let faces = || topology.around(v).iter().flat_map(|&(_, e)| topology.edge_faces[e as usize]).filter(|&f| f != NONE);
+    let normal = |f: u32| {
+        let [a, b, c] = topology.faces[f as usize].map(&at);
+        (b - a).cross(c - a)
+    };
+    let sum: Vec3A = faces().map(normal).sum();
+    faces().map(normal).all(|normal| {
+        let along = normal.dot(sum);
+        along > 0.0 && along * along > 0.5 * normal.length_squared() * sum.length_squared()
+    })
 }
 
 impl Finder {
