@@ -24,6 +24,7 @@ impl Notices {
     }
 
     /// Says that a matter is settled: when it comes up again it is said again.
+    #[cfg(feature = "presets")]
     pub fn settle(&mut self, entity: Entity, kind: &str) {
         if let Some(told) = self.told.get_mut(&entity) {
             told.retain(|known| known != kind);
