@@ -385,3 +385,13 @@ fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() {
     let state = &scene.cloths[upper].state;
     assert!(state.positions[v].distance(before) < 0.01 * gap && state.velocity(v).distance(velocity) < 1e-3);
 }
+
+#[test]
+fn what_is_taken_back_into_the_wall_of_a_funnel_stays_where_it_was_and_does_not_cross() {
+    // In this start the wall pushes what was taken back, in the 66th frame, so that it would cross again.
+    let mut scene = untangled(scenes::funnel(28).jittered(1), true);
+    for frame in 1..=120 {
+        scene.step(FRAME);
+        assert_eq!(scene.crossings(), 0, "frame {frame}");
+    }
+}
