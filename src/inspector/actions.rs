@@ -58,7 +58,7 @@ fn step(world: &mut World) -> Result<(), &'static str> {
 
 /// Puts a cloth at its pose at rest; one that was stopped is made anew.
 fn reset(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
-    if world.entity(cloth).contains::<ClothError>() {
+    if world.get::<ClothError>(cloth).is_some() {
         world.get_mut::<Binding>(cloth).ok_or(NOT_BOUND)?.pending = Change::Mesh;
         return Ok(());
     }

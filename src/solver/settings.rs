@@ -34,6 +34,15 @@ pub struct Fabric {
     pub lift_coefficient: f32,
 }
 
+impl Fabric {
+    /// What masses and factors of constraints are made of: density [kg/m²], stiffness against stretch and shear [N/m], and against bending [N·m]. While these stay,
+    /// [`prepare`](super::step::prepare) has nothing to do.
+    #[must_use]
+    pub fn prepared(&self) -> [f32; 4] {
+        [self.density, self.stretch_stiffness, self.shear_stiffness, self.bend_stiffness]
+    }
+}
+
 impl Default for Fabric {
     fn default() -> Self {
         Self {

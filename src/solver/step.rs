@@ -217,7 +217,8 @@ const EVEN: f32 = 0.2;
 
 /// Sets inverse masses from density and anchors, constraint factors and tethers.
 ///
-/// Call after bind and whenever `fabric`, the set of anchored particles or their weights changed. Keeps positions and velocities.
+/// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them are held rigidly changed. Keeps positions
+/// and velocities.
 pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
     for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
         x.w = 1.0 / (fabric.density * area).max(1.0e-9);

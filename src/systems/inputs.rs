@@ -14,7 +14,6 @@ use crate::components::{
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body::{Body, Pose};
-use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 
@@ -87,13 +86,11 @@ pub(crate) fn settings(
         let fabric = material.fabric(checked);
         inputs.time_scale = solver.time_scale(checked);
         let dt = time.delta_secs() * inputs.time_scale;
-        let factors =
-            |fabric: &Fabric| [fabric.density, fabric.stretch_stiffness, fabric.shear_stiffness, fabric.bend_stiffness];
-        let before = factors(&inputs.fabric);
+        let before = inputs.fabric.prepared();
         let tuned = inputs.slew.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
         let [moved, turned] = slew_weights(&mut inputs.anchors, &inputs.sets.weights, dt);
         inputs.tuned = tuned || moved;
-        inputs.stale |= turned || before != factors(&inputs.fabric);
+        inputs.stale |= turned || before != inputs.fabric.prepared();
         inputs.thickness = fabric.thickness;
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);

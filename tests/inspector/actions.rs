@@ -145,6 +145,18 @@ fn what_lay_on_a_cloth_that_is_reset_wakes_with_it() {
 }
 
 #[test]
+fn a_cloth_that_is_gone_before_a_button_acts_is_no_harm() {
+    for button in ["reset to rest", "fold through itself", "push through nearest"] {
+        let mut panel = Panel::new();
+        let cloth = panel.cloth;
+        panel.click(button);
+        panel.app().world_mut().despawn(cloth);
+        run(panel.app(), 2);
+        panel.steps(2);
+    }
+}
+
+#[test]
 fn a_cloth_that_was_stopped_goes_on_after_a_reset() {
     let mut panel = Panel::new();
     let cloth = panel.cloth;

@@ -60,6 +60,7 @@ struct Known {
     shape: SharedShape,
     /// Number of the body and of its part.
     part: [u32; 2],
+    /// Cosine below which an edge is sharp (dimensionless), and the box in which all that are were found [m].
     flat: f32,
     within: Aabb,
     creases: Vec<Crease>,
