@@ -43,7 +43,7 @@ pub(crate) struct ClothGroup {
     pub members: Vec<Member>,
     pub group: Group,
     pub settings: UntangleSettings,
-    /// Whether all of them sleep.
+    /// Whether all of them sleep or stand still.
     pub asleep: bool,
     /// Origin of the frame of the group in the world [m].
     pub origin: DVec3,
@@ -211,7 +211,7 @@ impl ClothGroups {
                 (group.group, group.members) = (built, members.clone());
             }
             (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 5]);
-            group.asleep = group.members.iter().all(|m| m.asleep);
+            group.asleep = group.members.iter().all(|m| m.asleep || m.still);
             for (part, member) in group.members.iter().enumerate() {
                 place(member.entity, list.len() as u32, part as u32, member.asleep && !group.asleep);
             }

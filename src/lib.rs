@@ -26,12 +26,12 @@ pub mod scenes;
 
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
-    ClothCoupling, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse, ClothLastResort,
-    ClothLayers, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver,
-    ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
-    ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet,
-    PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WaitingFor,
-    WindZone, WindZoneShape,
+    ClothCoupling, ClothDetail, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse,
+    ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRigidBody, ClothSleep,
+    ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled,
+    ClothWind, ClothWoke, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost,
+    PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy, TeleportMode, Untangle,
+    UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -47,11 +47,11 @@ pub use simulation::{ClothParticles, ClothRest};
 pub mod prelude {
     pub use crate::{
         Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
-        ClothCoupling, ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse, ClothLastResort,
-        ClothLayers, ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothQuery, ClothRecovered, ClothReport, ClothRest,
-        ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost,
-        ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderShape, ColorChannel, GlobalWind, MeshFit,
-        NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod,
-        WindZone, WindZoneShape,
+        ClothCoupling, ClothDetail, ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse,
+        ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothQuery,
+        ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothSystems,
+        ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderShape,
+        ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy,
+        TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
     };
 }

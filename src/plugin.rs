@@ -30,7 +30,8 @@ use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
 use crate::systems::{
-    bind, colliders, couple, detect, evaluate, grab, inputs, integrate, release, resolve, respond, sleep, sources, sync, touch,
+    bind, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep, sources, sync,
+    touch,
 };
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
@@ -161,6 +162,7 @@ impl Plugin for ClothPlugin {
                         couple::bodies,
                         inputs::air,
                         inputs::settings,
+                        lod::detail,
                         inputs::anchors,
                         grab::grabs,
                         sleep::watch,

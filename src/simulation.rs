@@ -10,7 +10,7 @@ use bevy::prelude::*;
 
 use crate::bind::{AnchorSets, Placement, Skin, Surface};
 use crate::components::checked::Checked;
-use crate::components::{RecoveryCause, RecoveryLevel, WaitingFor};
+use crate::components::{ClothDetail, ClothLod, RecoveryCause, RecoveryLevel, WaitingFor};
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
 use crate::solver::group::{Display, UntangleSettings};
@@ -210,6 +210,12 @@ pub(crate) struct ClothInputs {
     pub evaluate: EvaluateSettings,
     pub gravity: Vec3,
     pub time_scale: f32,
+    /// Whether it stands still for being far away, and is carried along.
+    pub carried: bool,
+    pub lod: ClothLod,
+    /// Level of detail by distance alone, and the time for which nobody saw it [s].
+    pub by_distance: ClothDetail,
+    pub unseen_for: f32,
     /// Least jump [m] and turn [rad] of the carrier that count as a teleport.
     pub teleport: (f32, f32),
     pub anchors: Anchors,
@@ -261,6 +267,10 @@ impl ClothInputs {
             evaluate: EvaluateSettings::default(),
             gravity: Vec3::ZERO,
             time_scale: 1.0,
+            carried: false,
+            lod: ClothLod::default(),
+            by_distance: ClothDetail::Full,
+            unseen_for: 0.0,
             teleport: (f32::INFINITY, f32::INFINITY),
             anchors,
             sets,

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use bevy::prelude::*;
 
+use super::ClothDetail;
 use crate::solver::rest::BuildReport;
 
 /// What the last simulated frame did, and what happened so far.
@@ -20,6 +21,8 @@ pub struct ClothReport {
     pub mean_edge: f32,
     /// Whether it sleeps: see [`ClothSleep`](crate::ClothSleep). Everything else is as of the last frame before, and its times are 0.
     pub asleep: bool,
+    /// How much of its work was done, by [`ClothLod`](crate::ClothLod).
+    pub detail: ClothDetail,
     /// Particles, and faces held by what is finer than the mesh, that touched a body at the end of the frame.
     pub body_contacts: u32,
     /// Bodies that could touch the cloth.

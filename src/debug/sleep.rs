@@ -6,26 +6,30 @@
 //!   └─────────────────────────┴────────────────────── anything that moves it ─────────────────┘
 //! ```
 //!
-//! One with an edge far beyond the strain limit is strained: a coarse net over it is solved, too.
+//! One with an edge far beyond the strain limit is strained: a coarse net over it is solved, too. [`ClothLod`](crate::ClothLod) takes substeps off what is far away or unseen.
 
 use bevy::prelude::*;
 
 use super::{ClothGizmos, place};
-use crate::components::{Cloth, ClothReport};
+use crate::components::{Cloth, ClothDetail, ClothReport};
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 use crate::solver::rest::NONE;
 
-/// What a cloth costs and how it is stepped, dearest first.
+/// How a cloth is stepped: what it is at in full, and what it costs less for being far away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rest {
     Strained,
     Awake,
     Calm,
     Asleep,
+    Half,
+    Quarter,
+    Still,
 }
 
 impl Rest {
-    pub(super) const ALL: [Self; 4] = [Self::Strained, Self::Awake, Self::Calm, Self::Asleep];
+    pub(super) const ALL: [Self; 7] =
+        [Self::Strained, Self::Awake, Self::Calm, Self::Asleep, Self::Half, Self::Quarter, Self::Still];
 
     pub(super) fn label(self) -> &'static str {
         match self {
@@ -33,6 +37,9 @@ impl Rest {
             Self::Awake => "awake",
             Self::Calm => "calm: slow for a while",
             Self::Asleep => "asleep: costs nothing",
+            Self::Half => "half of the substeps",
+            Self::Quarter => "a quarter of the substeps",
+            Self::Still => "far away: carried along",
         }
     }
 
@@ -42,16 +49,22 @@ impl Rest {
             Self::Awake => Color::srgb_u8(213, 94, 0),
             Self::Calm => Color::srgb_u8(240, 228, 66),
             Self::Asleep => Color::srgb_u8(86, 180, 233),
+            Self::Half => Color::srgb_u8(0, 158, 115),
+            Self::Quarter => Color::srgb_u8(0, 114, 178),
+            Self::Still => Color::srgb_u8(153, 153, 153),
         }
     }
 
     fn of(report: &ClothReport, scratch: &ClothScratch) -> Self {
         let solver = &scratch.solver;
-        match (report.asleep, solver.is_strained(), solver.is_calm()) {
-            (true, ..) => Self::Asleep,
-            (false, true, _) => Self::Strained,
-            (false, false, true) => Self::Calm,
-            (false, false, false) => Self::Awake,
+        match report.detail {
+            _ if report.asleep => Self::Asleep,
+            ClothDetail::Half => Self::Half,
+            ClothDetail::Quarter => Self::Quarter,
+            ClothDetail::Still => Self::Still,
+            ClothDetail::Full if solver.is_strained() => Self::Strained,
+            ClothDetail::Full if solver.is_calm() => Self::Calm,
+            ClothDetail::Full => Self::Awake,
         }
     }
 }

@@ -17,6 +17,8 @@ pub enum Part {
     Skip,
     /// [`ClothSleep`](crate::ClothSleep).
     Sleep,
+    /// [`ClothLod`](crate::ClothLod).
+    Lod,
     /// [`ClothWind`](crate::ClothWind).
     OwnWind,
     /// [`ClothPins`](crate::ClothPins).
@@ -29,13 +31,14 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the panel.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Material,
         Self::Solver,
         Self::Collision,
         Self::Untangle,
         Self::Skip,
         Self::Sleep,
+        Self::Lod,
         Self::OwnWind,
         Self::Pins,
         Self::Wind,
@@ -52,6 +55,7 @@ impl Part {
             Self::Untangle => "untangle",
             Self::Skip => "skip",
             Self::Sleep => "sleep",
+            Self::Lod => "lod",
             Self::OwnWind => "own wind",
             Self::Pins => "pins",
             Self::Wind => "wind",
@@ -69,6 +73,7 @@ impl Part {
             Self::Untangle => "Untangling",
             Self::Skip => "Shown while tangled",
             Self::Sleep => "Sleep at rest",
+            Self::Lod => "Level of detail",
             Self::OwnWind => "Wind at this cloth",
             Self::Pins => "Pins",
             Self::Wind => "Wind in the world",

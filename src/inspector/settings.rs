@@ -4,7 +4,8 @@ use bevy::prelude::*;
 
 use super::setting::Part;
 use crate::components::{
-    ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSleep, ClothSolver, ClothWind, GlobalWind, SkipFrame, Untangle,
+    ClothCollision, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSleep, ClothSolver, ClothWind, GlobalWind,
+    SkipFrame, Untangle,
 };
 use crate::presets::ClothPreset;
 
@@ -23,6 +24,8 @@ pub struct ClothSettings {
     pub skip: SkipFrame,
     /// When it is left alone.
     pub sleep: ClothSleep,
+    /// What it costs far away.
+    pub lod: ClothLod,
     /// Its own wind; without, that of the world.
     pub own_wind: Option<ClothWind>,
     /// Where it is held.
@@ -53,6 +56,7 @@ impl ClothSettings {
             untangle: part(&entity),
             skip: part(&entity),
             sleep: part(&entity),
+            lod: part(&entity),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
             wind: world.get_resource::<GlobalWind>().copied().unwrap_or_default(),
@@ -74,6 +78,7 @@ impl ClothSettings {
                     Part::Untangle => put(&mut entity, self.untangle),
                     Part::Skip => put(&mut entity, self.skip),
                     Part::Sleep => put(&mut entity, self.sleep),
+                    Part::Lod => put(&mut entity, self.lod),
                     Part::Pins => put(&mut entity, self.pins.clone()),
                     Part::OwnWind => match self.own_wind {
                         Some(wind) => put(&mut entity, wind),
@@ -87,7 +92,7 @@ impl ClothSettings {
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, pins and the world are not in files.
+    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, level of detail, pins and the world are not in files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
         fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {
@@ -111,8 +116,8 @@ impl ClothSettings {
 }
 
 /// Parts that [`ClothSettings::take`] takes over.
-pub(super) const OWN: [Part; 7] =
-    [Part::Material, Part::Solver, Part::Collision, Part::Untangle, Part::Skip, Part::Sleep, Part::OwnWind];
+pub(super) const OWN: [Part; 8] =
+    [Part::Material, Part::Solver, Part::Collision, Part::Untangle, Part::Skip, Part::Sleep, Part::Lod, Part::OwnWind];
 
 fn put<T: Component<Mutability = bevy::ecs::component::Mutable>>(entity: &mut EntityWorldMut<'_>, value: T) {
     match entity.get_mut::<T>() {

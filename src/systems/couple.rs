@@ -250,6 +250,11 @@ impl Coupled {
         !self.gave.is_empty()
     }
 
+    /// Whether it is pinned to a body that takes what it gives. Asked before [`couple`]: as of the last frame.
+    pub fn is_pinned(&self) -> bool {
+        !self.pinned.is_empty()
+    }
+
     /// The slot of a body of the world's list.
     fn slot_of(&mut self, index: u32) -> u32 {
         let known = self.rigids.iter().position(|&rigid| rigid == index);

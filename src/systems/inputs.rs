@@ -8,8 +8,8 @@ use super::sleep::reaches;
 use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
 use crate::components::checked::Checked;
 use crate::components::{
-    Cloth, ClothGravity, ClothLayers, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleported,
-    ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone, WindZoneShape,
+    Cloth, ClothGravity, ClothLayers, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost,
+    ClothTeleported, ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone, WindZoneShape,
 };
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
@@ -71,6 +71,7 @@ pub(crate) fn settings(
             &ClothPins,
             &Untangle,
             &SkipFrame,
+            &ClothLod,
             Option<&ClothWind>,
             &mut ClothInputs,
             &mut ClothReport,
@@ -79,7 +80,7 @@ pub(crate) fn settings(
     >,
     time: Res<Time>,
 ) {
-    for (entity, name, material, solver, pins, untangle, skip, own_wind, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, pins, untangle, skip, lod, own_wind, mut inputs, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -96,6 +97,7 @@ pub(crate) fn settings(
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);
         inputs.evaluate = skip.settings(checked);
+        inputs.lod = lod.checked(checked);
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
         pins.checked(checked);
@@ -128,7 +130,7 @@ pub(crate) fn anchors(
 ) {
     for (entity, rest, solver, pins, mut inputs, mut particles, mut report) in &mut cloths {
         let (inputs, particles) = (&mut *inputs, &mut *particles);
-        if !inputs.active || inputs.time_scale == 0.0 {
+        if !inputs.active || (inputs.time_scale == 0.0 && !inputs.carried) {
             continue;
         }
         if follow_targets(&mut commands, &transforms, entity, pins, inputs) {
@@ -139,13 +141,14 @@ pub(crate) fn anchors(
         if report.pinned != pinned {
             report.pinned = pinned;
         }
+        if inputs.carried {
+            ride(inputs, particles);
+            continue;
+        }
         let jump = jump(inputs, particles, solver);
-        let origin = particles.origin;
         if let Some(jump) = &jump {
             if solver.teleport == TeleportMode::Keep {
-                let motion = jump.motion(origin);
-                particles.carry(&motion);
-                inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
+                carry(jump, inputs, particles);
             }
             commands.trigger(ClothTeleported { entity, distance: jump.distance, angle: jump.angle });
         }
@@ -222,6 +225,23 @@ impl Jump {
         let turn = self.to.rotation * self.from.rotation.inverse();
         move |x| turn * (x - from) + to
     }
+}
+
+/// Carries a cloth that stands still along with what it hangs on.
+fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
+    let to = inputs.carrier();
+    let from = particles.carrier.replace(to);
+    if let Some(from) = from.filter(|from| *from != to) {
+        carry(&Jump { from, to, distance: 0.0, angle: 0.0 }, inputs, particles);
+        rebase(inputs, particles);
+    }
+}
+
+/// Moves a cloth and its anchors rigidly along.
+fn carry(jump: &Jump, inputs: &mut ClothInputs, particles: &mut ClothParticles) {
+    let motion = jump.motion(particles.origin);
+    particles.carry(&motion);
+    inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
 }
 
 /// Whether the carrier jumped since the last frame: further than 1 m and three radii, or by more than 60 degrees, by default.

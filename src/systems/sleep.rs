@@ -21,7 +21,7 @@ use crate::components::{
     Cloth, ClothCollision, ClothLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothWoke, Untangle, WindZone,
     WindZoneShape,
 };
-use crate::groups::ClothGroups;
+use crate::groups::{ClothGroups, Member};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::body::{Pose, SharedShape};
@@ -117,6 +117,13 @@ pub(crate) struct Sleeper {
     report: &'static mut ClothReport,
 }
 
+impl SleeperReadOnlyItem<'_, '_> {
+    /// Whether it is paused, was stopped, or stands still for being far away.
+    fn is_still(&self) -> bool {
+        self.inputs.time_scale == 0.0 || self.particles.recovery.is_frozen()
+    }
+}
+
 /// Looks for what is new around every cloth, and wakes those that it concerns.
 pub(crate) fn watch(
     mut commands: Commands,
@@ -153,7 +160,7 @@ pub(crate) fn watch(
         }
     }
     for group in groups.list.iter_mut().filter(|group| group.asleep) {
-        let sleeps = |entity: Entity| cloths.get(entity).is_ok_and(|cloth| cloth.slumber.asleep);
+        let sleeps = |entity: Entity| cloths.get(entity).is_ok_and(|cloth| cloth.slumber.asleep || cloth.is_still());
         if group.members.iter().all(|member| sleeps(member.entity)) {
             continue;
         }
@@ -223,7 +230,7 @@ impl Seen {
 }
 
 /// Whether a body is, or was at the start of the frame, or passed between, near a box [m].
-fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
+pub(super) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
     let pose = |at: &Isometry3d| Pose::from_parts(at.translation.into(), at.rotation);
     let mut swept = body.shape.compute_aabb(&pose(&body.to));
     if body.from != body.to {
@@ -258,10 +265,13 @@ pub(crate) fn doze(
         }
     });
     for group in groups.list.iter_mut().filter(|group| !group.asleep) {
-        group.asleep = group.members.iter().all(|m| cloths.get(m.entity).is_ok_and(|cloth| cloth.slumber.ready));
+        let rests = |m: &Member| cloths.get(m.entity).is_ok_and(|cloth| cloth.slumber.ready || cloth.is_still());
+        group.asleep = group.members.iter().all(rests);
         if group.asleep {
             for member in &group.members {
-                if let Ok(mut cloth) = cloths.get_mut(member.entity) {
+                if let Ok(mut cloth) = cloths.get_mut(member.entity)
+                    && cloth.slumber.ready
+                {
                     fall_asleep(&mut commands, &mut cloth);
                 }
             }

@@ -50,6 +50,7 @@ fn part_of(component: &str) -> Option<Part> {
         "Untangle" => Part::Untangle,
         "SkipFrame" => Part::Skip,
         "ClothSleep" => Part::Sleep,
+        "ClothLod" => Part::Lod,
         "ClothWind" => Part::OwnWind,
         "GlobalWind" => Part::Wind,
         "ClothGravity" => Part::Gravity,

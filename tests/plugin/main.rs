@@ -15,6 +15,7 @@ mod frame;
 mod gltf;
 mod grab;
 mod lifecycle;
+mod lod;
 mod pins;
 mod query;
 mod rest;

@@ -205,7 +205,11 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 .and(ClothPins::color(ColorChannel::G))
                 .and(ClothPins::attribute("_PIN").weighted(0.25)),
             ClothSolver { substep_rate: 480.0, teleport: TeleportMode::Reset, ..default() },
-            (ClothSleep { delay: 2.0, ..default() }, ClothContactEvents { patience: 0.5, ..default() }),
+            (
+                ClothSleep { delay: 2.0, ..default() },
+                ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
+                ClothContactEvents { patience: 0.5, ..default() },
+            ),
             ClothCollision { layer: -2, contact: false, ..default() },
             ClothLayers::new(0b110, 0b011),
             Untangle { iterations: 11, ..default() }.with_method(UntangleMethod::LocalGradient),

@@ -2,6 +2,7 @@
 
 mod air;
 mod contact;
+mod lod;
 mod material;
 mod sleep;
 mod solver;
@@ -18,6 +19,7 @@ pub const fn settings_of(part: Part) -> &'static [Setting] {
         Part::Untangle => &contact::UNTANGLE,
         Part::Skip => &contact::SKIP,
         Part::Sleep => &sleep::SLEEP,
+        Part::Lod => &lod::LOD,
         Part::OwnWind => &air::OWN_WIND,
         Part::Pins => &[],
         Part::Wind => &air::WIND,
@@ -54,6 +56,7 @@ mod tests {
         settings.untangle.settings(&mut checked);
         settings.skip.settings(&mut checked);
         settings.sleep.checked(&mut checked);
+        settings.lod.checked(&mut checked);
         settings.wind.checked(&mut checked);
         if let Some(ClothWind(wind)) = &settings.own_wind {
             wind.checked(&mut checked);

@@ -1,0 +1,89 @@
+//! How much of the work a cloth is worth that is far away, or that nobody sees.
+
+use bevy::prelude::*;
+
+use super::checked::Checked;
+
+/// Level of detail: what a cloth costs follows from how far it is from the cameras, and whether one of them sees it.
+///
+/// Off by default: then nothing that happens depends on who looks. Where it is on, a cloth takes all its substeps near the nearest active camera, half of them farther away, a quarter beyond
+/// that, and far away it stands still and is carried along rigidly by what it hangs on. What it is at is in [`ClothReport::detail`](crate::ClothReport::detail).
+///
+/// ```text
+/// distance    0 ──── full_within ──── 2 full_within ──── still_beyond ────►
+/// detail         Full           Half            Quarter             Still
+/// ```
+///
+/// Distances are from a camera to the box of the cloth, and a level is left for the next finer one only a tenth nearer, so that nothing flickers at a border. Collisions are looked for in
+/// every frame at every level but `Still`; fewer substeps stretch more and let fast bodies push deeper. Cloths that can touch take as many substeps as the one that needs most. A cloth
+/// that stands still is an obstacle for the others. One that is pinned to a body with [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay), or has one near it, takes a quarter at least: what lies in a net would fall.
+///
+/// Without an active camera every cloth is simulated in full.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothLod {
+    /// Whether distance and visibility matter. Default false.
+    pub enabled: bool,
+    /// Distance up to which it is simulated in full [m]. Default 15, range 0.01 to 1e6. Too near: cloth stretches in plain view; too far: nothing is saved.
+    pub full_within: f32,
+    /// Distance from which on it stands still [m]. Default 150, range 0.01 to 1e6. Too near: it is seen to stop; too far: cloth of a few pixels is simulated.
+    pub still_beyond: f32,
+    /// The most that it gets after half a second in which no camera saw it, nor a light that casts its shadow. Default [`ClothDetail::Quarter`]; [`ClothDetail::Full`] leaves it to the distance.
+    pub unseen: ClothDetail,
+}
+
+impl ClothLod {
+    /// Simulated in full everywhere: the default.
+    pub const OFF: Self = Self { enabled: false, full_within: 15.0, still_beyond: 150.0, unseen: ClothDetail::Quarter };
+    /// On, with the default distances.
+    pub const ON: Self = Self { enabled: true, ..Self::OFF };
+
+    pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
+        Self {
+            full_within: checked.within("lod.full_within", self.full_within, 15.0, 0.01, 1.0e6),
+            still_beyond: checked.within("lod.still_beyond", self.still_beyond, 150.0, 0.01, 1.0e6),
+            ..*self
+        }
+    }
+}
+
+impl Default for ClothLod {
+    fn default() -> Self {
+        Self::OFF
+    }
+}
+
+/// How much of its work is done for a cloth, finest first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub enum ClothDetail {
+    /// All substeps of [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate).
+    #[default]
+    Full,
+    /// Half of them, and no fewer than 30 per second.
+    Half,
+    /// A quarter of them, and no fewer than 30 per second.
+    Quarter,
+    /// None: it is carried along rigidly.
+    Still,
+}
+
+impl ClothDetail {
+    /// From the finest to the coarsest.
+    pub const ALL: [Self; 4] = [Self::Full, Self::Half, Self::Quarter, Self::Still];
+
+    /// Share of the substeps (dimensionless).
+    #[must_use]
+    pub const fn share(self) -> f32 {
+        match self {
+            Self::Full => 1.0,
+            Self::Half => 0.5,
+            Self::Quarter => 0.25,
+            Self::Still => 0.0,
+        }
+    }
+}

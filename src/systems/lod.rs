@@ -1,0 +1,105 @@
+//! Prepare: level of detail. How many of its substeps a cloth takes, by its distance from the cameras and by whether it is seen.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use super::colliders::WorldBodies;
+use super::sleep::is_near;
+use crate::components::{Cloth, ClothDetail, ClothLod, ClothReport};
+use crate::simulation::{ClothInputs, ClothScratch};
+
+/// Share of a distance at which the next finer level begins, so that nothing flickers at the border.
+const NEARER: f64 = 0.9;
+/// Time unseen after which it counts [s]: what only leaves the picture for a moment is not touched.
+const PATIENCE: f32 = 0.5;
+/// Fewest substeps per second [Hz].
+const LEAST_RATE: f32 = 30.0;
+
+/// Scales the substeps of every cloth that has a level of detail, and stops what is far away.
+pub(crate) fn detail(
+    time: Res<Time>,
+    bodies: Res<WorldBodies>,
+    cameras: Query<(&Camera, &GlobalTransform)>,
+    mut cloths: Query<(Option<&ViewVisibility>, &ClothScratch, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
+    mut eyes: Local<Vec<DVec3>>,
+) {
+    eyes.clear();
+    let active = cameras.iter().filter(|(camera, at)| camera.is_active && at.translation().is_finite());
+    eyes.extend(active.map(|(_, at)| at.translation().as_dvec3()));
+    for (seen, scratch, mut inputs, mut report) in &mut cloths {
+        let inputs = &mut *inputs;
+        let lod = inputs.lod;
+        let detail = if lod.enabled && !eyes.is_empty() {
+            let seen = seen.is_none_or(|seen| seen.get());
+            inputs.unseen_for = if seen { 0.0 } else { inputs.unseen_for + time.delta_secs() };
+            let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
+            let (low, high) = scratch.bounds.unwrap_or((at, at));
+            let distances = eyes.iter().map(|eye| eye.clamp(low, high).distance(*eye));
+            let by_distance = at_distance(&lod, distances.fold(f64::INFINITY, f64::min), inputs.by_distance);
+            inputs.by_distance = by_distance;
+            let unseen = if inputs.unseen_for > PATIENCE { lod.unseen } else { ClothDetail::Full };
+            let detail = by_distance.max(unseen);
+            let bears = || {
+                let mut takers = bodies.bodies.iter().filter(|body| bodies.taker(body).is_some());
+                inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3(), high.as_vec3()))
+            };
+            // What a body hangs on or lies in has to hold it.
+            if detail == ClothDetail::Still && bears() { ClothDetail::Quarter } else { detail }
+        } else {
+            (inputs.by_distance, inputs.unseen_for) = (ClothDetail::Full, 0.0);
+            ClothDetail::Full
+        };
+        let rate = &mut inputs.stepping.substep_rate;
+        *rate = (*rate * detail.share()).max(rate.min(LEAST_RATE));
+        inputs.carried = detail == ClothDetail::Still && inputs.time_scale > 0.0;
+        if inputs.carried {
+            inputs.time_scale = 0.0;
+            (report.substeps, report.integrate_ms) = (0, 0.0);
+        }
+        report.detail = detail;
+    }
+}
+
+/// The level at a distance [m] of a cloth that was at `last`.
+fn at_distance(lod: &ClothLod, distance: f64, last: ClothDetail) -> ClothDetail {
+    let (near, far) = (f64::from(lod.full_within), f64::from(lod.still_beyond));
+    let level = |distance: f64| {
+        if distance > far {
+            ClothDetail::Still
+        } else if distance > 2.0 * near {
+            ClothDetail::Quarter
+        } else if distance > near {
+            ClothDetail::Half
+        } else {
+            ClothDetail::Full
+        }
+    };
+    level(distance).max(level(distance / NEARER).min(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_is_left_for_a_finer_one_a_tenth_nearer_only() {
+        use ClothDetail::{Full, Half, Quarter, Still};
+        let lod = ClothLod { full_within: 10.0, still_beyond: 100.0, ..ClothLod::ON };
+        let walk = |from: ClothDetail, way: &[f64]| {
+            let step = |last: &mut ClothDetail, &distance: &f64| {
+                *last = at_distance(&lod, distance, *last);
+                Some(*last)
+            };
+            way.iter().scan(from, step).collect::<Vec<_>>()
+        };
+        assert_eq!(walk(Full, &[0.0, 10.0, 10.1, 20.0, 20.1, 100.0, 101.0]), [Full, Full, Half, Half, Quarter, Quarter, Still]);
+        assert_eq!(walk(Still, &[99.0, 91.0, 89.0, 19.0, 17.9, 9.5, 8.9]), [Still, Still, Quarter, Quarter, Half, Half, Full]);
+        // Back and forth over a border: once.
+        assert_eq!(walk(Full, &[9.9, 10.1, 9.9, 10.1, 9.9]), [Full, Half, Half, Half, Half]);
+        // From far away right to the front, and a place that is none.
+        assert_eq!(walk(Still, &[1.0, f64::NAN]), [Full, Full]);
+        // Where it is to stand still before it is to be coarse, it does.
+        let soon = ClothLod { still_beyond: 5.0, ..lod };
+        assert_eq!(at_distance(&soon, 6.0, Full), Still);
+    }
+}

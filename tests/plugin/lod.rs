@@ -1,0 +1,173 @@
+//! Level of detail: fewer substeps far from the cameras and unseen, and cloth far away that is carried along.
+
+use bevy::prelude::*;
+use bevy_drape::ClothParticles;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+/// With levels at 10, 20 and 100 m.
+const LOD: ClothLod = ClothLod { full_within: 10.0, still_beyond: 100.0, ..ClothLod::ON };
+
+fn camera(app: &mut App, at: Vec3) -> Entity {
+    app.world_mut().spawn((Camera::default(), Transform::from_translation(at))).id()
+}
+
+/// A sheet that hangs at the origin, and a camera `distance` [m] from its box.
+fn watched(distance: f32, lod: ClothLod) -> (App, Entity, Entity) {
+    let mut app = app();
+    let camera = camera(&mut app, Vec3::new(0.5 + distance, 0.0, 0.0));
+    let cloth = spawn(&mut app, sheet(8), (border(), lod, ClothSleep::OFF));
+    run(&mut app, 5);
+    (app, cloth, camera)
+}
+
+fn place(app: &mut App, entity: Entity, at: Transform) {
+    *app.world_mut().get_mut::<Transform>(entity).expect("a transform") = at;
+}
+
+fn bits(app: &App, cloth: Entity) -> Vec<Vec4> {
+    app.world().get::<ClothParticles>(cloth).expect("a cloth").state().positions.clone()
+}
+
+#[test]
+fn substeps_follow_the_distance_from_the_nearest_active_camera() {
+    use ClothDetail::{Full, Half, Quarter, Still};
+    for (distance, detail, substeps) in [(9.0, Full, 6), (11.0, Half, 3), (25.0, Quarter, 2), (200.0, Still, 0)] {
+        let (mut app, cloth, far) = watched(distance, LOD);
+        assert_eq!((report(&app, cloth).detail, report(&app, cloth).substeps), (detail, substeps), "at {distance} m");
+        let near = camera(&mut app, Vec3::new(0.0, 0.0, 2.0));
+        run(&mut app, 1);
+        assert_eq!((report(&app, cloth).detail, report(&app, cloth).substeps), (Full, 6), "with a camera near");
+        app.world_mut().get_mut::<Camera>(near).expect("a camera").is_active = false;
+        run(&mut app, 1);
+        assert_eq!(report(&app, cloth).detail, detail, "it is off");
+        app.world_mut().despawn(far);
+        run(&mut app, 1);
+        assert_eq!(report(&app, cloth).detail, Full, "without a camera");
+    }
+}
+
+#[test]
+fn off_and_near_it_changes_no_bit() {
+    let run_with = |lod: ClothLod, distance: f32| {
+        let (mut app, cloth, _) = watched(distance, lod);
+        run(&mut app, 60);
+        bits(&app, cloth)
+    };
+    let without = run_with(ClothLod::default(), 1.0);
+    assert!(!ClothLod::default().enabled);
+    assert!(run_with(ClothLod::default(), 500.0) == without, "off");
+    assert!(run_with(LOD, 1.0) == without, "near");
+    assert!(run_with(LOD, 12.0) != without, "it made no difference far away");
+}
+
+#[test]
+fn what_nobody_sees_for_half_a_second_gets_less_until_it_is_seen() {
+    for unseen in [ClothDetail::Quarter, ClothDetail::Still, ClothDetail::Full] {
+        let (mut app, cloth, _) = watched(1.0, ClothLod { unseen, ..LOD });
+        app.world_mut().entity_mut(cloth).insert(ViewVisibility::HIDDEN);
+        run(&mut app, 28);
+        assert_eq!(report(&app, cloth).detail, ClothDetail::Full, "for a moment");
+        run(&mut app, 5);
+        assert_eq!(report(&app, cloth).detail, unseen);
+        app.world_mut().entity_mut(cloth).remove::<ViewVisibility>();
+        run(&mut app, 1);
+        assert_eq!(report(&app, cloth).detail, ClothDetail::Full, "seen again");
+    }
+}
+
+#[test]
+fn far_away_it_is_carried_along_with_what_it_hangs_on_and_goes_on_when_it_comes_near() {
+    let (mut app, cloth, camera) = watched(1.0, LOD);
+    record::<ClothTeleported>(&mut app);
+    run(&mut app, 20);
+    place(&mut app, camera, Transform::from_xyz(500.0, 0.0, 0.0));
+    run(&mut app, 2);
+    let (time, before) = (report(&app, cloth).time, particles(&app, cloth));
+    let mut at = Transform::IDENTITY;
+    // A walk of 10 m in a curve, over which a cloth that is dragged would trail behind.
+    for frame in 0..200 {
+        at = Transform::from_xyz(0.05 * frame as f32, 0.01 * frame as f32, 0.0)
+            .with_rotation(Quat::from_rotation_y(0.01 * frame as f32));
+        place(&mut app, cloth, at);
+        run(&mut app, 1);
+    }
+    let worst =
+        particles(&app, cloth).iter().zip(&before).map(|(now, &was)| now.distance(at.transform_point(was))).fold(0.0, f32::max);
+    assert!(worst < 1.0e-4, "{worst} m off");
+    let shown = world_positions(&app, cloth).iter().all(|p| particles(&app, cloth).iter().any(|x| x.distance(*p) < 1.0e-3));
+    assert!(shown, "the mesh is elsewhere");
+    assert_eq!((report(&app, cloth).time, report(&app, cloth).detail), (time, ClothDetail::Still));
+    assert!(seen::<ClothTeleported>(&app).is_empty());
+
+    let stood = particles(&app, cloth);
+    place(&mut app, camera, at);
+    run(&mut app, 1);
+    let step = particles(&app, cloth).iter().zip(&stood).map(|(now, was)| now.distance(*was)).fold(0.0, f32::max);
+    assert!(report(&app, cloth).time > time && step < 0.1, "it jumped by {step} m");
+    run(&mut app, 60);
+    let edge = report(&app, cloth).worst_edge;
+    assert!(edge < 1.1 && finite(&app, cloth), "{edge}");
+}
+
+#[test]
+fn a_cloth_that_is_paused_is_not_carried_along() {
+    let (mut app, cloth, _) = watched(500.0, LOD);
+    app.world_mut().get_mut::<ClothSolver>(cloth).expect("a cloth").time_scale = 0.0;
+    let before = particles(&app, cloth);
+    place(&mut app, cloth, Transform::from_xyz(0.0, 0.5, 0.0));
+    run(&mut app, 5);
+    assert!(particles(&app, cloth) == before);
+}
+
+#[test]
+fn a_cloth_that_stands_still_is_an_obstacle_and_lets_others_sleep() {
+    let mut app = app();
+    camera(&mut app, Vec3::new(500.0, 0.0, 0.0));
+    let material = ClothMaterial { thickness: 0.01, ..default() };
+    let below = spawn(&mut app, sheet(12), (LOD, material.clone()));
+    let above = spawn(&mut app, sheet(9), (material, Transform::from_xyz(0.02, 0.1, 0.01).with_scale(Vec3::splat(0.6))));
+    let mut slept = None;
+    for frame in 0..900 {
+        run(&mut app, 1);
+        let low = lowest(&particles(&app, above));
+        assert!(low > 0.005, "frame {frame}: it fell through, to {low} m");
+        assert_eq!(report(&app, below).detail, ClothDetail::Still);
+        if report(&app, above).asleep {
+            slept = Some(frame);
+            break;
+        }
+    }
+    assert!(slept.is_some(), "awake after 15 s: {:?}", report(&app, above));
+    // Nothing is looked for any more.
+    run(&mut app, 2);
+    let report_of = |cloth| report(&app, cloth).detect_ms;
+    assert_eq!((report_of(above), report_of(below)), (0.0, 0.0));
+}
+
+#[test]
+fn cloth_that_two_way_bodies_hang_on_or_are_near_does_not_stand_still() {
+    let mut app = app();
+    camera(&mut app, Vec3::new(500.0, 0.0, 0.0));
+    let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
+    let flag = spawn(&mut app, sheet(8), (border().to(mast), LOD));
+    let net = spawn(&mut app, sheet(8), (border(), LOD, Transform::from_xyz(0.0, 0.0, 10.0)));
+    let place = Transform::from_xyz(0.0, 5.0, 10.0);
+    let ball = app.world_mut().spawn((ClothCollider::ball(0.2), ClothCoupling::TwoWay, place)).id();
+    run(&mut app, 30);
+    let pull = app.world().get::<ClothImpulse>(mast).expect("a mast").linear.y;
+    assert!(report(&app, flag).detail == ClothDetail::Quarter && pull < 0.0, "{:?}, {pull} N s", report(&app, flag));
+    assert_eq!(report(&app, net).detail, ClothDetail::Still);
+    self::place(&mut app, ball, Transform::from_xyz(0.0, 0.1, 10.0));
+    run(&mut app, 2);
+    assert_eq!(report(&app, net).detail, ClothDetail::Quarter, "with the ball at it");
+}
+
+#[test]
+fn distances_out_of_range_are_named_and_used_clamped() {
+    let (app, cloth, _) = watched(1.0, ClothLod { full_within: -1.0, still_beyond: f32::NAN, ..LOD });
+    let clamped = &report(&app, cloth).clamped;
+    assert_eq!(clamped.iter().map(AsRef::as_ref).collect::<Vec<&str>>(), ["lod.full_within", "lod.still_beyond"]);
+    assert_eq!(report(&app, cloth).detail, ClothDetail::Quarter);
+}
