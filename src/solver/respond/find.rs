@@ -103,8 +103,8 @@ struct Flatness {
     known: bool,
 }
 
-/// Up to this many times it is cheaper to look around the particle than at all.
-const FEW: u32 = 512;
+/// Of this many particles one may be asked for before it is cheaper to look at all.
+const FEW: usize = 8;
 
 impl Flatness {
     fn new(surface: &Surface) -> Self {
@@ -123,7 +123,7 @@ impl Flatness {
     fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
         if !self.known {
             self.asked += 1;
-            if self.asked <= FEW {
+            if self.asked as usize * FEW <= self.flat.len() {
                 let now = is_flat(v, surface, |v| Vec3A::from_vec4(positions[v as usize]));
                 return now && is_flat(v, surface, |v| ahead[v as usize]);
             }
