@@ -26,7 +26,7 @@ const STEP: f32 = 1.15;
 fn main() -> AppExit {
     Stage::new("flag")
         .camera(OrbitCamera::around(Vec3::new(0.5, 1.7, 0.0), 6.6).from(-0.12, 0.08))
-        .hint("up, down: wind   I: panel")
+        .hint("up, down: wind   I: panel   click: pick a flag for it")
         .report(report)
         .build()
         .add_plugins((ClothPlugin::default(), ClothInspectorPlugin::default()))
@@ -53,16 +53,17 @@ fn setup(
     });
     let flags = [
         (
+            "silk flag",
             FabricLook::Stripes(Color::srgb(0.95, 0.94, 0.90)),
             Color::srgb(0.72, 0.08, 0.10),
             2.0,
             ClothMaterial::SILK,
             (-2.0, -0.5),
         ),
-        (FabricLook::Cotton, Color::srgb(0.95, 0.62, 0.08), 8.0, ClothMaterial::COTTON, (-0.1, 0.0)),
-        (FabricLook::Denim, Color::srgb(0.10, 0.20, 0.45), 16.0, ClothMaterial::DENIM, (1.8, -0.5)),
+        ("cotton flag", FabricLook::Cotton, Color::srgb(0.95, 0.62, 0.08), 8.0, ClothMaterial::COTTON, (-0.1, 0.0)),
+        ("denim flag", FabricLook::Denim, Color::srgb(0.10, 0.20, 0.45), 16.0, ClothMaterial::DENIM, (1.8, -0.5)),
     ];
-    for (look, color, repeats, cloth, (x, z)) in flags {
+    for (name, look, color, repeats, cloth, (x, z)) in flags {
         let cloth_material = fabric(&mut images, &mut materials, look, color, repeats);
         commands.spawn((
             Mesh3d(pole.clone()),
@@ -74,6 +75,7 @@ fn setup(
             Mesh3d(sheet.clone()),
             MeshMaterial3d(cloth_material),
             Transform::from_xyz(x + SIZE.x / 2.0, HEIGHT - SIZE.y / 2.0, z),
+            Name::new(name),
             Cloth,
             cloth,
             ClothPins::where_position(|p| p.x < -0.49 * SIZE.x),

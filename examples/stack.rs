@@ -58,6 +58,7 @@ fn sheets(
     for i in 0..count {
         let color = Color::hsl(360.0 * i as f32 / count as f32, 0.55, 0.45);
         commands.spawn((
+            Name::new(format!("sheet {}", i + 1)),
             Mesh3d(sheet.clone()),
             MeshMaterial3d(fabric(&mut images, &mut materials, FabricLook::Cotton, color, 12.0)),
             Transform::from_translation(ORIGIN + stack::place(i)),

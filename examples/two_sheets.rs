@@ -106,6 +106,7 @@ fn sheets(
     let untangle =
         (Untangle::default().with_method(choice.method), ClothCollision { self_collision: false, contact: false, ..default() });
     commands.spawn((
+        Name::new("stretched sheet"),
         Most::default(),
         Mesh3d(meshes.add(flat)),
         MeshMaterial3d(cream),
@@ -114,6 +115,7 @@ fn sheets(
         ClothPins::where_position(|p| p.x.abs() > 0.499 && p.z.abs() > 0.499),
     ));
     commands.spawn((
+        Name::new("driven sheet"),
         Driven,
         Mesh3d(meshes.add(hanging.with_generated_tangents()?)),
         MeshMaterial3d(blue),

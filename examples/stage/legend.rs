@@ -1,27 +1,38 @@
-//! What the colours mean that are drawn with `--debug`.
+//! What the colours mean of the debug drawing.
 
 use bevy::prelude::*;
 use bevy::ui::UiTargetCamera;
 use bevy_drape::ClothDebug;
 
-/// Writes the legend in the upper right corner of what the camera shows.
-pub fn spawn(mut commands: Commands, debug: Res<ClothDebug>, cameras: Query<Entity, With<Camera3d>>) {
-    for camera in &cameras {
+/// The legend on what a camera shows.
+#[derive(Component)]
+pub struct Legend;
+
+/// Writes the legend at the left of what every camera shows, below the hint.
+pub fn write(
+    mut commands: Commands,
+    debug: Res<ClothDebug>,
+    cameras: Query<Entity, With<Camera3d>>,
+    legends: Query<Entity, With<Legend>>,
+) {
+    legends.iter().for_each(|legend| commands.entity(legend).despawn());
+    let lines = debug.legend();
+    for camera in cameras.iter().filter(|_| !lines.is_empty()) {
         let corner = Node {
             position_type: PositionType::Absolute,
-            top: px(12),
-            right: px(12),
+            top: px(64),
+            left: px(12),
             flex_direction: FlexDirection::Column,
             padding: UiRect::all(px(6)),
             ..default()
         };
         let paper = BackgroundColor(Color::srgba(0.12, 0.12, 0.14, 0.75));
-        commands.spawn((corner, paper, UiTargetCamera(camera))).with_children(|lines| {
-            for line in debug.legend() {
+        commands.spawn((Legend, corner, paper, UiTargetCamera(camera))).with_children(|rows| {
+            for line in &lines {
                 let text = format!("{}: {}", line.item, line.label);
                 let font = TextFont { font_size: FontSize::Px(12.0), ..default() };
                 let row = Node { align_items: AlignItems::Center, column_gap: px(6), ..default() };
-                lines.spawn(row).with_children(|row| {
+                rows.spawn(row).with_children(|row| {
                     row.spawn((Node { width: px(10), height: px(10), ..default() }, BackgroundColor(line.color)));
                     row.spawn((Text::new(text), font, TextColor(Color::WHITE)));
                 });

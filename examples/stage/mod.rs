@@ -142,9 +142,12 @@ impl Stage {
             Venue::Studio(_, quality) => set::studio(&mut app, self.camera, quality),
             Venue::Dark => set::dark(&mut app, self.camera),
         }
-        if !self.args.debug.is_empty() {
+        // In a window it can be switched on later, in the panel.
+        if !self.args.debug.is_empty() || matches!(venue, Venue::Window(_)) {
             let items = self.args.debug.iter().map(String::as_str);
-            app.add_plugins(ClothDebugPlugin).insert_resource(ClothDebug::only(items)).add_systems(PostStartup, legend::spawn);
+            app.add_plugins(ClothDebugPlugin)
+                .insert_resource(ClothDebug::only(items))
+                .add_systems(Update, legend::write.run_if(resource_changed::<ClothDebug>));
         }
         if !matches!(venue, Venue::Window(_)) {
             let world = app.world_mut();

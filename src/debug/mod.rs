@@ -44,6 +44,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use crate::plugin;
+use crate::solver::rest::{NONE, RestShape};
 
 /// Draws what the solver sees, as [`ClothDebug`] says. Without it nothing is kept for drawing and nothing is spent on it.
 ///
@@ -209,7 +210,15 @@ impl Plugin for ClothDebugPlugin {
     }
 }
 
+/// The edges at the border of a shape; all of one that has none.
+pub(crate) fn border(rest: &RestShape) -> impl Iterator<Item = [u32; 2]> + '_ {
+    let topology = &rest.topology;
+    let closed = !topology.edge_faces.iter().any(|faces| faces.contains(&NONE));
+    let edges = topology.edges.iter().zip(&topology.edge_faces);
+    edges.filter(move |(_, faces)| closed || faces.contains(&NONE)).map(|(edge, _)| *edge)
+}
+
 /// A point of a frame of simulation in the world, as gizmos want it [m].
-fn place(origin: DVec3, point: Vec3) -> Vec3 {
+pub(crate) fn place(origin: DVec3, point: Vec3) -> Vec3 {
     (origin + point.as_dvec3()).as_vec3()
 }

@@ -10,10 +10,9 @@
 
 use bevy::prelude::*;
 
-use super::{ClothGizmos, place};
+use super::{ClothGizmos, border, place};
 use crate::components::{Cloth, ClothDetail, ClothReport};
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
-use crate::solver::rest::NONE;
 
 /// How a cloth is stepped: what it is at in full, and what it costs less for being far away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,10 +73,9 @@ pub(super) fn draw(
     cloths: Query<(&ClothRest, &ClothParticles, &ClothScratch, &ClothReport), With<Cloth>>,
 ) {
     for (rest, particles, scratch, report) in &cloths {
-        let (topology, x) = (&rest.shape().topology, &particles.state().positions);
-        let closed = !topology.edge_faces.iter().any(|faces| faces.contains(&NONE));
+        let x = &particles.state().positions;
         let color = Rest::of(report, scratch).color();
-        for (edge, _) in topology.edges.iter().zip(&topology.edge_faces).filter(|(_, faces)| closed || faces.contains(&NONE)) {
+        for edge in border(rest.shape()) {
             let [Some(a), Some(b)] = edge.map(|v| x.get(v as usize).map(|x| place(particles.origin(), x.truncate()))) else {
                 continue;
             };

@@ -24,6 +24,7 @@ pub(super) fn pad(ui: &mut Ui, label: &str, velocity: Vec3) -> Option<Vec3> {
     pointer.map(|at| {
         let offset = (at - center) * (RIM / radius);
         let flat = offset * (RIM / offset.length().max(RIM));
-        Vec3::new(flat.x, velocity.y, flat.y)
+        let tenth = |x: f32| (10.0 * x).round() / 10.0;
+        Vec3::new(tenth(flat.x), velocity.y, tenth(flat.y))
     })
 }

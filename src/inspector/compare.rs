@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy_egui::egui::{CollapsingHeader, Color32, Grid, RichText, ScrollArea, TextEdit, Ui};
+use bevy_egui::egui::{Button, CollapsingHeader, Color32, Grid, RichText, ScrollArea, TextEdit, Ui};
 
 use super::entry::show;
 use super::export::{as_ron, as_rust, from_ron};
@@ -89,7 +89,12 @@ pub(super) fn answer(ui: &Ui, ask: Ask, state: &mut ClothInspector, edit: &mut E
 
 /// A button with a name for screen readers and tests.
 pub(super) fn button(ui: &mut Ui, text: &str, label: &str, tip: &str) -> bool {
-    let response = ui.button(text);
+    pressed(ui, Button::new(text), label, tip)
+}
+
+/// As [`button`], made elsewhere.
+pub(super) fn pressed(ui: &mut Ui, button: Button<'_>, label: &str, tip: &str) -> bool {
+    let response = ui.add(button);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
     response.on_hover_text(tip).clicked()
 }
@@ -103,7 +108,11 @@ pub(super) fn presets(ui: &mut Ui, material: &ClothMaterial) -> Option<Ask> {
         for (name, preset) in default.into_iter().chain(ClothMaterial::PRESETS) {
             let response = ui.selectable_label(*material == preset, name);
             ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(format!("preset {name}")));
-            if response.clicked() {
+            let [density, stretch, bend] = [preset.density, preset.stretch_stiffness, preset.bend_stiffness];
+            let tip = format!(
+                "Takes this material: {density} kg/m², stretch {stretch} N/m, bend {bend:e} N·m. Every other setting stays."
+            );
+            if response.on_hover_text(tip).clicked() {
                 asked = Some(Ask::Preset(preset));
             }
         }
@@ -118,7 +127,8 @@ pub(super) fn compare(ui: &mut Ui, state: &mut ClothInspector, settings: &ClothS
     ui.horizontal(|ui| {
         for (i, (name, kept)) in NAMES.into_iter().zip(&state.kept).enumerate() {
             let text = format!("keep as {name}");
-            if button(ui, &text, &text, "Keeps the settings of this cloth to be compared.") {
+            let tip = "Keeps the settings of this cloth, but its pins, to go back to; with both A and B kept, what differs is listed.";
+            if button(ui, &text, &text, tip) {
                 asked = Some(Ask::Keep(i));
             }
             let shown = kept.as_ref().is_some_and(|kept| {
@@ -202,14 +212,14 @@ pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector) -> Option<Ask> {
     });
     if !state.copied.is_empty() {
         CollapsingHeader::new("Copied").default_open(false).show(ui, |ui| {
-            ui.add(TextEdit::multiline(&mut state.copied.as_str()).code_editor().desired_rows(3));
+            ui.add(TextEdit::multiline(&mut state.copied.as_str()).code_editor().desired_rows(3).desired_width(f32::INFINITY));
         });
     }
     ui.horizontal(|ui| {
         ui.label("File");
         let response = ui.add(TextEdit::singleline(&mut state.file).hint_text("my_fabric.cloth.ron").desired_width(170.0));
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("file name"));
-        let saves = "Writes the material to the file, and what else differs from its default: solver, collision, untangling, what is shown while tangled, wind of its own. Sleep, level of detail, pins and the world are not in files.";
+        let saves = "Writes to the path, from the folder that the program runs in, and adds .cloth.ron: the material, and what else differs from its default: solver, collision, untangling, what is shown while tangled, wind of its own. Sleep, level of detail, pins and the world are not in files.";
         if button(ui, "save", "save to file", saves) {
             asked = Some(Ask::Save);
         }

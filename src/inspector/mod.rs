@@ -18,9 +18,13 @@
 mod actions;
 mod air;
 mod compare;
+#[cfg(feature = "debug")]
+mod drawing;
 mod entry;
 mod export;
 mod history;
+#[cfg(feature = "debug")]
+mod mark;
 mod panel;
 mod pick;
 mod pins;

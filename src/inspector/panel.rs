@@ -1,17 +1,20 @@
 //! The panel: from the cloth that is picked to its curves, top to bottom.
 
 use bevy::prelude::*;
-use bevy_egui::egui::{CollapsingHeader, ScrollArea, Ui};
+use bevy_egui::egui::{Button, CollapsingHeader, ScrollArea, Ui, vec2};
 
 use super::actions::Action;
-use super::compare::{self, Ask, button};
+use super::compare::{self, Ask, button, pressed};
+#[cfg(feature = "debug")]
+use super::drawing;
 use super::row::{self, Row};
 use super::setting::{Part, Scale};
 use super::settings::{ClothSettings, Edit};
 use super::state::ClothInspector;
 use super::table::settings_of;
 use super::{air, pins, plots};
-use crate::components::{Cloth, ClothBuildReport, ClothError, ClothReport, ClothStatus};
+use crate::components::{Cloth, ClothBuildReport, ClothError, ClothMaterial, ClothReport, ClothStatus};
+use crate::groups::ClothGroups;
 
 /// Draws the panel into a window of the app's own.
 ///
@@ -44,15 +47,18 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
         ui.weak("there is no cloth");
         return;
     };
-    status(ui, world, cloth);
+    let groups = world.get_resource::<ClothGroups>();
+    let crossings = groups.map_or(0, |groups| groups.list.iter().map(|group| group.group.total().crossings).sum());
+    status(ui, world, cloth, crossings);
     let mut edit = Edit::new(settings);
     actions(ui, state, cloth);
     ui.separator();
-    let mut asked: Vec<Ask> = compare::presets(ui, &edit.settings.material).into_iter().collect();
-    asked.extend(compare::compare(ui, state, &edit.settings));
-    asked.extend(compare::files(ui, state));
-    ui.separator();
+    let mut asked: Vec<Ask> = Vec::new();
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+        asked.extend(compare::presets(ui, &edit.settings.material));
+        asked.extend(compare::compare(ui, state, &edit.settings));
+        asked.extend(compare::files(ui, state));
+        ui.separator();
         for part in Part::ALL {
             // What is tuned most is next to what it does.
             if part == Part::Solver {
@@ -78,6 +84,8 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
                 });
             });
         }
+        #[cfg(feature = "debug")]
+        section(ui, "Debug drawing", false, |ui| drawing::show(ui, world));
     });
     // Buttons act after the rows: the click on one ends what was being typed.
     for ask in asked {
@@ -120,7 +128,10 @@ fn clock(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
     ui.horizontal(|ui| {
         let paused = clock.is_paused();
         let tip = "Stops the clock of the game, or lets it run.";
-        if button(ui, if paused { "▶ run" } else { "⏸ pause" }, if paused { "run" } else { "pause" }, tip) {
+        // As wide either way, so that what is next to it stays under the pointer.
+        let size = vec2(62.0, ui.spacing().interact_size.y);
+        let toggle = Button::new(if paused { "▶ run" } else { "⏸ pause" }).min_size(size);
+        if pressed(ui, toggle, if paused { "run" } else { "pause" }, tip) {
             if paused {
                 clock.unpause();
             } else {
@@ -170,24 +181,35 @@ fn choose(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
     });
 }
 
+/// Times the strain limit from which on a cloth counts as overstretched.
+const OVERSTRETCHED: f32 = 4.0;
+const STATUS: &str = "Of this cloth, in the last frame. Crossings are edges that go through faces, of it and of what it meets; in brackets those of all cloths. The worst edge is its longest over its \
+     length at rest. The time is what it cost, its share of what cloths do together included.";
+
 /// Whether it is simulated, why not, and what of its settings is not used as given.
-fn status(ui: &mut Ui, world: &World, cloth: Entity) {
+fn status(ui: &mut Ui, world: &World, cloth: Entity, crossings: u32) {
     let error = world.get::<ClothError>(cloth);
     match (world.get::<ClothStatus>(cloth), error) {
         (_, Some(error)) => ui.colored_label(ui.visuals().error_fg_color, error.to_string()),
         (Some(ClothStatus::Waiting(what)), None) => ui.colored_label(ui.visuals().warn_fg_color, format!("waits for {what:?}")),
         _ => {
+            let all = if crossings == 0 { String::new() } else { format!(" ({crossings} in all)") };
             let (Some(report), Some(build)) = (world.get::<ClothReport>(cloth), world.get::<ClothBuildReport>(cloth)) else {
                 return;
             };
-            ui.weak(format!(
-                "{} particles, {} substeps, {} crossings, worst edge {:+.1} %, {:.2} ms",
+            let stretch = report.worst_edge.max(1.0) - 1.0;
+            let text = format!(
+                "{} particles, {} substeps, {} crossings{all}, worst edge {:+.1} %, {:.2} ms",
                 build.particles,
                 report.substeps,
                 report.crossings,
-                100.0 * (report.worst_edge.max(1.0) - 1.0),
+                100.0 * stretch,
                 report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms
-            ))
+            );
+            let limit = world.get::<ClothMaterial>(cloth).map_or(f32::INFINITY, |material| material.strain_limit);
+            let bad = report.crossings > 0 || stretch > OVERSTRETCHED * limit;
+            let color = if bad { ui.visuals().warn_fg_color } else { ui.visuals().weak_text_color() };
+            ui.colored_label(color, text).on_hover_text(STATUS)
         }
     };
     if let Some(report) = world.get::<ClothReport>(cloth).filter(|report| !report.clamped.is_empty()) {

@@ -1,7 +1,7 @@
 //! The last ten seconds of one cloth as curves, and a strip that shows which frames were held and why.
 
 use bevy_egui::egui::{Color32, Rect, RichText, Sense, Ui, pos2, vec2};
-use egui_plot::{FilledArea, Line, Plot, PlotPoint, PlotPoints, PlotUi};
+use egui_plot::{FilledArea, Line, Plot, PlotPoint, PlotPoints, PlotTransform, PlotUi};
 
 use super::history::{History, SPAN, STAGES, Sample, Verdict};
 
@@ -43,14 +43,15 @@ pub(super) fn show(ui: &mut Ui, history: &History, curves: &mut Curves) {
         ui.weak("nothing was simulated yet");
         return;
     };
-    heading(ui, "Stages [ms]", &core::array::from_fn::<_, { STAGES.len() }, _>(|i| (STAGES[i], COLORS[i])));
+    heading(ui, "Stages [ms]", &core::array::from_fn::<_, { STAGES.len() }, _>(|i| (STAGES[i].into(), COLORS[i])));
     stages(ui, history, curves, now);
     line(ui, "Crossings", history, curves, now, &[("edges that cross faces", COLORS[2], &|s| f64::from(s.crossings))]);
-    line(ui, "Contour length [m]", history, curves, now, &[("all contours", COLORS[4], &|s| f64::from(s.contour_length))]);
+    let contours: (&str, Color32, Of<'_>) = ("all contours", COLORS[4], &|s| f64::from(s.contour_length));
+    let across = line(ui, "Contour length [m]", history, curves, now, &[contours]);
     let shown = [Verdict::Clean, Verdict::Held, Verdict::Fading, Verdict::Spent].map(color);
     let names = ["clean", "held", "fading", "crossing is shown"];
-    heading(ui, "Frames", &core::array::from_fn::<_, 4, _>(|i| (names[i], shown[i])));
-    strip(ui, history, now);
+    heading(ui, "Frames", &core::array::from_fn::<_, 4, _>(|i| (names[i].into(), shown[i])));
+    strip(ui, history, now, &across);
     let percent = |ratio: f32| 100.0 * f64::from((ratio - 1.0).max(-1.0));
     let worst: (&str, Color32, Of<'_>) = ("worst edge", COLORS[1], &|s| percent(s.worst_edge));
     line(ui, "Stretch [%]", history, curves, now, &[worst, ("mean edge", COLORS[0], &|s| percent(s.mean_edge))]);
@@ -58,11 +59,11 @@ pub(super) fn show(ui: &mut Ui, history: &History, curves: &mut Curves) {
 }
 
 /// What is drawn below, and in which colours.
-fn heading(ui: &mut Ui, name: &str, colors: &[(&str, Color32)]) {
+fn heading(ui: &mut Ui, name: &str, colors: &[(String, Color32)]) {
     ui.horizontal(|ui| {
         ui.label(name);
         for (name, color) in colors {
-            ui.label(RichText::new(*name).small().color(*color));
+            ui.label(RichText::new(name).small().color(*color));
         }
     });
 }
@@ -83,10 +84,20 @@ fn plot<'a>(name: &'static str) -> Plot<'a> {
         .show_grid([false, true])
         .y_axis_min_width(34.0)
         .set_margin_fraction(vec2(0.0, 0.08))
+        .x_axis_formatter(|mark, _| format!("{:.0} s", mark.value))
 }
 
-fn line(ui: &mut Ui, name: &'static str, history: &History, curves: &mut Curves, now: f64, lines: &[(&str, Color32, Of<'_>)]) {
-    heading(ui, name, &lines.iter().map(|(name, color, _)| (*name, *color)).collect::<Vec<_>>());
+/// Draws curves below what they are and where they are now; returns where time lies on the screen.
+fn line(
+    ui: &mut Ui,
+    name: &'static str,
+    history: &History,
+    curves: &mut Curves,
+    now: f64,
+    lines: &[(&str, Color32, Of<'_>)],
+) -> PlotTransform {
+    let newest = |of: &Of<'_>| history.newest().map_or(String::new(), |sample| short(of(sample)));
+    heading(ui, name, &lines.iter().map(|(name, color, of)| (format!("{name}: {}", newest(of)), *color)).collect::<Vec<_>>());
     // All curves in one buffer, cut by lines.
     curves.points.clear();
     for (_, _, of) in lines {
@@ -94,11 +105,21 @@ fn line(ui: &mut Ui, name: &'static str, history: &History, curves: &mut Curves,
     }
     let each = (curves.points.len() / lines.len().max(1)).max(1);
     let points = &curves.points;
-    plot(name).show(ui, |ui: &mut PlotUi<'_>| {
+    let shown = plot(name).show(ui, |ui: &mut PlotUi<'_>| {
         for ((label, color, _), points) in lines.iter().zip(points.chunks(each)) {
             ui.line(Line::new(*label, PlotPoints::Borrowed(points)).color(*color).width(1.2));
         }
     });
+    shown.transform
+}
+
+/// A number in few characters.
+fn short(value: f64) -> String {
+    if value == 0.0 || (0.01..1.0e5).contains(&value.abs()) {
+        format!("{value:.3}").trim_end_matches('0').trim_end_matches('.').into()
+    } else {
+        format!("{value:.1e}")
+    }
 }
 
 fn stages(ui: &mut Ui, history: &History, curves: &mut Curves, now: f64) {
@@ -122,10 +143,11 @@ fn finite(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// A bar for each sample; the pointer over it says why.
-fn strip(ui: &mut Ui, history: &History, now: f64) {
+/// A bar for each sample, below the plot that lies `across`; the pointer over it says why.
+fn strip(ui: &mut Ui, history: &History, now: f64, across: &PlotTransform) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), STRIP), Sense::hover());
-    let x = |time: f64| rect.left() + rect.width() * (1.0 + (time - now) / SPAN) as f32;
+    let rect = Rect::from_x_y_ranges(across.frame().x_range(), rect.y_range());
+    let x = |time: f64| across.position_from_point_x(time - now);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     // Neighbours of one kind are one bar.

@@ -58,6 +58,8 @@ impl Plugin for ClothInspectorPlugin {
             app.add_systems(PreUpdate, absorb.after(EguiPreUpdateSet::ProcessInput));
         }
         app.add_systems(EguiPrimaryContextPass, show);
+        #[cfg(feature = "debug")]
+        app.add_systems(Update, super::mark::mark.run_if(resource_exists::<Assets<GizmoAsset>>));
     }
 }
 
@@ -109,6 +111,7 @@ fn show(world: &mut World) {
         .open(&mut open)
         .default_width(WIDTH)
         .default_height(area.height() - 2.0 * GAP - 40.0)
+        .max_height(area.height() - 2.0 * GAP - 40.0)
         .default_pos([area.right() - WIDTH - 3.0 * GAP, area.top() + GAP])
         .resizable(true)
         .show(&context, |ui| cloth_inspector(ui, world));

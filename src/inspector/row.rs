@@ -80,7 +80,8 @@ pub(super) fn number(ui: &mut Ui, row: &Row<'_>, value: f64) -> Option<f64> {
             let typed = typed(ui, id, row, value);
             new = new.or(typed);
             ui.add_sized([UNIT, HEIGHT], Label::new(RichText::new(row.unit).weak()).halign(Align::LEFT));
-            new = reset(ui, row.label, &shown, value, row.default).or(new);
+            let refused = ui.data(|data| data.get_temp::<Entry>(id)).is_some_and(|entry| entry.refused.is_some());
+            new = reset(ui, row.label, &shown, (value, refused), row.default).or(new);
             if new.is_some() {
                 ui.data_mut(|data| data.remove::<Entry>(id));
             }
@@ -181,10 +182,16 @@ fn typed(ui: &mut Ui, id: Id, row: &Row<'_>, value: f64) -> Option<f64> {
     new
 }
 
-/// A button that leads back to the default.
-fn reset(ui: &mut Ui, label: &str, show: &dyn Fn(f64) -> String, value: f64, default: Option<f64>) -> Option<f64> {
+/// A button that leads back to the default, from another value or from text that was `refused`.
+fn reset(
+    ui: &mut Ui,
+    label: &str,
+    show: &dyn Fn(f64) -> String,
+    (value, refused): (f64, bool),
+    default: Option<f64>,
+) -> Option<f64> {
     let default = default?;
-    let away = differs(value, default);
+    let away = refused || differs(value, default);
     let glyph = RichText::new("⟲").color(if away { ui.visuals().text_color() } else { Color32::TRANSPARENT });
     let response = ui.add_enabled(away, Button::new(glyph).small().frame(away));
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, away, format!("reset {label}")));
@@ -207,7 +214,7 @@ fn switch(ui: &mut Ui, label: &str, text: &str, tips: [&str; 3], value: f64, def
         });
         let new = response.changed().then_some(f64::from(u8::from(on)));
         ui.weak(&told);
-        reset(ui, label, &named, value, default).or(new)
+        reset(ui, label, &named, (value, false), default).or(new)
     })
     .inner
 }
@@ -222,7 +229,7 @@ pub(super) fn choice(
     default: Option<f64>,
 ) -> Option<f64> {
     let named = |v: f64| options.get(v as usize).map_or(String::new(), |o| (*o).to_string());
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         name(ui, text, tips, default.is_some_and(|d| differs(d, value)), || {
             default.map_or(String::new(), |d| format!("default {}", named(d)))
         });
@@ -245,7 +252,7 @@ pub(super) fn choice(
                 new = Some(i as f64);
             }
         }
-        reset(ui, label, &named, value, default).or(new)
+        reset(ui, label, &named, (value, false), default).or(new)
     })
     .inner
 }

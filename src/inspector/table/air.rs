@@ -28,7 +28,7 @@ const SIZE: [&str; 3] = [
 ];
 const OFTEN: [&str; 3] = ["How often the largest gusts change on top of passing by.", "Gusts only pass.", "The wind flickers."];
 const SEEDS: [&str; 3] =
-    ["Seed of the gusts: the same seed blows the same gusts.", "None is worse than another.", "None is better than another."];
+    ["Seed of the gusts: the same seed blows the same gusts.", "Other gusts, no weaker.", "Other gusts, no stronger."];
 const AIR: [&str; 3] =
     ["Density of the air; 1.225 at sea level, water has 1000.", "0 is vacuum: no wind and no drag.", "Moves as under water."];
 
