@@ -54,9 +54,9 @@ xdotool mousemove 190 190; wait_frames
 xdotool click 1; wait_frames
 shot 2_flag_is_picked
 # The first slider of the material is its density: dragged to the right.
-xdotool mousemove "${SLIDER_X:-1030}" "${SLIDER_Y:-314}"; wait_frames
+xdotool mousemove "${SLIDER_X:-1030}" "${SLIDER_Y:-329}"; wait_frames
 xdotool mousedown 1; wait_frames
-for x in 5 15 25 35; do xdotool mousemove "$((${SLIDER_X:-1030} + x))" "${SLIDER_Y:-314}"; sleep 1; done
+for x in 5 15 25 35; do xdotool mousemove "$((${SLIDER_X:-1030} + x))" "${SLIDER_Y:-329}"; sleep 1; done
 wait_frames; xdotool mouseup 1; wait_frames
 shot 3_density_is_dragged
 sleep 8

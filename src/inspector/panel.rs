@@ -199,11 +199,11 @@ fn status(ui: &mut Ui, world: &World, cloth: Entity, crossings: u32) {
             };
             let stretch = report.worst_edge.max(1.0) - 1.0;
             let text = format!(
-                "{} particles, {} substeps, {} crossings{all}, worst edge {:+.1} %, {:.2} ms",
-                build.particles,
-                report.substeps,
+                "{} crossings{all}, worst edge {:+.1} %\n{} particles, {} substeps, {:.2} ms",
                 report.crossings,
                 100.0 * stretch,
+                build.particles,
+                report.substeps,
                 report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms
             );
             let limit = world.get::<ClothMaterial>(cloth).map_or(f32::INFINITY, |material| material.strain_limit);

@@ -107,14 +107,17 @@ fn show(world: &mut World) {
     }
     let mut open = true;
     let area = context.content_rect();
-    egui::Window::new("Cloth")
-        .open(&mut open)
-        .default_width(WIDTH)
-        .default_height(area.height() - 2.0 * GAP - 40.0)
-        .max_height(area.height() - 2.0 * GAP - 40.0)
-        .default_pos([area.right() - WIDTH - 3.0 * GAP, area.top() + GAP])
-        .resizable(true)
-        .show(&context, |ui| cloth_inspector(ui, world));
+    let (at, height) = ([area.right() - WIDTH - 3.0 * GAP, area.top() + GAP], area.height() - 2.0 * GAP - TITLE);
+    let window = egui::Window::new("Cloth").open(&mut open);
+    // Where and how large the user made it, until there is another room for it.
+    let last =
+        context.data_mut(|data| core::mem::replace(data.get_temp_mut_or(egui::Id::new("cloth inspector area"), area), area));
+    let window = if last == area {
+        window.default_pos(at).default_size([WIDTH, height]).max_height(height).resizable(true)
+    } else {
+        window.current_pos(at).fixed_size([WIDTH, height])
+    };
+    window.show(&context, |ui| cloth_inspector(ui, world));
     if !open && let Some(mut inspector) = world.get_resource_mut::<ClothInspector>() {
         inspector.open = false;
     }
@@ -123,3 +126,5 @@ fn show(world: &mut World) {
 /// Width of the window, and its distance from the border [points].
 const WIDTH: f32 = 440.0;
 const GAP: f32 = 10.0;
+/// Height of its title and margins [points].
+const TITLE: f32 = 40.0;

@@ -1,6 +1,7 @@
 //! Time, rest, tangles and picking.
 
 use bevy::prelude::*;
+use bevy_drape::ClothDebug;
 use bevy_drape::inspector::{ClothInspector, SPAN, STEP, Verdict, pick};
 use bevy_drape::prelude::*;
 
@@ -247,4 +248,41 @@ fn the_curves_go_on_while_an_app_draws_the_panel_in_a_window_of_its_own() {
     panel.steps(1);
     run(panel.app(), 1);
     assert!(kept(&mut panel) > before);
+}
+
+#[test]
+fn items_of_the_debug_drawing_are_switched_one_by_one_with_their_legend() {
+    let mut panel = Panel::new();
+    panel.click("Debug drawing");
+    panel.steps(6);
+    assert!(panel.shows("add ClothDebugPlugin"));
+    panel.app().insert_resource(ClothDebug::none());
+    panel.app().world_mut().clear_trackers();
+    panel.steps(3);
+    assert!(!panel.app().world().resource_ref::<ClothDebug>().is_changed(), "it was marked as changed by being shown");
+    for name in ClothDebug::ITEMS {
+        panel.click(&format!("draw {name}"));
+        assert_eq!(*panel.app().world().resource::<ClothDebug>(), ClothDebug::only([name]), "{name}");
+        let legend = panel.app().world().resource::<ClothDebug>().legend();
+        assert!(!legend.is_empty() && legend.iter().all(|line| panel.shows(&line.label)), "{name}");
+        panel.click(&format!("draw {name}"));
+    }
+    assert_eq!(*panel.app().world().resource::<ClothDebug>(), ClothDebug::none());
+}
+
+#[test]
+fn the_line_of_a_clean_cloth_tells_of_crossings_elsewhere() {
+    let mut app = app_with_panel();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let cloth = spawn(&mut app, sheet(8), Transform::from_xyz(0.0, 2.0, 0.0));
+    let far = Transform::from_xyz(9.0, 2.0, 0.0);
+    let one = spawn(&mut app, sheet(8), (far, Untangle { iterations: 0, ..default() }));
+    let other =
+        spawn(&mut app, sheet(8), (far.with_rotation(Quat::from_rotation_x(1.3)), Untangle { iterations: 0, ..default() }));
+    run(&mut app, 3);
+    assert!(report(&app, one).crossings > 0, "they do not cross");
+    // Each of them counts what crosses; in all it is counted once.
+    let crossings = report(&app, other).crossings;
+    let panel = Panel::over(app, cloth, one);
+    assert!(panel.shows(&format!("0 crossings ({crossings} in all)")));
 }

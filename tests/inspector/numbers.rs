@@ -114,3 +114,14 @@ fn what_was_refused_goes_when_the_number_under_it_is_another() {
     panel.steps(2);
     gone(&panel, "0.7");
 }
+
+#[test]
+fn what_was_refused_at_the_default_has_a_way_back() {
+    let mut panel = Panel::new();
+    let before = panel.settings();
+    panel.type_into("material density", "rubbish");
+    assert!(panel.shows("is not a number"));
+    panel.click("reset material density");
+    assert!(!panel.shows("is not a number"), "the reason is still there");
+    assert_eq!((text_of(&panel, "material density").as_str(), panel.settings() == before), ("0.2", true));
+}
