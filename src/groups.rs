@@ -90,8 +90,10 @@ pub(crate) struct Member {
     pub thickness: f32,
     /// Whether untangling does not move it.
     pub fixed: bool,
-    /// Whether nothing does: it is paused or was stopped.
+    /// Whether nothing does: it is paused or was stopped, or is carried along.
     pub still: bool,
+    /// Whether it was carried from one place to another in this frame.
+    pub rode: bool,
     /// Whether it sleeps.
     pub asleep: bool,
 }
@@ -211,7 +213,7 @@ impl ClothGroups {
                 (group.group, group.members) = (built, members.clone());
             }
             (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 5]);
-            group.asleep = group.members.iter().all(|m| m.asleep || m.still);
+            group.asleep = group.members.iter().all(|m| m.asleep || (m.still && !m.rode));
             for (part, member) in group.members.iter().enumerate() {
                 place(member.entity, list.len() as u32, part as u32, member.asleep && !group.asleep);
             }

@@ -162,7 +162,8 @@ impl Plugin for ClothPlugin {
                         couple::bodies,
                         inputs::air,
                         inputs::settings,
-                        lod::detail,
+                        // Bevy forgets there what was seen in the last frame.
+                        lod::detail.before(VisibilitySystems::VisibilityPropagate),
                         inputs::anchors,
                         grab::grabs,
                         sleep::watch,

@@ -212,6 +212,8 @@ pub(crate) struct ClothInputs {
     pub time_scale: f32,
     /// Whether it stands still for being far away, and is carried along.
     pub carried: bool,
+    /// Whether it was carried anywhere in this frame.
+    pub rode: bool,
     pub lod: ClothLod,
     /// Level of detail by distance alone, and the time for which nobody saw it [s].
     pub by_distance: ClothDetail,
@@ -268,6 +270,7 @@ impl ClothInputs {
             gravity: Vec3::ZERO,
             time_scale: 1.0,
             carried: false,
+            rode: false,
             lod: ClothLod::default(),
             by_distance: ClothDetail::Full,
             unseen_for: 0.0,

@@ -18,7 +18,12 @@ use state::{Most, State};
 /// Draws curves, the panel and labels.
 pub fn plugin(app: &mut App) {
     if !app.is_plugin_added::<ClothDebugPlugin>() {
-        app.add_plugins(ClothDebugPlugin).insert_resource(ClothDebug::only(["contours"]));
+        app.add_plugins(ClothDebugPlugin);
+    }
+    // Unless the command line asks for something else.
+    if app.world().get_resource::<ClothDebug>().is_none_or(|debug| debug.legend().is_empty() || *debug == ClothDebug::default())
+    {
+        app.insert_resource(ClothDebug::only(["contours"]));
     }
     app.add_systems(Startup, (panel, pen))
         .add_systems(PostStartup, adopt)

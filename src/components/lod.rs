@@ -14,9 +14,11 @@ use super::checked::Checked;
 /// detail         Full           Half            Quarter             Still
 /// ```
 ///
-/// Distances are from a camera to the box of the cloth, and a level is left for the next finer one only a tenth nearer, so that nothing flickers at a border. Collisions are looked for in
+/// Distances are from a camera, whatever it magnifies, to the box of the cloth; cameras for 2D do not count. And a level is left for the next finer one only a tenth nearer, so that nothing flickers at a border. Collisions are looked for in
 /// every frame at every level but `Still`; fewer substeps stretch more and let fast bodies push deeper. Cloths that can touch take as many substeps as the one that needs most. A cloth
-/// that stands still is an obstacle for the others. One that is pinned to a body with [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay), or has one near it, takes a quarter at least: what lies in a net would fall.
+/// that stands still is an obstacle for the others. It goes along with what carries it, jumps included and without an event; what is pinned nowhere stays where it is. Impulses and grips do nothing to it, and it
+/// goes on without the speed it had; pins that went elsewhere than what carries it draw it there within a frame. One that is pinned to a body with [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay), or has one near it,
+/// is simulated in full: what lies in a net would fall.
 ///
 /// Without an active camera every cloth is simulated in full.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]

@@ -28,6 +28,7 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     add(&mut lines, &settings.untangle);
     add(&mut lines, &settings.skip);
     add(&mut lines, &settings.sleep);
+    add(&mut lines, &settings.lod);
     if let Some(wind) = &settings.own_wind {
         lines.push(format!("ClothWind({})", over(&wind.0, &GlobalWind::default(), "default()")));
     }

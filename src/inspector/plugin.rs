@@ -11,6 +11,8 @@ use super::actions::act;
 use super::panel::cloth_inspector;
 use super::pick::pick;
 use super::state::{ClothInspector, record};
+#[cfg(feature = "debug")]
+use crate::plugin::ClothSystems;
 
 /// The panel in a window of its own.
 ///
@@ -59,7 +61,7 @@ impl Plugin for ClothInspectorPlugin {
         }
         app.add_systems(EguiPrimaryContextPass, show);
         #[cfg(feature = "debug")]
-        app.add_systems(Update, super::mark::mark.run_if(resource_exists::<Assets<GizmoAsset>>));
+        app.add_systems(PostUpdate, super::mark::mark.after(ClothSystems::Sync).run_if(resource_exists::<Assets<GizmoAsset>>));
     }
 }
 
@@ -107,7 +109,7 @@ fn show(world: &mut World) {
     }
     let mut open = true;
     let area = context.content_rect();
-    let (at, height) = ([area.right() - WIDTH - 3.0 * GAP, area.top() + GAP], area.height() - 2.0 * GAP - TITLE);
+    let (at, height) = ([area.right() - WIDTH - 3.0 * GAP, area.top() + GAP], (area.height() - 2.0 * GAP - TITLE).max(0.0));
     let window = egui::Window::new("Cloth").open(&mut open);
     // Where and how large the user made it, until there is another room for it.
     let last =

@@ -33,9 +33,11 @@ const MOST_RETREATS: u32 = 8;
 /// How far ahead pairs are looked for at most [s]: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
-/// Time between looks for what strayed within a frame, at least [s]: what slips by in between is taken back at its end. Looking in every substep costs twice as much for a flag
-/// in the wind or a sheet that falls on a ball, and keeps no scene cleaner.
+/// Time between looks for what strayed within a frame, to the nearest substep [s], where what slips by in between can be taken back at its end. Looking in every substep costs twice
+/// as much for a flag in the wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
+/// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less often, cross.
+const CROWDED: usize = 2;
 
 /// Time in which [`Group::blend`] should draw a tangle to a pose [s].
 pub const BLEND_TIME: f32 = 0.25;
@@ -105,6 +107,8 @@ pub struct Group {
     /// Cloths that are not to be moved.
     fixed: Vec<bool>,
     retreat: Retreat,
+    /// Whether what comes to cross within a frame will be taken back at its end.
+    takes_back: bool,
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
     /// Time for which pairs were looked for, and the share of it that has passed.
@@ -246,7 +250,8 @@ impl Group {
             self.guard(cloths);
             self.share += each;
             if n < count {
-                self.look_ahead(cloths, each, n % gap == 0);
+                let often = !self.takes_back || self.contacts.len() > CROWDED * self.surface.len();
+                self.look_ahead(cloths, each, often || n % gap == 0);
             }
         }
         self.note_start(cloths);
@@ -472,6 +477,7 @@ impl Group {
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub fn resolve(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
+        self.takes_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
         if settings.iterations > 0 {
             self.take_back();
         }

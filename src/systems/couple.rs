@@ -106,13 +106,13 @@ pub(crate) fn couple(
     mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &mut ClothScratch), With<Cloth>>,
 ) {
     for (entity, particles, mut inputs, mut scratch) in &mut cloths {
-        let ClothInputs { asleep, bodies, sets, skin, coupled, stale, .. } = &mut *inputs;
+        let ClothInputs { asleep, carried, bodies, sets, skin, coupled, stale, .. } = &mut *inputs;
         let coupling = scratch.solver.coupling_mut();
         coupling.clear();
         coupled.begin();
         for body in bodies.iter_mut() {
-            // The bodies of a cloth that sleeps are those of an older frame: their places are now those of others, or of none.
-            body.rigid = body.rigid.filter(|_| !*asleep).map(|index| coupled.slot_of(index));
+            // The bodies of a cloth that sleeps or is carried along are those of an older frame: their places are now those of others, or of none.
+            body.rigid = body.rigid.filter(|_| !*asleep && !*carried).map(|index| coupled.slot_of(index));
         }
         if !world.rigids.is_empty() {
             for (set, at) in sets.sets.iter().enumerate() {

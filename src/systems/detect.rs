@@ -39,7 +39,8 @@ pub(crate) fn group(
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
         let fixed = still || !untangle.enabled;
         let (asleep, thickness) = (inputs.asleep, inputs.thickness);
-        let member = Member { entity, rest: rest.0.clone(), collision: *collision, thickness, fixed, still, asleep };
+        let member =
+            Member { entity, rest: rest.0.clone(), collision: *collision, thickness, fixed, still, rode: inputs.rode, asleep };
         let layers = layers.copied().unwrap_or_default();
         scratch.bounds = groups.add(member, inputs, particles, layers, last_box, last);
     }

@@ -37,7 +37,7 @@ pub(crate) fn judge(
     let dt = time.delta_secs();
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
         |(inputs, scratch, mut particles, mut report)| {
-            if !inputs.active || inputs.asleep {
+            if !inputs.active || inputs.asleep || inputs.carried {
                 return;
             }
             let clock = stopwatch();

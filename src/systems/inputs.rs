@@ -12,6 +12,7 @@ use crate::components::{
     ClothTeleported, ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone, WindZoneShape,
 };
 use crate::notices::Notices;
+use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body::{Body, Pose};
 use crate::solver::state::ClothState;
@@ -122,6 +123,7 @@ pub(crate) fn settings(
 /// Moves what carries the cloth: its anchors, and after a jump the cloth itself.
 pub(crate) fn anchors(
     mut commands: Commands,
+    clock: Res<ClothClock>,
     transforms: Transforms,
     mut cloths: Query<
         (Entity, &ClothRest, &ClothSolver, &ClothPins, &mut ClothInputs, &mut ClothParticles, &mut ClothReport),
@@ -141,8 +143,8 @@ pub(crate) fn anchors(
         if report.pinned != pinned {
             report.pinned = pinned;
         }
+        inputs.rode = inputs.carried && ride(inputs, particles, clock.interpolates);
         if inputs.carried {
-            ride(inputs, particles);
             continue;
         }
         let jump = jump(inputs, particles, solver);
@@ -227,14 +229,23 @@ impl Jump {
     }
 }
 
-/// Carries a cloth that stands still along with what it hangs on.
-fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
+/// Carries a cloth that stands still along with what it hangs on; whether it went anywhere. One that is pinned nowhere stays.
+fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles, interpolates: bool) -> bool {
     let to = inputs.carrier();
-    let from = particles.carrier.replace(to);
-    if let Some(from) = from.filter(|from| *from != to) {
+    let from = particles.carrier.replace(to).filter(|from| *from != to && !inputs.anchors.particles.is_empty());
+    let mut before = core::mem::take(&mut particles.before);
+    before.clear();
+    if let Some(from) = from {
+        if interpolates {
+            before.extend(particles.state.positions.iter().map(|x| x.truncate()));
+        }
         carry(&Jump { from, to, distance: 0.0, angle: 0.0 }, inputs, particles);
+    }
+    particles.before = before;
+    if from.is_some() {
         rebase(inputs, particles);
     }
+    from.is_some()
 }
 
 /// Moves a cloth and its anchors rigidly along.
@@ -311,7 +322,7 @@ pub(crate) fn surroundings(
     mut cloths: Query<(Entity, &ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
 ) {
     for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
-        if inputs.asleep {
+        if inputs.asleep || inputs.carried {
             continue;
         }
         let inputs = &mut *inputs;

@@ -152,8 +152,10 @@ fn begin(
 ) -> bool {
     let fits = particles.state.positions.len() == rest.0.positions.len();
     if !(inputs.active && !inputs.asleep && fits && dt > 0.0) || particles.recovery.is_frozen() {
-        // Nothing moved: there is nothing to interpolate.
-        particles.before.clear();
+        // Nothing moved, unless it was carried: there is nothing to interpolate.
+        if !inputs.carried {
+            particles.before.clear();
+        }
         return false;
     }
     if interpolates {

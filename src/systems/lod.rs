@@ -3,10 +3,10 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::colliders::WorldBodies;
-use super::sleep::is_near;
-use crate::components::{Cloth, ClothDetail, ClothLod, ClothReport};
-use crate::simulation::{ClothInputs, ClothScratch};
+use super::colliders::{WorldBodies, WorldBody};
+use super::sleep::{NEAR, is_near};
+use crate::components::{Cloth, ClothDetail, ClothLayers, ClothLod, ClothReport};
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 
 /// Share of a distance at which the next finer level begins, so that nothing flickers at the border.
 const NEARER: f64 = 0.9;
@@ -19,14 +19,25 @@ const LEAST_RATE: f32 = 30.0;
 pub(crate) fn detail(
     time: Res<Time>,
     bodies: Res<WorldBodies>,
-    cameras: Query<(&Camera, &GlobalTransform)>,
-    mut cloths: Query<(Option<&ViewVisibility>, &ClothScratch, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
+    cameras: Query<(&Camera, &GlobalTransform), Without<Camera2d>>,
+    mut cloths: Query<
+        (
+            Entity,
+            Option<&ViewVisibility>,
+            Option<&ClothLayers>,
+            &ClothScratch,
+            &mut ClothInputs,
+            &mut ClothParticles,
+            &mut ClothReport,
+        ),
+        With<Cloth>,
+    >,
     mut eyes: Local<Vec<DVec3>>,
 ) {
     eyes.clear();
     let active = cameras.iter().filter(|(camera, at)| camera.is_active && at.translation().is_finite());
     eyes.extend(active.map(|(_, at)| at.translation().as_dvec3()));
-    for (seen, scratch, mut inputs, mut report) in &mut cloths {
+    for (entity, seen, layers, scratch, mut inputs, mut particles, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let lod = inputs.lod;
         let detail = if lod.enabled && !eyes.is_empty() {
@@ -40,21 +51,30 @@ pub(crate) fn detail(
             let unseen = if inputs.unseen_for > PATIENCE { lod.unseen } else { ClothDetail::Full };
             let detail = by_distance.max(unseen);
             let bears = || {
-                let mut takers = bodies.bodies.iter().filter(|body| bodies.taker(body).is_some());
-                inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3(), high.as_vec3()))
+                let (layers, keep) = (layers.copied().unwrap_or_default(), inputs.fabric.thickness + NEAR);
+                let takes =
+                    |body: &&WorldBody| body.entity != entity && layers.touches(body.layers) && bodies.taker(body).is_some();
+                let mut takers = bodies.bodies.iter().filter(takes);
+                inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3() - keep, high.as_vec3() + keep))
             };
-            // What a body hangs on or lies in has to hold it.
-            if detail == ClothDetail::Still && bears() { ClothDetail::Quarter } else { detail }
+            // What a body hangs on or lies in has to hold it, whoever looks.
+            if detail > ClothDetail::Full && bears() { ClothDetail::Full } else { detail }
         } else {
             (inputs.by_distance, inputs.unseen_for) = (ClothDetail::Full, 0.0);
             ClothDetail::Full
         };
         let rate = &mut inputs.stepping.substep_rate;
         *rate = (*rate * detail.share()).max(rate.min(LEAST_RATE));
+        let was = inputs.carried;
         inputs.carried = detail == ClothDetail::Still && inputs.time_scale > 0.0;
         if inputs.carried {
             inputs.time_scale = 0.0;
-            (report.substeps, report.integrate_ms) = (0, 0.0);
+            report.idle();
+            if !was {
+                // It goes on without the speed it had.
+                let state = &mut particles.state;
+                state.previous.clone_from(&state.positions);
+            }
         }
         report.detail = detail;
     }

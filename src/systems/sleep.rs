@@ -30,7 +30,7 @@ use crate::solver::wind::Turbulence;
 /// Way of a pin or a body that counts as none [m], and of the parts of its rotation.
 const STILL: f32 = 1.0e-4;
 /// Distance from the box of a cloth at which a body is near, on top of thickness and margin [m].
-const NEAR: f32 = 0.02;
+pub(super) const NEAR: f32 = 0.02;
 
 /// How long a cloth has been at rest, and under what.
 #[derive(Component, Default)]
@@ -118,9 +118,9 @@ pub(crate) struct Sleeper {
 }
 
 impl SleeperReadOnlyItem<'_, '_> {
-    /// Whether it is paused, was stopped, or stands still for being far away.
+    /// Whether it is paused, was stopped, or stands still for being far away; not while it is carried from one place to another.
     fn is_still(&self) -> bool {
-        self.inputs.time_scale == 0.0 || self.particles.recovery.is_frozen()
+        (self.inputs.time_scale == 0.0 && !self.inputs.rode) || self.particles.recovery.is_frozen()
     }
 }
 
@@ -319,17 +319,7 @@ fn fall_asleep(commands: &mut Commands, cloth: &mut SleeperItem) {
     let ClothParticles { state, before, .. } = &mut *cloth.particles;
     state.previous.clone_from(&state.positions);
     before.clear();
-    let report = &mut *cloth.report;
-    report.asleep = true;
-    (report.substeps, report.iterations) = (0, 0);
-    for time in [
-        &mut report.integrate_ms,
-        &mut report.detect_ms,
-        &mut report.resolve_ms,
-        &mut report.evaluate_ms,
-        &mut report.respond_ms,
-    ] {
-        *time = 0.0;
-    }
+    cloth.report.asleep = true;
+    cloth.report.idle();
     commands.trigger(ClothSlept { entity: cloth.entity });
 }

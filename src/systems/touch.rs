@@ -31,8 +31,8 @@ pub(crate) fn touches(
     mut checked: Local<Checked>,
 ) {
     for (entity, name, rest, inputs, particles, scratch, report, mut events) in &mut cloths {
-        // Nothing begins or ends while it sleeps.
-        if inputs.asleep || !inputs.active {
+        // Nothing begins or ends while it sleeps or is carried along.
+        if inputs.asleep || inputs.carried || !inputs.active {
             continue;
         }
         checked.clear();

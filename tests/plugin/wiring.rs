@@ -61,7 +61,14 @@ fn every_public_component_works_in_scenes_and_inspectors() {
 fn our_systems_have_no_ambiguous_order() {
     for plugin in [ClothPlugin::default(), ClothPlugin::new(FixedPostUpdate)] {
         let mut app = App::new();
-        app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin, plugin));
+        app.add_plugins((
+            MinimalPlugins,
+            TransformPlugin,
+            AssetPlugin::default(),
+            MeshPlugin,
+            bevy::camera::visibility::VisibilityPlugin,
+            plugin,
+        ));
         for label in [PostUpdate.intern(), FixedPostUpdate.intern()] {
             app.edit_schedule(label, |schedule| {
                 schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..default() });

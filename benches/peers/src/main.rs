@@ -60,18 +60,23 @@ struct Arguments {
 enum Table {
     /// A sheet that hangs, a sheet on a ball.
     Sheets,
+    /// The same where the sheet collides with itself.
+    Folds,
     /// Two sheets that start in each other.
     Tangles,
 }
 
 impl Table {
-    const ALL: [Self; 2] = [Self::Sheets, Self::Tangles];
+    const ALL: [Self; 3] = [Self::Sheets, Self::Folds, Self::Tangles];
 }
+
+/// Largest sheet that collides with itself: at 128 x 128 a frame of `rapier3d` takes seconds.
+const LARGEST_FOLDS: u32 = 64;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let mut text = String::new();
-    if arguments.tables.contains(&Table::Sheets) {
+    if arguments.tables.contains(&Table::Sheets) || arguments.tables.contains(&Table::Folds) {
         let runs = (1..=arguments.runs).map(|run| measure_all(&arguments, run)).collect();
         let rows = measure::median_rows(runs);
         let timed = measure::timed_frames(arguments.frames);
@@ -101,7 +106,8 @@ fn main() -> ExitCode {
 fn measure_all(arguments: &Arguments, run: u32) -> Vec<Row> {
     let mut rows = Vec::new();
     for scene in Scene::ALL {
-        for &size in &arguments.sizes {
+        let (table, largest) = if scene.meets_itself() { (Table::Folds, LARGEST_FOLDS) } else { (Table::Sheets, u32::MAX) };
+        for &size in arguments.sizes.iter().filter(|&&size| arguments.tables.contains(&table) && size <= largest) {
             for engine in Engine::ALL.into_iter().filter(|engine| arguments.only.contains(engine)) {
                 let Some(mut peer) = start(engine, scene, size) else { continue };
                 eprintln!("run {run} of {}: {scene} {size} x {size} on {engine}", arguments.runs);
@@ -127,7 +133,7 @@ fn untangle_all(arguments: &Arguments) -> Vec<tangle::Row> {
 /// A scene at rest on an engine; nothing where the engine cannot run it.
 fn start(engine: Engine, scene: Scene, size: u32) -> Option<Box<dyn Peer>> {
     match engine {
-        Engine::Ours => Some(Box::new(ours::Ours::new(scene, size))),
+        Engine::Ours => ours::Ours::new(scene, size).map(|ours| Box::new(ours) as Box<dyn Peer>),
         Engine::Silk => silk::Silk::new(scene, size).map(|silk| Box::new(silk) as Box<dyn Peer>),
         Engine::Rapier => Some(Box::new(rapier::Rapier::new(scene, size))),
     }

@@ -28,7 +28,7 @@ pub struct Row {
     pub edge: Strain,
     /// All that the engine itself holds at a distance against stretch and shear, at the end.
     pub spring: Strain,
-    /// Lowest vertex below where the sheet started [m]; in [`Scene::Hang`] that is the height of the pins.
+    /// Lowest vertex below where the sheet started [m]; where it hangs that is the height of the pins.
     pub drop: f64,
     /// Closest vertex to the ball [m].
     pub gap: Option<f64>,
@@ -81,7 +81,7 @@ pub fn row(engine: Engine, scene: Scene, size: u32, peer: &mut dyn Peer, frames:
         edge: sheet::strain(&edges, &rest, &now),
         spring: sheet::strain(&springs, &rest, &now),
         drop: sheet::drop(&rest, &now),
-        gap: (scene == Scene::Ball).then(|| sheet::gap(BALL_RADIUS, &now)),
+        gap: scene.has_ball().then(|| sheet::gap(BALL_RADIUS, &now)),
     }
 }
 

@@ -1,6 +1,8 @@
 //! `bevy_drape`: the solver alone, as its own tests and benchmarks call it.
 
 use bevy_drape::scenes::{self, SceneCloth};
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::group::UntangleSettings;
 
 use crate::peer::{FRAME, Peer, Scene, Solved};
 
@@ -21,12 +23,14 @@ pub struct Ours {
 
 impl Ours {
     /// The crate's scene of that name, with its defaults.
-    pub fn new(scene: Scene, size: u32) -> Self {
-        let scene = match scene {
-            Scene::Hang => scenes::hang(size),
-            Scene::Ball => scenes::ball(size),
+    pub fn new(scene: Scene, size: u32) -> Option<Self> {
+        let sheet = if scene.has_ball() { scenes::ball(size) } else { scenes::hang(size) };
+        let scene = if scene.meets_itself() {
+            sheet.untangled(UntangleSettings::default(), EvaluateSettings::default(), true).ok()?
+        } else {
+            sheet
         };
-        Self { scene }
+        Some(Self { scene })
     }
 }
 

@@ -49,11 +49,25 @@ pub enum Scene {
     Hang,
     /// The sheet falls on a ball; it does not collide with itself.
     Ball,
+    /// As [`Self::Hang`], and it collides with itself.
+    HangSelf,
+    /// As [`Self::Ball`], and it collides with itself.
+    BallSelf,
 }
 
 impl Scene {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Hang, Self::Ball];
+    pub const ALL: [Self; 4] = [Self::Hang, Self::Ball, Self::HangSelf, Self::BallSelf];
+
+    /// Whether the sheet falls on a ball; else it hangs.
+    pub fn has_ball(self) -> bool {
+        matches!(self, Self::Ball | Self::BallSelf)
+    }
+
+    /// Whether the sheet collides with itself.
+    pub fn meets_itself(self) -> bool {
+        matches!(self, Self::HangSelf | Self::BallSelf)
+    }
 }
 
 impl fmt::Display for Scene {
@@ -61,6 +75,8 @@ impl fmt::Display for Scene {
         f.write_str(match self {
             Self::Hang => "hang",
             Self::Ball => "ball",
+            Self::HangSelf => "hang, self-collision",
+            Self::BallSelf => "ball, self-collision",
         })
     }
 }
@@ -74,7 +90,7 @@ pub struct Solved {
     pub all: u64,
 }
 
-/// A sheet on one engine. Vertex `(i, j)` has index `i * size + j`; in [`Scene::Hang`] `(0, 0)` and `(0, size - 1)` are pinned.
+/// A sheet on one engine. Vertex `(i, j)` has index `i * size + j`; where it hangs `(0, 0)` and `(0, size - 1)` are pinned.
 pub trait Peer {
     /// Advances by one [`FRAME`].
     fn step(&mut self) -> Solved;

@@ -17,20 +17,17 @@ impl Rapier {
     pub fn new(scene: Scene, size: u32) -> Self {
         let mut world = PhysicsWorld::new();
         world.integration_parameters.dt = FRAME;
-        let height = match scene {
-            Scene::Hang => 0.0,
-            Scene::Ball => FALL_FROM,
-        };
+        let height = if scene.has_ball() { FALL_FROM } else { 0.0 };
         let step = 1.0 / (size - 1) as Real;
         let n = size as usize;
         let origin = Vector::new(-0.5, height, -0.5);
         let mut cloth = SoftBodyBuilder::cloth(origin, Vector::X * step, Vector::Z * step, n, n).mass(DENSITY).can_sleep(false);
-        match scene {
-            Scene::Hang => cloth = cloth.pinned_particles([0, size - 1]),
-            Scene::Ball => {
-                world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::ball(BALL_RADIUS));
-            }
+        if scene.has_ball() {
+            world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::ball(BALL_RADIUS));
+        } else {
+            cloth = cloth.pinned_particles([0, size - 1]);
         }
+        cloth = cloth.self_contacts(scene.meets_itself());
         let springs = cloth.edges.len() as u64;
         let cloth = world.insert_soft_body(cloth);
         Self { world, cloth, springs }

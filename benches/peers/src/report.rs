@@ -53,10 +53,7 @@ pub fn tables(rows: &[Row], frames: u32, timed: u32, runs: u32) -> String {
 }
 
 fn table(text: &mut String, scene: Scene, rows: &[&Row]) {
-    let (last, rule) = match scene {
-        Scene::Hang => ("drop [m]", "---:"),
-        Scene::Ball => ("drop [m] | gap [mm]", "---:|---:"),
-    };
+    let (last, rule) = if scene.has_ball() { ("drop [m] | gap [mm]", "---:|---:") } else { ("drop [m]", "---:") };
     let _ = writeln!(
         text,
         "\n{scene}\n\n\

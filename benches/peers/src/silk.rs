@@ -31,7 +31,7 @@ pub struct Silk {
 }
 
 impl Silk {
-    /// The scene with the plugin's defaults. Nothing for [`Scene::Ball`]: it collides only through another engine's plugin.
+    /// The scene with the plugin's defaults. Nothing where the sheet meets a ball or itself: it collides only with bodies, through another engine's plugin.
     pub fn new(scene: Scene, size: u32) -> Option<Self> {
         if scene != Scene::Hang {
             return None;

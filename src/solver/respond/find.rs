@@ -103,8 +103,8 @@ struct Flatness {
     known: bool,
 }
 
-/// Of this many particles one may be asked for before it is cheaper to look at all.
-const FEW: usize = 8;
+/// Asked more often than once for this many particles, it is cheaper to find out about all.
+const ONE_IN: usize = 8;
 
 impl Flatness {
     fn new(surface: &Surface) -> Self {
@@ -118,12 +118,12 @@ impl Flatness {
         (self.asked, self.known) = (0, false);
     }
 
-    /// Whether particle `v` is flat; finds out about all when asked more than a [few](FEW) times.
+    /// Whether particle `v` is flat; finds out about all when asked more often than for [one in](ONE_IN) eight.
     #[inline]
     fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
         if !self.known {
             self.asked += 1;
-            if self.asked as usize * FEW <= self.flat.len() {
+            if self.asked as usize * ONE_IN <= self.flat.len() {
                 let now = is_flat(v, surface, |v| Vec3A::from_vec4(positions[v as usize]));
                 return now && is_flat(v, surface, |v| ahead[v as usize]);
             }
