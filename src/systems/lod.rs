@@ -76,7 +76,10 @@ pub(crate) fn detail(
                 state.previous.clone_from(&state.positions);
             }
         }
-        report.detail = detail;
+        // What sleeps is not marked as changed.
+        if report.detail != detail {
+            report.detail = detail;
+        }
     }
 }
 
