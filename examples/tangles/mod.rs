@@ -17,12 +17,12 @@ use state::{Most, State};
 
 /// Draws curves, the panel and labels.
 pub fn plugin(app: &mut App) {
+    // Unless the command line asks for something else.
+    let asked = app.world().get_resource::<ClothDebug>().is_some_and(|debug| *debug != ClothDebug::none());
     if !app.is_plugin_added::<ClothDebugPlugin>() {
         app.add_plugins(ClothDebugPlugin);
     }
-    // Unless the command line asks for something else.
-    if app.world().get_resource::<ClothDebug>().is_none_or(|debug| debug.legend().is_empty() || *debug == ClothDebug::default())
-    {
+    if !asked {
         app.insert_resource(ClothDebug::only(["contours"]));
     }
     app.add_systems(Startup, (panel, pen))

@@ -12,7 +12,7 @@ use super::panel::cloth_inspector;
 use super::pick::pick;
 use super::state::{ClothInspector, record};
 #[cfg(feature = "debug")]
-use crate::plugin::ClothSystems;
+use crate::plugin::after_sync;
 
 /// The panel in a window of its own.
 ///
@@ -60,8 +60,13 @@ impl Plugin for ClothInspectorPlugin {
             app.add_systems(PreUpdate, absorb.after(EguiPreUpdateSet::ProcessInput));
         }
         app.add_systems(EguiPrimaryContextPass, show);
-        #[cfg(feature = "debug")]
-        app.add_systems(PostUpdate, super::mark::mark.after(ClothSystems::Sync).run_if(resource_exists::<Assets<GizmoAsset>>));
+    }
+
+    #[cfg(feature = "debug")]
+    fn finish(&self, app: &mut App) {
+        if self.window {
+            after_sync(app, super::mark::mark.run_if(resource_exists::<Assets<GizmoAsset>>));
+        }
     }
 }
 

@@ -118,7 +118,7 @@ impl Flatness {
         (self.asked, self.known) = (0, false);
     }
 
-    /// Whether particle `v` is flat; finds out about all when asked more often than for [one in](ONE_IN) eight.
+    /// Whether particle `v` is flat; finds out about all when that was asked [often](ONE_IN).
     #[inline]
     fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
         if !self.known {
