@@ -172,7 +172,7 @@ impl Group {
         self.touch.clear();
         self.touch.extend_from_slice(touch);
         // While no time passes, nobody knows how much will.
-        let horizon = if dt > 0.0 { dt.min(LONGEST_LOOK) } else { self.horizon };
+        let horizon = if dt > 0.0 { self.finder.horizon(dt.min(LONGEST_LOOK), touch) } else { self.horizon };
         (self.horizon, self.share, self.looks) = (horizon, 0.0, 0);
         self.contacts.lift();
     }

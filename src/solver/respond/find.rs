@@ -36,6 +36,8 @@ const STILL: f32 = 0.05;
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
 const FARTHEST_EDGES: f32 = 4.0;
 const FARTHEST_THICKNESSES: f32 = 4.0;
+/// Mean way of particles until the next look from which on cloth flutters, in thicknesses (dimensionless).
+const FLUTTER: f32 = 2.0;
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
 
@@ -84,6 +86,8 @@ pub struct Finder {
     flatness: Flatness,
     /// The motion that all share until the next frame [m].
     shared: Vec3A,
+    /// Mean speed at the last look at everything, less what all cloths share [m/s].
+    haste: f32,
     /// Least height at rest of the faces around each particle [m].
     heights: Vec<f32>,
     /// Longest edge of each cloth at rest [m].
@@ -220,6 +224,7 @@ impl Finder {
             marked,
             flatness: Flatness::new(surface),
             shared: Vec3A::ZERO,
+            haste: 0.0,
             heights,
             longest,
         }
@@ -294,6 +299,13 @@ impl Finder {
     #[must_use]
     pub fn ahead(&self) -> &[Vec3A] {
         &self.ahead
+    }
+
+    /// How far ahead to look when the next look at everything is due in `dt` [s]: half of it where cloth flutters, as boxes swept half as far meet a third of the faces.
+    #[must_use]
+    pub fn horizon(&self, dt: f32, touch: &[Touch]) -> f32 {
+        let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
+        if self.haste * dt > FLUTTER * thickest { 0.5 * dt } else { dt }
     }
 
     /// Notes where all particles are at the end of a frame [m], to tell in the next which of them are stuck.
@@ -545,9 +557,13 @@ impl Finder {
         }
         self.shared = mean;
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        let mut sum = 0.0;
         for (ahead, &start) in self.ahead.iter_mut().zip(&self.start) {
-            *ahead = start + limited(*ahead - start - mean, longest);
+            let motion = *ahead - start - mean;
+            sum += motion.length();
+            *ahead = start + limited(motion, longest);
         }
+        self.haste = if dt > 0.0 { sum / (surface.len().max(1) as f32 * dt) } else { 0.0 };
     }
 }
 
