@@ -162,26 +162,29 @@ fn weight_of(cloth: &SceneCloth) -> f32 {
 
 #[test]
 fn a_ball_of_a_kilogram_comes_to_rest_in_a_net_whose_pins_bear_its_weight() {
-    // An elastic net brings it to rest; at the strain limit a net quivers, and the ball rolls about in it.
+    // An elastic net brings it to rest; at the strain limit a net quivers, and the ball rolls about in it, in each start otherwise.
     let elastic = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..fabric() };
-    for (fabric, slowest) in [(elastic, 0.05), (fabric(), 0.5)] {
-        let mut net = net(24, 2.0, fabric);
-        let all: Vec<u32> = (0..net.anchors.particles.len() as u32).collect();
-        let mut ball = Ball::new(1.0, 0.2, Vec3::new(0.0, 0.5, 0.0));
-        let (mut sum, mut lowest, mut fastest) = (0.0, f32::MAX, 0.0_f32);
-        for f in 0..900 {
-            let given = frame(&mut net, Some(&mut ball), &[], &[(Vec3::ZERO, &all)], Vec3::NEG_Y * G);
-            lowest = lowest.min(ball.at.y);
-            if f >= 840 {
-                sum += given[0].linear.y / DT / 60.0;
-                fastest = fastest.max(ball.velocity.length());
+    for (fabric, starts, slowest) in [(&elastic, 1, 0.05), (&fabric(), 4, 0.5)] {
+        let mut mean = 0.0;
+        for start in 0..starts {
+            let mut net = net(24, 2.0, fabric.clone());
+            let all: Vec<u32> = (0..net.anchors.particles.len() as u32).collect();
+            let mut ball = Ball::new(1.0, 0.2, Vec3::new(1.0e-3 * start as f32, 0.5, 0.0));
+            let (mut sum, mut fastest) = (0.0, 0.0_f32);
+            for f in 0..900 {
+                let given = frame(&mut net, Some(&mut ball), &[], &[(Vec3::ZERO, &all)], Vec3::NEG_Y * G);
+                if f >= 840 {
+                    sum += given[0].linear.y / DT / 60.0;
+                    fastest = fastest.max(ball.velocity.length());
+                }
             }
+            let expected = -(G + weight_of(&net));
+            let error = (sum / expected - 1.0).abs();
+            assert!(error < 0.02, "start {start}: pins bear {sum} N of {expected} N");
+            assert!(ball.at.y > -0.6 && ball.at.y < 0.0, "start {start}: the ball is at {}", ball.at);
+            mean += fastest / starts as f32;
         }
-        let expected = -(G + weight_of(&net));
-        let error = (sum / expected - 1.0).abs();
-        assert!(error < 0.02, "pins bear {sum} N of {expected} N");
-        assert!(fastest < slowest, "the ball still moves at {fastest} m/s");
-        assert!(ball.at.y > -0.6 && ball.at.y < 0.0, "the ball is at {}", ball.at);
+        assert!(mean < slowest, "the ball still moves at {mean} m/s");
     }
 }
 

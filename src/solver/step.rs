@@ -82,6 +82,8 @@ pub struct Scratch {
     pulls: pull::Pulls,
     rigid: Vec<u32>,
     acceleration: Vec<Vec4>,
+    /// What particles did in the last substep, while it is damped.
+    motion: Vec<Vec4>,
     before: Vec<Vec4>,
     displaced: Vec<Vec4>,
     /// Worst edge of the last frame before it was finished (dimensionless).
@@ -162,6 +164,7 @@ impl Scratch {
             + self.hubs.bytes()
             + self.leash.bytes()
             + size_of_val(&self.acceleration[..])
+            + size_of_val(&self.motion[..])
             + size_of_val(&self.before[..])
     }
 }
@@ -342,8 +345,11 @@ impl Stepped<'_> {
             scratch.bend_every = bend_every;
         }
         if fabric.damping > 0.0 {
-            bend::rub(&rest.bends, fabric.bend_stiffness, dt, state.substep, &state.positions, &mut state.previous);
-            damp::solve(&rest.springs, fabric.damping, dt, &state.positions, &mut state.previous);
+            let Scratch { motion, bends, .. } = &mut *scratch;
+            damp::note(&state.positions, &state.previous, motion);
+            bend::rub(&rest.bends, bends, fabric.bend_stiffness, dt, state.substep, motion);
+            damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
+            damp::apply(&state.positions, motion, &mut state.previous);
         }
         let approach = Approach {
             dt,

@@ -19,6 +19,8 @@ const SOFTEST: f32 = 4.0;
 pub struct BendFactors {
     /// `w_i c_i / (Σ w c² + 1 / (k h²))` (dimensionless), one vector per lane.
     share: Vec<[Vec4; LANES]>,
+    /// By lane, what [`rub`] takes: `(Σ w c² + 1 / (k h²))` [1/kg], and that over `Σ w c²` (dimensionless), of which it takes [`RUB_SHARE`]; 0 where nothing can move.
+    rub: Vec<[Vec4; 2]>,
     flat: bool,
 }
 
@@ -26,21 +28,28 @@ impl BendFactors {
     /// Memory held [B].
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.share[..])
+        size_of_val(&self.share[..]) + size_of_val(&self.rub[..])
     }
 
     /// Recomputes all factors for bending stiffness `stiffness` [N·m] and `hh` = the substep times the time since the last pass [s²].
     pub fn update(&mut self, bends: &Bends, stiffness: f32, positions: &[Vec4], hh: f32) {
         self.share.clear();
+        self.rub.clear();
         self.flat = bends.rest.iter().all(|r| *r == Vec4::ZERO);
         for k in 0..bends.rest.len() {
             let spring = (bends.inverse_area[k] * stiffness).max(Vec4::splat(1.0e-20)) * hh;
+            let (mut moment, mut limit) = (Vec4::ZERO, Vec4::ZERO);
             self.share.push(std::array::from_fn(|lane| {
                 let c = bends.coefficients[k][lane];
                 let wc = c * Vec4::from_array(bends.particles[k][lane].map(|p| positions[p as usize].w));
                 let w = wc.dot(c);
-                wc / (w + (1.0 / spring[lane]).max(SOFTEST * w)).max(f32::MIN_POSITIVE)
+                let sum = (w + (1.0 / spring[lane]).max(SOFTEST * w)).max(f32::MIN_POSITIVE);
+                if w > 0.0 {
+                    (moment[lane], limit[lane]) = (sum, RUB_SHARE * sum / w);
+                }
+                wc / sum
             }));
+            self.rub.push([moment, limit]);
         }
     }
 }
@@ -52,43 +61,28 @@ const HYSTERESIS: f32 = 4.0;
 /// Share of a rate that one element may take, since elements overlap.
 const RUB_SHARE: f32 = 0.25;
 
-/// Friction between yarns that slide on each other where the cloth bends: a moment `M = B · HYSTERESIS` [N] per width against every change of `v`, whatever its speed, so that
-/// a cloth comes to rest. Once per frame of `dt` [s], for velocities over a substep of `h` [s]; it moves `previous` (Coulomb's law as an impulse):
+/// Friction between yarns that slide on each other where the cloth bends: a moment `M = B · HYSTERESIS` [N] per width against every change of `v`, whatever its speed, so that a
+/// cloth comes to rest. Once per frame of `dt` [s], for the `motion` [m] over a substep of `h` [s], `w` its inverse mass [1/kg]; Coulomb's law as an impulse:
 ///
 /// ```text
 /// Δv̇ = -min(|v̇|, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
 /// ```
-pub fn rub(bends: &Bends, stiffness: f32, dt: f32, h: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+pub fn rub(bends: &Bends, factors: &BendFactors, stiffness: f32, dt: f32, h: f32, motion: &mut [Vec4]) {
     let most = stiffness * HYSTERESIS * dt * h;
     if !(most > 0.0) {
         return;
     }
-    for (particles, coefficients) in bends.particles.iter().zip(&bends.coefficients) {
-        let old: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| previous[p as usize]));
-        let x: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| positions[p as usize]));
-        let wc: [Vec4; LANES] =
-            std::array::from_fn(|l| coefficients[l] * Vec4::new(x[l][0].w, x[l][1].w, x[l][2].w, x[l][3].w));
-        let rate: [Vec4; LANES] =
-            std::array::from_fn(|l| curvature(&std::array::from_fn(|k| x[l][k] - old[l][k]), coefficients[l]));
-        let w = sums(std::array::from_fn(|lane| wc[lane] * coefficients[lane]));
-        let length = sums(std::array::from_fn(|lane| rate[lane] * rate[lane])).sqrt();
-        let limit = (Vec4::splat(RUB_SHARE) / w).min(Vec4::splat(most) / length);
-        // What is held all over, or does not bend, gives infinity or no number.
-        let by = Vec4::select(w.cmpgt(Vec4::ZERO) & length.cmpgt(Vec4::ZERO), limit, Vec4::ZERO).to_array();
-        for lane in (0..LANES).filter(|&lane| by[lane] > 0.0) {
-            let by = (wc[lane] * by[lane]).to_array();
-            for k in 0..4 {
-                previous[particles[lane][k] as usize] = old[lane][k] + rate[lane] * by[k];
-            }
+    let batches = bends.particles.iter().zip(&bends.coefficients).zip(&factors.share).zip(&factors.rub);
+    for (((particles, coefficients), shares), &[moment, limit]) in batches {
+        let u: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| motion[p as usize]));
+        let rate: [Vec4; LANES] = std::array::from_fn(|lane| curvature(&u[lane], coefficients[lane]));
+        let m = Mat4::from_cols(rate[0], rate[1], rate[2], rate[3]).transpose();
+        let length = (m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis).sqrt();
+        let by = (moment * most / length.max(Vec4::splat(f32::MIN_POSITIVE))).min(limit).to_array();
+        for lane in 0..LANES {
+            spread(&particles[lane], &u[lane], rate[lane] * by[lane], shares[lane], motion);
         }
     }
-}
-
-/// The sum of the components of each of four vectors.
-#[inline(always)]
-fn sums(v: [Vec4; LANES]) -> Vec4 {
-    let m = Mat4::from_cols(v[0], v[1], v[2], v[3]).transpose();
-    (m.x_axis + m.y_axis) + (m.z_axis + m.w_axis)
 }
 
 /// Solves every bending element once.

@@ -1,31 +1,46 @@
 //! Damping of springs: the rate at which two ends approach or part decays, momentum stays.
 //!
-//! Once per frame, `v_b - v_a` along the spring is reduced by `1 - exp(-rate · dt)`, split by mass, as an impulse: it moves `previous`.
+//! Once per frame, `v_b - v_a` along the spring is reduced by `1 - exp(-rate · dt)`, split by mass, as an impulse.
 
-use glam::{Mat4, Vec4};
+use glam::{BVec4A, Mat4, Vec4};
 
 use crate::solver::rest::{LANES, Springs};
 
-const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
+const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
+
+/// Notes the motion of each particle over the last substep: `xyz` [m], `w` its inverse mass [1/kg].
+pub fn note(positions: &[Vec4], previous: &[Vec4], motion: &mut Vec<Vec4>) {
+    motion.clear();
+    motion.extend(positions.iter().zip(previous).map(|(x, old)| Vec4::select(XYZ, *x - *old, *x)));
+}
+
+/// Takes over what became of the motion that [`note`] noted: it moves `previous`, where it changed.
+pub fn apply(positions: &[Vec4], motion: &[Vec4], previous: &mut [Vec4]) {
+    for ((x, old), motion) in positions.iter().zip(previous).zip(motion) {
+        *old += Vec4::select(XYZ, (*x - *old) - *motion, Vec4::ZERO);
+    }
+}
 
 /// Damps every spring over `dt` [s] at `rate` [1/s].
-pub fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], previous: &mut [Vec4]) {
-    let fraction = 1.0 - (-rate * dt).exp();
+pub fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], motion: &mut [Vec4]) {
+    let fraction = Vec4::splat(1.0 - (-rate * dt).exp());
     for (a, b) in springs.a.iter().zip(&springs.b) {
-        let (xa, xb) = (a.map(|i| positions[i as usize]), b.map(|i| positions[i as usize]));
-        let (oa, ob) = (a.map(|i| previous[i as usize]), b.map(|i| previous[i as usize]));
-        let d: [Vec4; LANES] = std::array::from_fn(|l| (xb[l] - xa[l]) * XYZ);
-        let u: [Vec4; LANES] = std::array::from_fn(|l| (xb[l] - ob[l]) - (xa[l] - oa[l]));
-        let w = Vec4::from_array(std::array::from_fn(|l| xa[l].w + xb[l].w));
-        let (d4, u4) =
-            (Mat4::from_cols(d[0], d[1], d[2], d[3]).transpose(), Mat4::from_cols(u[0], u[1], u[2], u[3]).transpose());
+        let (ua, ub) = (a.map(|i| motion[i as usize]), b.map(|i| motion[i as usize]));
+        let d: [Vec4; LANES] = std::array::from_fn(|l| positions[b[l] as usize] - positions[a[l] as usize]);
+        let (d4, u4) = (rows(d), rows(std::array::from_fn(|l| ub[l] - ua[l])));
+        let w = rows(std::array::from_fn(|l| ua[l] + ub[l])).w_axis;
         let approach = d4.x_axis * u4.x_axis + d4.y_axis * u4.y_axis + d4.z_axis * u4.z_axis;
         let squared = d4.x_axis * d4.x_axis + d4.y_axis * d4.y_axis + d4.z_axis * d4.z_axis;
         let impulse = (approach * fraction / (w * squared).max(Vec4::splat(f32::MIN_POSITIVE))).to_array();
         for lane in 0..LANES {
-            let push = d[lane] * impulse[lane];
-            previous[a[lane] as usize] = oa[lane] - push * xa[lane].w;
-            previous[b[lane] as usize] = ob[lane] + push * xb[lane].w;
+            let push = Vec4::select(XYZ, d[lane], Vec4::ZERO) * impulse[lane];
+            motion[a[lane] as usize] = ua[lane] + push * ua[lane].w;
+            motion[b[lane] as usize] = ub[lane] - push * ub[lane].w;
         }
     }
+}
+
+#[inline(always)]
+fn rows([a, b, c, d]: [Vec4; LANES]) -> Mat4 {
+    Mat4::from_cols(a, b, c, d).transpose()
 }
