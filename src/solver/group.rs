@@ -111,7 +111,9 @@ pub struct Group {
     takes_back: bool,
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
-    /// Time for which pairs were looked for, and the share of it that has passed.
+    /// Length of the frame [s].
+    frame: f32,
+    /// Time for which pairs were looked for [s], and the share of it that has passed.
     horizon: f32,
     share: f32,
     looks: u32,
@@ -173,7 +175,7 @@ impl Group {
         self.touch.extend_from_slice(touch);
         // While no time passes, nobody knows how much will.
         let horizon = if dt > 0.0 { self.finder.horizon(dt.min(LONGEST_LOOK), touch) } else { self.horizon };
-        (self.horizon, self.share, self.looks) = (horizon, 0.0, 0);
+        (self.frame, self.horizon, self.share, self.looks) = (dt, horizon, 0.0, 0);
         self.contacts.lift();
     }
 
@@ -544,13 +546,17 @@ impl Group {
     fn take_back(&mut self) {
         let touches = self.takes_part.contains(&true);
         let crossings = self.untangler.detector.crossings();
-        if !touches || self.total.is_clean() || !self.retreat.begin(&self.surface, crossings, &self.positions) {
+        if !touches || self.total.is_clean() {
+            return;
+        }
+        let substeps = |part: usize| if self.substep[part] > 0.0 { self.frame / self.substep[part] } else { 0.0 };
+        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, substeps) {
             return;
         }
         for _ in 0..MOST_RETREATS {
             let Self { surface, untangler, retreat, positions, previous, .. } = self;
             if !retreat.take(surface, untangler.detector.crossings(), positions, previous) {
-                return;
+                break;
             }
             self.moved = true;
             self.look();
@@ -564,14 +570,21 @@ impl Group {
             return false;
         }
         self.look();
+        self.stay_clean()
+    }
+
+    /// Whether cloths that cross stay where they were.
+    fn stay_clean(&mut self) -> bool {
         let mut stays = false;
         // A cloth that stays may be met by one that went on.
         for _ in 0..self.surface.parts.len().min(MOST_RETREATS as usize) {
-            if self.total.is_clean() {
+            let Self { surface, untangler, retreat, positions, previous, .. } = self;
+            if self.total.is_clean() || !retreat.may_stay() {
                 break;
             }
-            let Self { surface, untangler, retreat, positions, previous, .. } = self;
-            retreat.stay(surface, untangler.detector.crossings(), positions, previous);
+            if !retreat.stay(surface, untangler.detector.crossings(), positions, previous) {
+                break;
+            }
             (stays, self.moved) = (true, true);
             self.look();
         }

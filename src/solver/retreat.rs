@@ -12,7 +12,8 @@ use glam::{Vec3A, Vec4};
 
 use super::detect::{Crossing, Surface};
 
-/// How far a particle may have gone in the frame, relative to the shared motion, in mean edges: what was moved farther, by a teleport, is not taken back.
+/// How far a particle may have gone in the frame, relative to the shared motion, in mean edges, and beyond that as far as the fastest particle flies in a frame: what was moved
+/// farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// Frames in a row in which a particle is taken back: what is pressed through for seconds has to be taken apart.
@@ -31,6 +32,8 @@ pub struct Retreat {
     frames: Vec<u8>,
     /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
     shared: Vec3A,
+    /// Farthest way back [m].
+    farthest: f32,
     /// Whether something was taken back in this frame, and whether whole cloths stayed.
     retreats: bool,
     stayed: bool,
@@ -59,32 +62,43 @@ impl Retreat {
         (self.retreats, self.stayed) = (false, false);
     }
 
-    /// Begins with nothing taken back; whether anything can be.
-    pub fn begin(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4]) -> bool {
+    /// Begins with nothing taken back; whether anything can be. `substeps` of each cloth make up the frame, and the last of them lies between `previous` and `positions` [m].
+    pub fn begin(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &[Vec4],
+        previous: &[Vec4],
+        substeps: impl Fn(usize) -> f32,
+    ) -> bool {
         if self.clean.len() != positions.len() {
             return false;
         }
         let crosses =
             |part: u16| crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part));
-        let ways = (0_u16..).zip(&surface.parts).filter(|(part, _)| crosses(*part)).map(|(_, part)| {
+        let (mut shared, mut fastest) = (None, 0.0f32);
+        for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(*part as u16)) {
             let range = part.particles.start as usize..part.particles.end as usize;
-            let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
-            for (now, then) in positions[range.clone()].iter().zip(&self.clean[range]) {
+            let (mut sum, mut count, mut speed) = (Vec3A::ZERO, 0.0, 0.0f32);
+            for ((now, old), then) in positions[range.clone()].iter().zip(&previous[range.clone()]).zip(&self.clean[range]) {
                 let way = Vec3A::from_vec4(*now - *then);
                 if now.w > 0.0 && way.is_finite() {
                     (sum, count) = (sum + way, count + 1.0);
+                    speed = speed.max(Vec3A::from_vec4(*now - *old).length_squared());
                 }
             }
-            sum / f32::max(count, 1.0)
-        });
-        self.shared = ways.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(Vec3A::ZERO);
+            let mean = sum / f32::max(count, 1.0);
+            shared = shared.filter(|least: &Vec3A| least.length_squared() <= mean.length_squared()).or(Some(mean));
+            fastest = fastest.max(speed.sqrt() * substeps(i));
+        }
+        self.shared = shared.unwrap_or(Vec3A::ZERO);
+        self.farthest = FARTHEST_EDGES * surface.mean_edge + if fastest.is_finite() { fastest } else { 0.0 };
         true
     }
 
     /// Takes the particles that cross back; whether there were any that had not been.
     pub fn take(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         let topology = &surface.topology;
-        let farthest = FARTHEST_EDGES * surface.mean_edge;
         let mut any = false;
         for crossing in crossings {
             let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
@@ -92,7 +106,7 @@ impl Retreat {
                 let by = self.shared - Vec3A::from_vec4(positions[v] - self.clean[v]);
                 if positions[v].w > 0.0
                     && self.frames[v] < MOST_FRAMES
-                    && by.length_squared() < farthest * farthest
+                    && by.length_squared() < self.farthest * self.farthest
                     && !std::mem::replace(&mut self.taken[v], true)
                 {
                     let by = by.extend(0.0);
@@ -111,20 +125,36 @@ impl Retreat {
         self.retreats && self.stays < MOST_STAYS
     }
 
-    /// Puts the cloths that cross where they were, as a whole; velocity is kept. A body pushed what was taken back, and nothing else is known to be clean.
-    pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) {
-        self.stayed = true;
-        for (part, range) in (0_u16..).zip(surface.parts.iter().map(|part| part.particles.clone())) {
-            if !crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part)) {
+    /// Puts the cloths that cross where they were, as a whole, and says whether it did: a body pushed what was taken back, or it crosses elsewhere, and nothing else is known to be clean.
+    /// Velocity is kept but that of what was taken back, which would do the same again. What came from far does not stay.
+    pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        let crosses =
+            |part: u16| crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part));
+        let mut any = false;
+        for (_, part) in (0_u16..).zip(&surface.parts).filter(|(part, _)| crosses(*part)) {
+            let range = part.particles.start as usize..part.particles.end as usize;
+            let way = |(now, then): (&Vec4, &Vec4)| Vec3A::from_vec4(*now - *then).length_squared();
+            if positions[range.clone()]
+                .iter()
+                .zip(&self.clean[range.clone()])
+                .map(way)
+                .any(|way| way > self.farthest * self.farthest)
+            {
                 continue;
             }
-            for v in range.start as usize..range.end as usize {
+            any = true;
+            for v in range {
                 let by = (self.clean[v] - positions[v]).truncate().extend(0.0);
                 if positions[v].w > 0.0 && by.is_finite() {
                     positions[v] += by;
                     previous[v] += by;
+                    if self.taken[v] {
+                        previous[v] = positions[v].with_w(previous[v].w);
+                    }
                 }
             }
         }
+        self.stayed |= any;
+        any
     }
 }
