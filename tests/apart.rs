@@ -387,6 +387,28 @@ fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() {
 }
 
 #[test]
+fn what_came_from_far_is_taken_back_if_it_flew_there() {
+    let taken_back = |flies: bool| {
+        let mut scene = untangled(scenes::sheets(12), true);
+        scene.step(FRAME);
+        let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);
+        let cloth = &mut scene.cloths[upper];
+        let middle = |x: &Vec4| x.truncate().with_y(0.0).length();
+        let positions = &mut cloth.state.positions;
+        let v =
+            (0..positions.len()).min_by(|&a, &b| middle(&positions[a]).total_cmp(&middle(&positions[b]))).unwrap_or_default();
+        let (before, way) = (positions[v], 6.0 * cloth.rest.mean_edge);
+        positions[v].y -= way;
+        let flown = if flies { way * cloth.state.substep / FRAME } else { 0.0 };
+        cloth.state.previous[v].y = positions[v].y + flown;
+        scene.settle(FRAME);
+        scene.cloths[upper].state.positions[v].distance(before) < 0.01 * way
+    };
+    assert!(taken_back(true));
+    assert!(!taken_back(false));
+}
+
+#[test]
 fn what_is_taken_back_into_the_wall_of_a_funnel_stays_where_it_was_and_does_not_cross() {
     // In this start the wall pushes what was taken back, in the 66th frame, so that it would cross again.
     let mut scene = untangled(scenes::funnel(28).jittered(1), true);
