@@ -208,6 +208,9 @@ impl ClothGroups {
             let mut group = if known { core::mem::take(&mut before[old]) } else { ClothGroup::default() };
             if known {
                 group.members.clone_from(members);
+                if group.origin != first.origin {
+                    group.group.carry((group.origin - first.origin).as_vec3());
+                }
             } else {
                 let Some(built) = build(members) else { continue };
                 (group.group, group.members) = (built, members.clone());

@@ -163,3 +163,28 @@ fn a_sheet_goes_through_a_funnel_and_not_through_its_wall() {
         assert!(through <= frames / 20, "{n}: edges through the wall in {through} of {frames} frames");
     }
 }
+
+#[test]
+fn a_ball_that_goes_through_the_middle_of_a_curtain_takes_it_along_whole() {
+    for (n, speed, longest) in [(22, 3.0, 1.2), (32, 3.0, 1.2), (43, 5.0, 1.3)] {
+        let mesh = grid(n, n, |u, v| vec3(u - 0.5, -v, 0.0));
+        let top: Vec<u32> = mesh.positions.iter().zip(0..).filter(|(p, _)| p.y > -1e-4).map(|(_, i)| i).collect();
+        let (rest, _) = RestShape::build(&mesh).expect("a sheet");
+        let mut scene = Scene::new(vec![SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &top)]);
+        (0..120).for_each(|_| scene.step(FRAME));
+        let at = |z: f32| Pose::from_translation(vec3(0.0, -0.5, z));
+        let mut z = -0.6;
+        scene.bodies.push(Body::at_rest(shape::ball(0.1).expect("a ball"), at(z)));
+        let mut worst = 0.0_f32;
+        while z < 0.5 {
+            scene.bodies[0].from = at(z);
+            z += speed * FRAME;
+            scene.bodies[0].to = at(z);
+            scene.step(FRAME);
+            worst = worst.max(scene.cloths[0].report.worst_edge);
+        }
+        assert!(worst < longest, "{n} x {n} at {speed} m/s: {worst}");
+        let farthest = scene.cloths[0].state.positions.iter().map(|x| x.z).fold(f32::MIN, f32::max);
+        assert!(farthest > z, "the curtain is left behind: {farthest} m, the ball is at {z} m");
+    }
+}

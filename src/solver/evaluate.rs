@@ -174,7 +174,7 @@ pub struct Outcome {
 
 /// Clean shapes kept.
 const SNAPSHOTS: usize = 2;
-/// Held frames remembered for the bound per second; a second at 240 Hz holds at most 24 of them.
+/// Runs of held frames remembered for the bound per second; a clean frame lies between two.
 const LOG: usize = 32;
 
 #[derive(Clone, Debug, Default)]
@@ -190,7 +190,7 @@ pub struct Evaluator {
     ring: [Snapshot; SNAPSHOTS],
     newest: usize,
     kept: usize,
-    /// `(time, duration)` of held frames, a ring.
+    /// `(end, duration)` of runs of held frames [s], a ring.
     log: [(f64, f32); LOG],
     logged: usize,
     time: f64,
@@ -245,8 +245,14 @@ impl Evaluator {
         out.became_last_resort = out.last_resort && !before.last_resort;
         if self.may_hold(dt, settings) {
             self.held_frames += 1;
-            self.log[self.logged % LOG] = (self.time, dt);
-            self.logged += 1;
+            // Frames held in a row are one entry, which counts until all of it is a second old.
+            if self.held_frames > 1 {
+                let (time, held) = &mut self.log[(self.logged + LOG - 1) % LOG];
+                (*time, *held) = (self.time, *held + dt);
+            } else {
+                self.log[self.logged % LOG] = (self.time, dt);
+                self.logged += 1;
+            }
             self.fading = 1.0;
             out.shown = Shown::Held;
             out.hold = 1.0;

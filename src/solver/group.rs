@@ -22,13 +22,15 @@ use super::respond::{Contacts, Finder, Moment};
 use super::retreat::Retreat;
 use super::settings::Stepping;
 use super::state::ClothState;
-use super::step::{self, Scratch, StepReport, Stepped};
+use super::step::{Scratch, StepReport, Stepped};
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
 
 /// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
 const MOST_RETREATS: u32 = 8;
+/// Rounds in which one cloth after the other stays where it was.
+const MOST_ROUNDS: usize = 8;
 
 /// How far ahead pairs are looked for at most [s]: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
@@ -111,8 +113,8 @@ pub struct Group {
     takes_back: bool,
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
-    /// Length of the frame [s].
-    frame: f32,
+    /// Substeps that the last frame took.
+    count: u32,
     /// Time for which pairs were looked for [s], and the share of it that has passed.
     horizon: f32,
     share: f32,
@@ -165,7 +167,7 @@ impl Group {
         }
     }
 
-    /// Says that the pairs will be wanted that may touch within the next `dt` [s]: `touch` says of each cloth how it does, `takes_part` whether it does.
+    /// Says that the pairs will be wanted that may touch within the next `dt` [s], the longest of the frames that the cloths will take: `touch` says of each cloth how it does, `takes_part` whether it does.
     pub fn expect(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
         let parts = self.surface.parts.len();
         self.known &= self.touch == touch && (0..parts).map(&takes_part).eq(self.takes_part.iter().copied());
@@ -174,8 +176,12 @@ impl Group {
         self.touch.clear();
         self.touch.extend_from_slice(touch);
         // While no time passes, nobody knows how much will.
-        let horizon = if dt > 0.0 { self.finder.horizon(dt.min(LONGEST_LOOK), touch) } else { self.horizon };
-        (self.frame, self.horizon, self.share, self.looks) = (dt, horizon, 0.0, 0);
+        let horizon = if dt > 0.0 {
+            self.finder.horizon(dt.min(LONGEST_LOOK), dt / self.count.max(1) as f32, touch)
+        } else {
+            self.horizon
+        };
+        (self.horizon, self.share, self.looks) = (horizon, 0.0, 0);
         self.contacts.lift();
     }
 
@@ -221,10 +227,11 @@ impl Group {
         let (mut count, mut longest) = (0, 0.0f32);
         for part in 0..parts {
             if let Some(m) = cloths.member(part) {
-                count = count.max(step::substeps_of(m.stepping, m.cloth.input.dt));
+                count = count.max(m.cloth.substeps(m.stepping, m.scratch));
                 longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
             }
         }
+        self.count = count;
         // Share of the time looked ahead that passes in a substep.
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
         let gap = (LOOK_AGAIN * count as f32 / longest.max(f32::MIN_POSITIVE)).round().max(1.0) as u32;
@@ -395,6 +402,12 @@ impl Group {
         self.looks
     }
 
+    /// How far ahead pairs are looked for [s]: a frame, or less.
+    #[must_use]
+    pub fn horizon(&self) -> f32 {
+        self.horizon
+    }
+
     /// The pairs that may touch.
     #[must_use]
     pub fn contacts(&self) -> &Contacts {
@@ -549,14 +562,13 @@ impl Group {
         if !touches || self.total.is_clean() {
             return;
         }
-        let substeps = |part: usize| if self.substep[part] > 0.0 { self.frame / self.substep[part] } else { 0.0 };
-        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, substeps) {
+        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, self.count) {
             return;
         }
         for _ in 0..MOST_RETREATS {
             let Self { surface, untangler, retreat, positions, previous, .. } = self;
             if !retreat.take(surface, untangler.detector.crossings(), positions, previous) {
-                break;
+                return;
             }
             self.moved = true;
             self.look();
@@ -570,25 +582,24 @@ impl Group {
             return false;
         }
         self.look();
-        self.stay_clean()
-    }
-
-    /// Whether cloths that cross stay where they were.
-    fn stay_clean(&mut self) -> bool {
         let mut stays = false;
         // A cloth that stays may be met by one that went on.
-        for _ in 0..self.surface.parts.len().min(MOST_RETREATS as usize) {
+        for _ in 0..self.surface.parts.len().min(MOST_ROUNDS) {
             let Self { surface, untangler, retreat, positions, previous, .. } = self;
-            if self.total.is_clean() || !retreat.may_stay() {
-                break;
-            }
-            if !retreat.stay(surface, untangler.detector.crossings(), positions, previous) {
+            if self.total.is_clean() || !retreat.stay(surface, untangler.detector.crossings(), positions, previous) {
                 break;
             }
             (stays, self.moved) = (true, true);
             self.look();
         }
         stays
+    }
+
+    /// Moves the frame of the group: everything that is known lies `by` [m] elsewhere in it from now on.
+    pub fn carry(&mut self, by: Vec3) {
+        self.retreat.carry(by);
+        self.finder.carry(by);
+        self.known = false;
     }
 
     /// Uses stronger means from now on; `None` goes back to the ordinary ones.
@@ -675,7 +686,8 @@ impl Group {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        self.retreat.note(&self.positions, self.total.is_clean() && !self.contacts.coincide());
+        let clean = self.total.is_clean() && !self.contacts.coincide();
+        self.retreat.note(&self.surface, &self.positions, &self.previous, clean);
         self.total
     }
 

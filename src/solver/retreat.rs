@@ -8,12 +8,13 @@
 //! pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that
 //! started in the same place are left to [`resolve`](super::resolve).
 
-use glam::{Vec3A, Vec4};
+use core::ops::Range;
 
-use super::detect::{Crossing, Surface};
+use glam::{Vec3, Vec3A, Vec4};
 
-/// How far a particle may have gone in the frame, relative to the shared motion, in mean edges, and beyond that as far as the fastest particle flies in a frame: what was moved
-/// farther, by a teleport, is not taken back.
+use super::detect::{Crossing, Part, Surface};
+
+/// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// Frames in a row in which a particle is taken back: what is pressed through for seconds has to be taken apart.
@@ -32,8 +33,12 @@ pub struct Retreat {
     frames: Vec<u8>,
     /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
     shared: Vec3A,
-    /// Farthest way back [m].
-    farthest: f32,
+    /// Substeps of the frame.
+    substeps: f32,
+    /// Way of the fastest particle of each cloth in the last substep of the last clean frame [m].
+    fastest: Vec<f32>,
+    /// How far particles of each cloth may be put back in this frame [m].
+    farthest: Vec<f32>,
     /// Whether something was taken back in this frame, and whether whole cloths stayed.
     retreats: bool,
     stayed: bool,
@@ -47,8 +52,8 @@ impl Retreat {
         self.frames.get(particle as usize).is_some_and(|&frames| frames > 0)
     }
 
-    /// Notes how a frame ended; nothing is known of one that was not clean.
-    pub fn note(&mut self, positions: &[Vec4], is_clean: bool) {
+    /// Notes how a frame ended, whose last substep lies between `previous` and `positions` [m]; nothing is known of one that was not clean.
+    pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
         self.frames.resize(positions.len(), 0);
         self.taken.resize(positions.len(), false);
@@ -57,42 +62,51 @@ impl Retreat {
         }
         if is_clean {
             self.clean.extend_from_slice(positions);
+            self.fastest.clear();
+            self.fastest.extend(surface.parts.iter().map(|part| fastest(range(part), positions, previous)));
         }
         self.stays = if self.stayed { self.stays + 1 } else { 0 };
         (self.retreats, self.stayed) = (false, false);
     }
 
-    /// Begins with nothing taken back; whether anything can be. `substeps` of each cloth make up the frame, and the last of them lies between `previous` and `positions` [m].
+    /// Everything lies `by` [m] elsewhere from now on.
+    pub fn carry(&mut self, by: Vec3) {
+        self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
+    }
+
+    /// Begins with nothing taken back; whether anything can be. The frame took as many `substeps`, the last of which lies between `previous` and `positions` [m].
     pub fn begin(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
         positions: &[Vec4],
         previous: &[Vec4],
-        substeps: impl Fn(usize) -> f32,
+        substeps: u32,
     ) -> bool {
         if self.clean.len() != positions.len() {
             return false;
         }
-        let crosses =
-            |part: u16| crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part));
-        let (mut shared, mut fastest) = (None, 0.0f32);
-        for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(*part as u16)) {
-            let range = part.particles.start as usize..part.particles.end as usize;
-            let (mut sum, mut count, mut speed) = (Vec3A::ZERO, 0.0, 0.0f32);
-            for ((now, old), then) in positions[range.clone()].iter().zip(&previous[range.clone()]).zip(&self.clean[range]) {
+        self.substeps = substeps as f32;
+        self.farthest.clear();
+        let mut shared: Option<Vec3A> = None;
+        for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
+            // What was stopped on its way flew before.
+            let flown = fastest(range(part), positions, previous).max(before) * self.substeps;
+            self.farthest.push(FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 });
+            if !crosses(surface, crossings, i) {
+                continue;
+            }
+            let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
+            for (now, then) in positions[range(part)].iter().zip(&self.clean[range(part)]) {
                 let way = Vec3A::from_vec4(*now - *then);
                 if now.w > 0.0 && way.is_finite() {
                     (sum, count) = (sum + way, count + 1.0);
-                    speed = speed.max(Vec3A::from_vec4(*now - *old).length_squared());
                 }
             }
             let mean = sum / f32::max(count, 1.0);
-            shared = shared.filter(|least: &Vec3A| least.length_squared() <= mean.length_squared()).or(Some(mean));
-            fastest = fastest.max(speed.sqrt() * substeps(i));
+            shared = shared.filter(|least| least.length_squared() <= mean.length_squared()).or(Some(mean));
         }
         self.shared = shared.unwrap_or(Vec3A::ZERO);
-        self.farthest = FARTHEST_EDGES * surface.mean_edge + if fastest.is_finite() { fastest } else { 0.0 };
         true
     }
 
@@ -102,11 +116,13 @@ impl Retreat {
         let mut any = false;
         for crossing in crossings {
             let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
-            for v in e.into_iter().chain(f).map(|v| v as usize) {
+            for v in e.into_iter().chain(f) {
+                let farthest = self.farthest[usize::from(surface.part(v))];
+                let v = v as usize;
                 let by = self.shared - Vec3A::from_vec4(positions[v] - self.clean[v]);
                 if positions[v].w > 0.0
                     && self.frames[v] < MOST_FRAMES
-                    && by.length_squared() < self.farthest * self.farthest
+                    && by.length_squared() < farthest * farthest
                     && !std::mem::replace(&mut self.taken[v], true)
                 {
                     let by = by.extend(0.0);
@@ -125,31 +141,26 @@ impl Retreat {
         self.retreats && self.stays < MOST_STAYS
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and says whether it did: a body pushed what was taken back, or it crosses elsewhere, and nothing else is known to be clean.
-    /// Velocity is kept but that of what was taken back, which would do the same again. What came from far does not stay.
+    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
+    /// Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        let crosses =
-            |part: u16| crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].contains(&part));
+        let mean = (self.shared / self.substeps.max(1.0)).extend(0.0);
         let mut any = false;
-        for (_, part) in (0_u16..).zip(&surface.parts).filter(|(part, _)| crosses(*part)) {
-            let range = part.particles.start as usize..part.particles.end as usize;
-            let way = |(now, then): (&Vec4, &Vec4)| Vec3A::from_vec4(*now - *then).length_squared();
-            if positions[range.clone()]
-                .iter()
-                .zip(&self.clean[range.clone()])
-                .map(way)
-                .any(|way| way > self.farthest * self.farthest)
-            {
+        for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
+            let is_far = |(now, then): (&Vec4, &Vec4)| {
+                now.w > 0.0 && Vec3A::from_vec4(*now - *then).length_squared() > self.farthest[i] * self.farthest[i]
+            };
+            if positions[range(part)].iter().zip(&self.clean[range(part)]).any(is_far) {
                 continue;
             }
-            any = true;
-            for v in range {
+            for v in range(part) {
                 let by = (self.clean[v] - positions[v]).truncate().extend(0.0);
                 if positions[v].w > 0.0 && by.is_finite() {
+                    any |= by != Vec4::ZERO;
                     positions[v] += by;
                     previous[v] += by;
                     if self.taken[v] {
-                        previous[v] = positions[v].with_w(previous[v].w);
+                        previous[v] = (positions[v] - mean).with_w(previous[v].w);
                     }
                 }
             }
@@ -157,4 +168,19 @@ impl Retreat {
         self.stayed |= any;
         any
     }
+}
+
+fn range(part: &Part) -> Range<usize> {
+    part.particles.start as usize..part.particles.end as usize
+}
+
+/// Whether a cloth is part of a crossing.
+fn crosses(surface: &Surface, crossings: &[Crossing], part: usize) -> bool {
+    crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].map(usize::from).contains(&part))
+}
+
+/// Longest way of a free particle [m].
+fn fastest(range: Range<usize>, positions: &[Vec4], previous: &[Vec4]) -> f32 {
+    let ways = positions[range.clone()].iter().zip(&previous[range]).filter(|(now, _)| now.w > 0.0);
+    ways.map(|(now, old)| Vec3A::from_vec4(*now - *old).length_squared()).fold(0.0, f32::max).sqrt()
 }

@@ -66,6 +66,7 @@ pub(crate) fn detect(
         }
         let clock = stopwatch();
         group.touch.clear();
+        let mut longest = 0.0f32;
         for part in 0..group.members.len() {
             let Member { entity, fixed, still, .. } = group.members[part];
             let Ok((particles, inputs)) = cloths.get(entity) else { continue };
@@ -75,8 +76,9 @@ pub(crate) fn detect(
                 group.group.hold(part);
             }
             group.touch.push(Touch::of(&inputs.fabric));
+            longest = longest.max((dt * inputs.time_scale).min(inputs.stepping.max_frame));
         }
-        group.group.expect(dt, &group.touch, |part| group.members[part].collision.contact);
+        group.group.expect(longest, &group.touch, |part| group.members[part].collision.contact);
         group.group.detect();
         group.times[0] = clock();
     });

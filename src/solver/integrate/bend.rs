@@ -17,11 +17,19 @@ const SOFTEST: f32 = 4.0;
 /// What each of the four particles of a bending element moves by along `v`; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BendFactors {
-    /// `w_i c_i / (Σ w c² + 1 / (k h²))` (dimensionless), one vector per lane.
+    /// `w_i c_i / (Σ w c² + max(1 / (k h²), SOFTEST Σ w c²))` (dimensionless), one vector per lane.
     share: Vec<[Vec4; LANES]>,
-    /// By lane, what [`rub`] takes: `(Σ w c² + 1 / (k h²))` [1/kg], and that over `Σ w c²` (dimensionless), of which it takes [`RUB_SHARE`]; 0 where nothing can move.
-    rub: Vec<[Vec4; 2]>,
+    rub: Vec<Rub>,
     flat: bool,
+}
+
+/// What [`rub`] multiplies shares with, by lane; 0 where nothing can move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Rub {
+    /// What shares were divided by [1/kg].
+    divisor: Vec4,
+    /// The same times [`RUB_SHARE`] over `Σ w c²` (dimensionless): no more is taken.
+    most: Vec4,
 }
 
 impl BendFactors {
@@ -38,18 +46,18 @@ impl BendFactors {
         self.flat = bends.rest.iter().all(|r| *r == Vec4::ZERO);
         for k in 0..bends.rest.len() {
             let spring = (bends.inverse_area[k] * stiffness).max(Vec4::splat(1.0e-20)) * hh;
-            let (mut moment, mut limit) = (Vec4::ZERO, Vec4::ZERO);
+            let mut rub = Rub::default();
             self.share.push(std::array::from_fn(|lane| {
                 let c = bends.coefficients[k][lane];
                 let wc = c * Vec4::from_array(bends.particles[k][lane].map(|p| positions[p as usize].w));
                 let w = wc.dot(c);
-                let sum = (w + (1.0 / spring[lane]).max(SOFTEST * w)).max(f32::MIN_POSITIVE);
+                let divisor = (w + (1.0 / spring[lane]).max(SOFTEST * w)).max(f32::MIN_POSITIVE);
                 if w > 0.0 {
-                    (moment[lane], limit[lane]) = (sum, RUB_SHARE * sum / w);
+                    (rub.divisor[lane], rub.most[lane]) = (divisor, RUB_SHARE * divisor / w);
                 }
-                wc / sum
+                wc / divisor
             }));
-            self.rub.push([moment, limit]);
+            self.rub.push(rub);
         }
     }
 }
@@ -65,20 +73,20 @@ const RUB_SHARE: f32 = 0.25;
 /// cloth comes to rest. Once per frame of `dt` [s], for the `motion` [m] over a substep of `h` [s], `w` its inverse mass [1/kg]; Coulomb's law as an impulse:
 ///
 /// ```text
-/// Δv̇ = -min(|v̇|, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
+/// Δv̇ = -min(|v̇| / 4, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
 /// ```
 pub fn rub(bends: &Bends, factors: &BendFactors, stiffness: f32, dt: f32, h: f32, motion: &mut [Vec4]) {
-    let most = stiffness * HYSTERESIS * dt * h;
-    if !(most > 0.0) {
+    let moment = stiffness * HYSTERESIS * dt * h;
+    if !(moment > 0.0) {
         return;
     }
     let batches = bends.particles.iter().zip(&bends.coefficients).zip(&factors.share).zip(&factors.rub);
-    for (((particles, coefficients), shares), &[moment, limit]) in batches {
+    for (((particles, coefficients), shares), rub) in batches {
         let u: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| particles[lane].map(|p| motion[p as usize]));
         let rate: [Vec4; LANES] = std::array::from_fn(|lane| curvature(&u[lane], coefficients[lane]));
         let m = Mat4::from_cols(rate[0], rate[1], rate[2], rate[3]).transpose();
         let length = (m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis).sqrt();
-        let by = (moment * most / length.max(Vec4::splat(f32::MIN_POSITIVE))).min(limit).to_array();
+        let by = (rub.divisor * moment / length.max(Vec4::splat(f32::MIN_POSITIVE))).min(rub.most).to_array();
         for lane in 0..LANES {
             spread(&particles[lane], &u[lane], rate[lane] * by[lane], shares[lane], motion);
         }

@@ -31,7 +31,9 @@ pub fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], motion: 
         let w = rows(std::array::from_fn(|l| ua[l] + ub[l])).w_axis;
         let approach = d4.x_axis * u4.x_axis + d4.y_axis * u4.y_axis + d4.z_axis * u4.z_axis;
         let squared = d4.x_axis * d4.x_axis + d4.y_axis * d4.y_axis + d4.z_axis * d4.z_axis;
-        let impulse = (approach * fraction / (w * squared).max(Vec4::splat(f32::MIN_POSITIVE))).to_array();
+        // Nothing where both ends are held.
+        let moved = w * squared;
+        let impulse = Vec4::select(moved.cmpgt(Vec4::ZERO), approach * fraction / moved, Vec4::ZERO).to_array();
         for lane in 0..LANES {
             let push = Vec4::select(XYZ, d[lane], Vec4::ZERO) * impulse[lane];
             motion[a[lane] as usize] = ua[lane] + push * ua[lane].w;

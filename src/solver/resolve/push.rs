@@ -106,7 +106,7 @@ impl Resolver {
         self.patch.sides[mine].clear();
         self.flood.region().iter().for_each(|&v| self.patch.put_again(mine, v));
         self.patch.grow(view.surface, rings.clamp(1, MOST_RINGS));
-        let follows = |ring: usize| 1.0 - ring as f32 / (rings + 1) as f32;
+        let follows = |ring: usize| 1.0 - ring as f32 / (rings as f32 + 1.0);
         let mut moved = Load { mass: 0.0, pinned: region.pinned };
         for (v, ring) in self.patch.by_ring(mine) {
             let w = view.positions[v as usize].w;

@@ -22,15 +22,19 @@ const MARGIN: f32 = 0.25;
 /// than half of it cannot meet.
 const STRAY: f32 = 0.45;
 
-/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin. One that drifted is looked at
-/// where it is, against others that may drift from one side of where they were to the other: three times this is a margin.
-const DRIFT: f32 = 1.0 / 3.0;
+/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin. What drifted is looked at where it is, against others
+/// that may drift from one side of where they were to the other. Two that nobody knew come to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known: cloth is thinner
+/// there for a moment, but far from crossing.
+const DRIFT: f32 = 1.0;
 /// The same as a share of the least height of the faces around: what was flat, or inside an edge, about stays so.
-const DRIFT_OF_HEIGHT: f32 = 0.05;
+const DRIFT_OF_HEIGHT: f32 = 0.1;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
-/// What is [stuck](STUCK) went less than this in a frame, too, in thicknesses (dimensionless).
+/// Mean way of the cloth until the next look that is not worth knowing, in thicknesses (dimensionless).
+const HARDLY: f32 = 1.0 / 24.0;
+
+/// What is [stuck](STUCK) went less than this since the last look at everything, too, in thicknesses (dimensionless).
 const STILL: f32 = 0.05;
 
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
@@ -77,7 +81,7 @@ pub struct Finder {
     ahead: Vec<Vec3A>,
     /// Where each particle was at the last look [m].
     start: Vec<Vec3A>,
-    /// Where each particle was a frame ago [m].
+    /// Where each particle was when the time looked ahead began, a frame or half of one ago [m].
     before: Vec<Vec3A>,
     /// Particles that are elsewhere than foreseen, those that were so at a substep since the last look, and faces with one.
     astray: Vec<bool>,
@@ -301,14 +305,21 @@ impl Finder {
         &self.ahead
     }
 
-    /// How far ahead to look when the next look at everything is due in `dt` [s]: half of it where cloth flutters, as boxes swept half as far meet a third of the faces.
+    /// How far ahead to look [s] when the next look at everything is due in `dt` [s]: half of that where cloth flutters, as boxes swept half as far meet a third of the faces; a whole
+    /// number of substeps of `h` [s].
     #[must_use]
-    pub fn horizon(&self, dt: f32, touch: &[Touch]) -> f32 {
+    pub fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
-        if self.haste * dt > FLUTTER * thickest { 0.5 * dt } else { dt }
+        if self.haste * dt > FLUTTER * thickest { (h * (0.5 * dt / h - 1.0e-3).ceil()).min(dt) } else { dt }
     }
 
-    /// Notes where all particles are at the end of a frame [m], to tell in the next which of them are stuck.
+    /// Moves everything that is known `by` [m].
+    pub fn carry(&mut self, by: Vec3) {
+        let by = Vec3A::from(by);
+        [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten().for_each(|x| *x += by);
+    }
+
+    /// Notes where all particles are [m] at the end of a frame, or of the time looked ahead within one, to tell at the next look which of them are stuck.
     pub fn note(&mut self, positions: &[Vec4]) {
         self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
     }
@@ -334,7 +345,7 @@ impl Finder {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
         }
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
-        // Of the time since the last frame and until the next, at its end a whole frame each.
+        // Of the time since the last look at everything and until the next: at its end all of it.
         let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
         contacts.note_loads();
         contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
@@ -376,7 +387,7 @@ impl Finder {
         anew: bool,
     ) -> impl FnMut(u32, u32) -> bool + 'a {
         let &Moment { positions, touch, takes_part, .. } = moment;
-        let reach = Self::reach(moment);
+        let (reach, thickest) = (Self::reach(moment), moment.thickest());
         let topology = &surface.topology;
         let Self { owns, ahead, longest, flatness, .. } = self;
         let (owns, ahead, longest): (&[u8], &[Vec3A], &[f32]) = (owns, ahead, longest);
@@ -459,10 +470,15 @@ impl Finder {
             let (pf, pg) = (corners(tf, path), corners(tg, path));
             // A thick cloth does not make the others look farther.
             let reach = if touch.len() == 1 { reach } else { reach_of(tf[0], tg[0]) };
-            if are_apart(&pf, &pg, reach) {
+            let gaps = Gaps::between(&pf, &pg);
+            if gaps.exceed(reach, gaps.now.min(gaps.ahead)) {
                 return false;
             }
-            contacts.close.push([f, g]);
+            // What drifts no farther does not meet.
+            let may_cross = !gaps.exceed(3.0 * DRIFT * MARGIN * thickest, gaps.now);
+            if may_cross {
+                contacts.close.push([f, g]);
+            }
             let wide = Vec3A::splat(reach);
             let (bf, bg) = (corners([0, 1, 2], |k: usize| pf[k].bounds()), corners([0, 1, 2], |k: usize| pg[k].bounds()));
             let (own_f, own_g) = (owns[f as usize], owns[g as usize]);
@@ -475,7 +491,7 @@ impl Finder {
                 }
             }
             if own_f & 0b11_1000 == 0 || own_g & 0b11_1000 == 0 {
-                return true;
+                return may_cross;
             }
             for (i, next) in CYCLE {
                 let e = [tf[i], tf[next]];
@@ -495,7 +511,7 @@ impl Finder {
                     }
                 }
             }
-            true
+            may_cross
         }
     }
 
@@ -551,7 +567,7 @@ impl Finder {
         }
         mean /= surface.len().max(1) as f32;
         // Cloth that hardly moves is looked at as it is, so that the look holds longer.
-        let hardly = 0.5 * DRIFT * MARGIN * moment.touch.iter().map(|t| t.thickness).fold(f32::INFINITY, f32::min);
+        let hardly = HARDLY * moment.touch.iter().map(|t| t.thickness).fold(f32::INFINITY, f32::min);
         if mean.length_squared() <= hardly * hardly {
             mean = Vec3A::ZERO;
         }
@@ -607,18 +623,32 @@ impl Path {
     }
 }
 
-/// Whether two faces are more than `reach` [m] apart along the line between their centres, now and ahead.
-#[inline]
-fn are_apart(f: &[Path; 3], g: &[Path; 3], reach: f32) -> bool {
-    let axis = (f[0].now + f[1].now + f[2].now) - (g[0].now + g[1].now + g[2].now);
-    let apart = |of: fn(&Path) -> Vec3A| {
-        let origin = of(&g[0]);
-        let along = |p: &Path| (of(p) - origin).dot(axis);
-        along(&f[0]).min(along(&f[1])).min(along(&f[2])) - along(&g[1]).max(along(&g[2])).max(0.0)
-    };
-    let (now, ahead) = (apart(|p| p.now), apart(|p| p.ahead));
-    let least = now.min(ahead);
-    least > 0.0 && least * least > reach * reach * axis.length_squared()
+/// How far two faces are apart along the line between their centres, now and ahead, times its length [m²].
+#[derive(Clone, Copy)]
+struct Gaps {
+    now: f32,
+    ahead: f32,
+    /// Square of that length [m²].
+    square: f32,
+}
+
+impl Gaps {
+    #[inline]
+    fn between(f: &[Path; 3], g: &[Path; 3]) -> Self {
+        let axis = (f[0].now + f[1].now + f[2].now) - (g[0].now + g[1].now + g[2].now);
+        let apart = |of: fn(&Path) -> Vec3A| {
+            let origin = of(&g[0]);
+            let along = |p: &Path| (of(p) - origin).dot(axis);
+            along(&f[0]).min(along(&f[1])).min(along(&f[2])) - along(&g[1]).max(along(&g[2])).max(0.0)
+        };
+        Self { now: apart(|p| p.now), ahead: apart(|p| p.ahead), square: axis.length_squared() }
+    }
+
+    /// Whether a gap is wider than `reach` [m].
+    #[inline]
+    fn exceed(&self, reach: f32, gap: f32) -> bool {
+        gap > 0.0 && gap * gap > reach * reach * self.square
+    }
 }
 
 /// Whether the lines of two edges come closest inside both, or may do so soon. Where they never do, a particle is closer.
