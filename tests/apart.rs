@@ -450,7 +450,7 @@ fn cloth_that_flutters_is_looked_at_twice_a_frame_whatever_its_substeps() {
             scene.step(1.0 / rate);
             assert_eq!(scene.crossings(), 0, "frame {frame} at {rate} Hz");
             let horizon = scene.untangle.as_ref().map_or(0.0, |u| u.group.horizon());
-            let substeps = horizon * 360.0;
+            let substeps = horizon * rate * (360.0 / rate - 1e-3_f32).ceil();
             assert!((substeps - substeps.round()).abs() < 1e-3, "{substeps} substeps at {rate} Hz");
             twice += u32::from(horizon < 0.99 / rate);
         }
