@@ -6,6 +6,8 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
+mod cli;
+
 use std::thread;
 
 use bevy_drape::scenes::{Seed, SeedKind, SeedRun};
@@ -19,9 +21,10 @@ const WITHIN: [u32; 4] = [30, 60, 120, 300];
 const GROWING: f32 = 1.05;
 
 #[derive(Parser)]
+#[command(about = "Takes random tangles apart and prints what share was clean after so many frames.")]
 struct Arguments {
     /// How many tangles.
-    #[arg(long, default_value_t = 1000)]
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
     /// The first of them.
     #[arg(long, default_value_t = 0)]
@@ -47,7 +50,7 @@ impl Row {
 }
 
 fn main() {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = cli::parse("tangle_seeds");
     let rows = run_all(&arguments);
     let tangled: Vec<&Row> = rows.iter().filter(|r| r.run.start > 0).collect();
     let kinds = SeedKind::ALL.map(|kind| (kind.name(), tangled.iter().copied().filter(|r| r.kind == kind).collect()));

@@ -54,4 +54,9 @@ pub mod prelude {
         ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy,
         TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
     };
+    #[cfg(feature = "debug")]
+    pub use crate::{ClothDebug, ClothDebugPlugin};
+    pub use crate::{ClothDiagnosticsPlugin, ClothErrorKind, RecoveryCause, RecoveryLevel, WaitingFor};
+    #[cfg(feature = "presets")]
+    pub use crate::{ClothPreset, ClothPresetHandle};
 }

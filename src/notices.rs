@@ -52,6 +52,8 @@ impl Notices {
 /// How an entity is called in a warning.
 pub(crate) fn label(entity: Entity, name: Option<&Name>) -> String {
     match name {
+        // What is everywhere is no entity.
+        _ if entity == Entity::PLACEHOLDER => "as a whole".to_owned(),
         Some(name) => format!("`{name}` ({entity})"),
         None => format!("{entity}"),
     }

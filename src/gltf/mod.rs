@@ -8,7 +8,7 @@
 //! | `cloth` | `true`, or an object with the keys below |
 //! | `cloth.material` | a preset name, a path to a `.cloth.ron` relative to the glTF, or an object with fields of [`ClothMaterial`] |
 //! | `cloth.pin` | a list of vertex indices (the primitive must have normals), `"_NAME"` of a float attribute, or `"color.r"` (`g`, `b`, `a`) |
-//! | `cloth.self_collision` | bool, default true: whether it is untangled from itself |
+//! | `cloth.self_collision` | bool, default true: whether it folds on itself and is untangled from itself |
 //! | `cloth.layer` | integer, higher lies outside where cloths cross |
 //! | `cloth.thickness` | metres |
 //! | `cloth.substep_rate` | Hz |

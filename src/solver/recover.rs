@@ -17,6 +17,9 @@ use super::state::ClothState;
 
 /// Restores in a row before a reset.
 const RESTORES: u32 = 15;
+/// Restores after which good frames in between do not help any more, and how many of them one good frame forgives.
+const WEARY: f32 = 30.0;
+const FORGIVEN: f32 = 0.1;
 /// A reset this soon after the ones before counts towards freezing [s].
 const WINDOW: f64 = 10.0;
 /// Resets within [`WINDOW`] that freeze the cloth.
@@ -64,6 +67,8 @@ pub enum Level {
 pub struct Recovery {
     good: Vec<Vec3>,
     restores: u32,
+    /// Restores, less what good frames since have forgiven.
+    weary: f32,
     resets: VecDeque<f64>,
     frozen: bool,
 }
@@ -72,7 +77,7 @@ impl Recovery {
     /// Starts from `state`, which is taken to be good.
     pub fn start(&mut self, state: &ClothState) {
         self.remember(state);
-        self.restores = 0;
+        (self.restores, self.weary) = (0, 0.0);
         self.resets.clear();
         self.frozen = false;
     }
@@ -109,14 +114,16 @@ impl Recovery {
         let Some(cause) = diagnose(state, worst_edge, limits) else {
             self.remember(state);
             self.restores = 0;
+            self.weary = (self.weary - FORGIVEN).max(0.0);
             return None;
         };
-        if self.restores < RESTORES && self.good.len() == state.positions.len() {
+        if self.restores < RESTORES && self.weary < WEARY && self.good.len() == state.positions.len() {
             self.restores += 1;
+            self.weary += 1.0;
             self.put_back(state);
             return Some((Level::LastGood, cause));
         }
-        self.restores = 0;
+        (self.restores, self.weary) = (0, 0.0);
         let now = state.time;
         self.resets.retain(|&at| now - at <= WINDOW);
         self.resets.push_back(now);
@@ -220,14 +227,20 @@ mod tests {
     }
 
     #[test]
-    fn one_good_frame_forgives_the_restores_before_it() {
+    fn one_good_frame_forgives_restores_in_a_row_but_not_for_ever() {
         let mut recovery = Recovery::default();
         let mut now = state(3.0);
         recovery.start(&now);
-        for _ in 0..100 {
+        let mut levels = Vec::new();
+        for _ in 0..200 {
             now.positions[0] = Vec4::NAN;
-            assert_eq!(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest), Some((Level::LastGood, Cause::NotFinite)));
+            levels.extend(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest).map(|(level, _)| level));
+            if recovery.is_frozen() {
+                break;
+            }
             assert_eq!(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest), None);
         }
+        assert_eq!(levels[..30], [Level::LastGood; 30]);
+        assert_eq!(levels.last(), Some(&Level::Frozen));
     }
 }

@@ -66,7 +66,8 @@ impl Default for Fabric {
 /// How a frame is cut into substeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepping {
-    /// Substeps per second of simulated time [Hz]. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`.
+    /// Substeps per second of simulated time [Hz]. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`, or up to eight times as many
+    /// while a body that moves much faster than the pins is near.
     pub substep_rate: f32,
     /// Longest frame that is simulated [s]; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
     pub max_frame: f32,

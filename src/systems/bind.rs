@@ -90,7 +90,7 @@ pub(crate) fn bind(
     let _span = debug_span!("cloth/prepare").entered();
     let now = time.elapsed_secs_f64();
     for mut cloth in &mut cloths {
-        match bind_one(&mut commands, &mut assembly, &mut cloth) {
+        match bind_one(&mut commands, &mut assembly, &mut notices, &mut cloth) {
             Ok(()) => {}
             Err(Obstacle::Wait(reason)) => wait(&mut commands, &mut notices, &mut cloth, reason, now),
             Err(Obstacle::Fail(error)) => fail(&mut commands, &mut notices, &mut cloth, &assembly.sources, error),
@@ -125,10 +125,16 @@ struct Made {
     continues: bool,
 }
 
-fn bind_one(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem) -> Result<(), Obstacle> {
+fn bind_one(
+    commands: &mut Commands,
+    assembly: &mut Assembly,
+    notices: &mut Notices,
+    cloth: &mut BindableItem,
+) -> Result<(), Obstacle> {
     let wanted = want(assembly, cloth)?;
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
+        tell_of_pins(notices, cloth, &made.resolved);
         record(commands, assembly, cloth, wanted, made);
         activate(commands, cloth);
     } else if let Some(inputs) = &mut cloth.inputs
@@ -139,6 +145,27 @@ fn bind_one(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindab
         activate(commands, cloth);
     }
     Ok(())
+}
+
+/// Warns of pins that hold nothing, and of vertices that the mesh does not have.
+fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved) {
+    let released = resolved.particles.is_empty() && cloth.inputs.is_some();
+    if resolved.particles.is_empty() && !cloth.pins.sets.is_empty() && !released && notices.first(cloth.entity, "no pin holds")
+    {
+        warn!(
+            "cloth {} has pins that hold no vertex: a predicate sees positions in the space of the mesh, and weights have to be above 0",
+            label(cloth.entity, cloth.name)
+        );
+    }
+    if let Some(first) = resolved.bad_pins.first()
+        && notices.first(cloth.entity, "bad pins")
+    {
+        warn!(
+            "cloth {} has pins at {} vertices that its mesh does not have, {first} the first: ClothBuildReport::bad_pins lists them",
+            label(cloth.entity, cloth.name),
+            resolved.bad_pins.len()
+        );
+    }
 }
 
 /// Compares what is there with what was bound. A change is remembered before anything is waited for.

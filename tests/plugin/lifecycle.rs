@@ -119,7 +119,7 @@ fn cloth_before_its_mesh_waits() {
     let mut app = app();
     let cloth = app.world_mut().spawn(Cloth).id();
     run(&mut app, 3);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(bevy_drape::WaitingFor::Mesh));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Mesh));
     let mesh = add(&mut app, sheet(5));
     app.world_mut().entity_mut(cloth).insert(Mesh3d(mesh));
     run(&mut app, 3);

@@ -216,7 +216,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             SkipFrame { policy: SkipPolicy::UntilClean { max: 7 }, ..default() },
             ClothWind::new(Vec3::new(1.0, 0.0, -2.0)),
             ClothPresetHandle(server.load("fabric.cloth.ron")),
-            ClothStatus::Waiting(bevy_drape::WaitingFor::Asset),
+            ClothStatus::Waiting(WaitingFor::Asset),
             ClothError { kind: ClothErrorKind::NoPositions, detail: "a \"quoted\" word".into() },
             (
                 ClothReport { crossings: 4, clamped: vec!["density".into()], ..default() },

@@ -138,7 +138,23 @@ fn waiting_for_something_else_is_a_new_patience() {
         run(app, 200);
         app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
         run(app, 200);
-        assert_eq!(status(app, cloth), ClothStatus::Waiting(bevy_drape::WaitingFor::Target));
+        assert_eq!(status(app, cloth), ClothStatus::Waiting(WaitingFor::Target));
     });
     assert_eq!(lines.iter().filter(|line| line.contains("`patient`")).count(), 0, "{lines:#?}");
+}
+
+#[test]
+fn pins_that_hold_nothing_and_vertices_that_are_not_there_are_named_once() {
+    let lines = warnings(app(), |app| {
+        let nowhere = ClothPins::where_position(|p| p.y > 4.9);
+        spawn(app, sheet(5), (nowhere, Transform::from_xyz(0.0, 5.0, 0.0), Name::new("loose")));
+        spawn(app, sheet(5), (ClothPins::vertices([0, 999_999]), Name::new("torn")));
+        spawn(app, sheet(5), Name::new("free"));
+        run(app, 20);
+    });
+    let of = |name: &str| lines.iter().filter(|line| line.contains(name)).cloned().collect::<Vec<_>>();
+    let (loose, torn) = (of("`loose`"), of("`torn`"));
+    assert!(loose.len() == 1 && loose[0].contains("space of the mesh"), "{lines:#?}");
+    assert!(torn.len() == 1 && torn[0].contains("999999"), "{lines:#?}");
+    assert!(of("`free`").is_empty(), "{lines:#?}");
 }
