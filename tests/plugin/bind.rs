@@ -287,7 +287,9 @@ fn two_cloths_of_one_mesh_share_the_rest_shape_and_not_the_mesh() {
         vectors(app.world().resource::<Assets<Mesh>>().get(&source).expect("the source"), Mesh::ATTRIBUTE_POSITION),
         vectors(&sheet(8), Mesh::ATTRIBUTE_POSITION)
     );
-    assert!(lowest(&world_positions(&app, a)) < lowest(&world_positions(&app, pinned)), "one falls, one hangs");
+    // They start in the same place: which of the two gets past the one that hangs is not said.
+    let low = |e| lowest(&world_positions(&app, e));
+    assert!(low(a).min(low(b)) < low(pinned), "one falls, one hangs");
 }
 
 /// F21
