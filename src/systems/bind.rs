@@ -147,7 +147,7 @@ fn bind_one(
     Ok(())
 }
 
-/// Warns of pins that hold nothing, and of vertices that the mesh does not have.
+/// Warns of pins that hold nothing.
 fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved) {
     let released = resolved.particles.is_empty() && cloth.inputs.is_some();
     if resolved.particles.is_empty() && !cloth.pins.sets.is_empty() && !released && notices.first(cloth.entity, "no pin holds")
@@ -155,15 +155,6 @@ fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved
         warn!(
             "cloth {} has pins that hold no vertex: a predicate sees positions in the space of the mesh, and weights have to be above 0",
             label(cloth.entity, cloth.name)
-        );
-    }
-    if let Some(first) = resolved.bad_pins.first()
-        && notices.first(cloth.entity, "bad pins")
-    {
-        warn!(
-            "cloth {} has pins at {} vertices that its mesh does not have, {first} the first: ClothBuildReport::bad_pins lists them",
-            label(cloth.entity, cloth.name),
-            resolved.bad_pins.len()
         );
     }
 }

@@ -88,7 +88,7 @@ fn cleaning_a_mesh_is_not_worth_a_warning() {
     let lines = warnings(app(), |app| {
         let mut split = sheet(5);
         split.duplicate_vertices();
-        spawn(app, split, ClothPins::vertices([0]));
+        spawn(app, split, ClothPins::vertices([0, 100_000]));
         run(app, 100);
     });
     assert_eq!(lines, Vec::<String>::new());
@@ -144,17 +144,15 @@ fn waiting_for_something_else_is_a_new_patience() {
 }
 
 #[test]
-fn pins_that_hold_nothing_and_vertices_that_are_not_there_are_named_once() {
+fn pins_that_hold_nothing_are_named_once() {
     let lines = warnings(app(), |app| {
         let nowhere = ClothPins::where_position(|p| p.y > 4.9);
         spawn(app, sheet(5), (nowhere, Transform::from_xyz(0.0, 5.0, 0.0), Name::new("loose")));
-        spawn(app, sheet(5), (ClothPins::vertices([0, 999_999]), Name::new("torn")));
         spawn(app, sheet(5), Name::new("free"));
         run(app, 20);
     });
     let of = |name: &str| lines.iter().filter(|line| line.contains(name)).cloned().collect::<Vec<_>>();
-    let (loose, torn) = (of("`loose`"), of("`torn`"));
+    let loose = of("`loose`");
     assert!(loose.len() == 1 && loose[0].contains("space of the mesh"), "{lines:#?}");
-    assert!(torn.len() == 1 && torn[0].contains("999999"), "{lines:#?}");
     assert!(of("`free`").is_empty(), "{lines:#?}");
 }
