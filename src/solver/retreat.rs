@@ -144,7 +144,8 @@ impl Retreat {
     /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
     /// Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        let mean = (self.shared / self.substeps.max(1.0)).extend(0.0);
+        // Less and less of it when that does not help: what stops it may not move.
+        let mean = (self.shared * ((1.0 - 0.5 * self.stays as f32).max(0.0) / self.substeps.max(1.0))).extend(0.0);
         let mut any = false;
         for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
