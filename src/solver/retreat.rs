@@ -142,10 +142,11 @@ impl Retreat {
     }
 
     /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
-    /// Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
+    /// What was taken back goes on as all together did, or it would do the same again; the rest keeps its velocity, less and less in frames in a row. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        // Less and less of it when that does not help: what stops it may not move.
-        let mean = (self.shared * ((1.0 - 0.5 * self.stays as f32).max(0.0) / self.substeps.max(1.0))).extend(0.0);
+        // The whole cloth loses half of its speed each time that this did not help: what stops it may not move.
+        let keep = 0.5_f32.powi(self.stays as i32);
+        let mean = (self.shared * (keep / self.substeps.max(1.0))).extend(0.0);
         let mut any = false;
         for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
@@ -158,11 +159,9 @@ impl Retreat {
                 let by = (self.clean[v] - positions[v]).truncate().extend(0.0);
                 if positions[v].w > 0.0 && by.is_finite() {
                     any |= by != Vec4::ZERO;
+                    let motion = if self.taken[v] { mean } else { (positions[v] - previous[v]) * keep };
                     positions[v] += by;
-                    previous[v] += by;
-                    if self.taken[v] {
-                        previous[v] = (positions[v] - mean).with_w(previous[v].w);
-                    }
+                    previous[v] = (positions[v] - motion).with_w(previous[v].w);
                 }
             }
         }
