@@ -325,7 +325,7 @@ pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
 }
 
 impl Stepped<'_> {
-    /// Substeps that the next frame should take: as many as `stepping` says, and up to [`MOST_DRIVEN`] times as many while a body that moves much faster than the pins may meet the cloth.
+    /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that moves much faster than the pins may meet the cloth.
     #[must_use]
     pub fn substeps(&self, stepping: &Stepping, scratch: &Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
