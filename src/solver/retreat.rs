@@ -33,6 +33,8 @@ pub struct Retreat {
     frames: Vec<u8>,
     /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
     shared: Vec3A,
+    /// Substeps of the frame.
+    substeps: f32,
     /// Way of the fastest particle of each cloth in the last substep of the last clean frame [m].
     fastest: Vec<f32>,
     /// How far particles of each cloth may be put back in this frame [m].
@@ -84,11 +86,12 @@ impl Retreat {
         if self.clean.len() != positions.len() {
             return false;
         }
+        self.substeps = substeps as f32;
         self.farthest.clear();
         let mut shared: Option<Vec3A> = None;
         for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
             // What was stopped on its way flew before.
-            let flown = fastest(range(part), positions, previous).max(before) * substeps as f32;
+            let flown = fastest(range(part), positions, previous).max(before) * self.substeps;
             self.farthest.push(FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 });
             if !crosses(surface, crossings, i) {
                 continue;
@@ -139,8 +142,9 @@ impl Retreat {
     }
 
     /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
-    /// What was taken back stops, or it would do the same again; the rest keeps its velocity. What came from far does not stay.
+    /// Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        let mean = (self.shared / self.substeps.max(1.0)).extend(0.0);
         let mut any = false;
         for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
@@ -156,7 +160,7 @@ impl Retreat {
                     positions[v] += by;
                     previous[v] += by;
                     if self.taken[v] {
-                        previous[v] = positions[v].with_w(previous[v].w);
+                        previous[v] = (positions[v] - mean).with_w(previous[v].w);
                     }
                 }
             }
