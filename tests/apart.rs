@@ -363,6 +363,12 @@ fn any_thread_gives_the_same_bits() {
     assert!(there.len() == 3 && there.iter().all(|t| *t == here));
 }
 
+/// The particle nearest to the vertical axis.
+fn middle(positions: &[Vec4]) -> usize {
+    let from_axis = |&i: &usize| positions[i].truncate().with_y(0.0).length();
+    (0..positions.len()).min_by(|i, j| from_axis(i).total_cmp(&from_axis(j))).unwrap_or_default()
+}
+
 #[test]
 fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() {
     let mut scene = untangled(scenes::sheets(12), true);
@@ -371,9 +377,8 @@ fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() {
     let [first, second] = [0, 1].map(|k| scene.cloths[k].state.positions[0].y);
     let (upper, gap) = if first > second { (0, first - second) } else { (1, second - first) };
     // The particle over the middle of both goes through the other sheet, as a whole.
-    let middle = |x: &Vec4| x.truncate().with_y(0.0).length();
     let positions = &scene.cloths[upper].state.positions;
-    let v = (0..positions.len()).min_by(|&a, &b| middle(&positions[a]).total_cmp(&middle(&positions[b]))).unwrap_or_default();
+    let v = middle(positions);
     let (before, velocity) = (positions[v], scene.cloths[upper].state.velocity(v));
     let state = &mut scene.cloths[upper].state;
     for x in [&mut state.positions[v], &mut state.previous[v]] {
@@ -393,10 +398,8 @@ fn what_came_from_far_is_taken_back_if_it_flew_there() {
         scene.step(FRAME);
         let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);
         let cloth = &mut scene.cloths[upper];
-        let middle = |x: &Vec4| x.truncate().with_y(0.0).length();
         let positions = &mut cloth.state.positions;
-        let v =
-            (0..positions.len()).min_by(|&a, &b| middle(&positions[a]).total_cmp(&middle(&positions[b]))).unwrap_or_default();
+        let v = middle(positions);
         let (before, way) = (positions[v], 6.0 * cloth.rest.mean_edge);
         positions[v].y -= way;
         let flown = if flies { way * cloth.state.substep / FRAME } else { 0.0 };
@@ -414,9 +417,8 @@ fn what_a_body_pushes_into_a_crossing_again_stays_with_its_cloth_and_loses_its_s
     scene.step(FRAME);
     let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);
     let clean: Vec<_> = scene.cloths.iter().map(|c| c.state.clone()).collect();
-    let middle = |x: &Vec4| x.truncate().with_y(0.0).length();
     let positions = &clean[upper].positions;
-    let v = (0..positions.len()).min_by(|&a, &b| middle(&positions[a]).total_cmp(&middle(&positions[b]))).unwrap_or_default();
+    let v = middle(positions);
     let gap = (clean[0].positions[0] - clean[1].positions[0]).y.abs();
     // It flies on through the other sheet, is taken back, and pushed there again.
     let mut crossed = clean.clone();

@@ -40,6 +40,25 @@ fn every_crossing_of_crumpled_sheets_is_found() {
     assert!(crossings > 1000, "{crossings} crossings in {looks} looks: these sheets should cross themselves");
 }
 
+/// Cloth that is pressed together within its plane folds back over single faces, while the normals around hardly bend.
+#[test]
+fn faces_that_slide_over_each_other_are_seen() {
+    let n = 24;
+    let edge = 1.0 / (n - 1) as f32;
+    let (rest, _) = RestShape::build(&scenes::grid(n, n, |u, v| vec3(u, 0.0, v))).expect("a sheet");
+    let mut rng = fastrand::Rng::with_seed(7);
+    let mut crossings = 0;
+    for (flat, up) in [(0.5, 0.1), (0.5, 0.3), (0.7, 0.1), (0.7, 0.3), (0.9, 0.1)] {
+        for _ in 0..10 {
+            let mut shift = |by: f32| by * edge * (2.0 * rng.f32() - 1.0);
+            let mut move_one = |p: &Vec3| (*p + vec3(shift(flat), shift(up), shift(flat))).extend(1.0);
+            let positions: Vec<Vec4> = rest.positions.iter().map(&mut move_one).collect();
+            crossings += assert_same(&rest, &positions, &format!("moved by {flat} and {up} edges"));
+        }
+    }
+    assert!(crossings > 1000, "{crossings} crossings");
+}
+
 /// A sheet with a slit along its middle, the two flaps of which bend through each other.
 #[test]
 fn flaps_at_a_slit_are_seen() {
