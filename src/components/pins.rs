@@ -54,7 +54,7 @@ pub struct PinSet {
 pub enum PinSelect {
     /// Vertices of the mesh by index. Indices past the end are ignored and listed in [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
     Vertices(Vec<u32>),
-    /// Vertices of the mesh by index, each with a weight from 0 to 1.
+    /// Vertices of the mesh by index, each with a weight from 0 (free) to 1 (held). What is below or above counts as 0 or 1; NaN holds nothing.
     Weighted(Vec<(u32, f32)>),
     /// Vertices at whose position, in the space of the mesh [m], the predicate holds.
     ///

@@ -30,7 +30,7 @@ pub enum WaitingFor {
     Mesh,
     /// The mesh asset to load.
     Asset,
-    /// A transform whose scale is finite and not zero along any axis.
+    /// A transform that is finite, in its translation too, and whose scale is not zero along any axis.
     Scale,
     /// The target of a pin set to be spawned.
     Target,

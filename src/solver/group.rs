@@ -29,6 +29,8 @@ const RINGS: usize = 3;
 
 /// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
 const MOST_RETREATS: u32 = 8;
+/// What takes crossings apart is undone where contours get more than so many times as long by it, and more than so many mean edges longer.
+const WORSE: (f32, f32) = (2.0, 8.0);
 /// Rounds in which one cloth after the other stays where it was.
 const MOST_ROUNDS: usize = 8;
 
@@ -119,7 +121,8 @@ pub struct Group {
     horizon: f32,
     share: f32,
     looks: u32,
-    /// Where everything was before an iteration, and particles of what crosses.
+    /// Where everything was before all iterations, and before one; particles of what crosses.
+    begun: Vec<Vec4>,
     start: Vec<Vec4>,
     caught: Vec<bool>,
     /// Whether what was found at the last look is still known, as long as nothing moves far.
@@ -496,6 +499,11 @@ impl Group {
         if settings.iterations > 0 {
             self.take_back();
         }
+        let before = self.total.contour_length;
+        self.begun.clear();
+        if before > 0.0 && self.takes_part.contains(&true) && self.untangler.resolver.resort() == Resort::None {
+            self.begun.extend_from_slice(&self.positions);
+        }
         for i in 0..settings.iterations {
             let underway = i > 0 && self.untangler.resolver.carry_on(&mut self.positions, &mut self.previous);
             if i > 0 && !underway {
@@ -525,6 +533,26 @@ impl Group {
                 self.relax(settings.relaxations, &mut relax);
             }
             self.keep_others_apart();
+        }
+        self.undo_what_got_worse(before);
+    }
+
+    /// Puts everything where it was before the iterations if contours were of length `before` [m] then and are much longer now: cloth that is pressed from all sides, as in a knot,
+    /// crosses more wherever it goes. It waits until there is room, or for the last resorts.
+    fn undo_what_got_worse(&mut self, before: f32) {
+        if self.begun.len() != self.positions.len() {
+            return;
+        }
+        if self.stale {
+            self.look();
+        }
+        let (times, edges) = WORSE;
+        if self.total.contour_length > (times * before).max(before + edges * self.surface.mean_edge) {
+            for ((x, previous), &begun) in self.positions.iter_mut().zip(&mut self.previous).zip(&self.begun) {
+                *previous += begun - *x;
+                *x = begun;
+            }
+            self.look();
         }
     }
 
@@ -575,24 +603,33 @@ impl Group {
         }
     }
 
-    /// When bodies pushed what was taken back, and something crosses again: the cloths that cross stay where they were when nothing did, as a whole. Whether they do, and
-    /// are to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where that is not enough, the cloths that cross
+    /// stay where they were, as a whole. Whether anything does, and is to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
     pub fn stay(&mut self) -> bool {
-        if !(self.stale && self.retreat.may_stay()) {
+        if !(self.stale && self.retreat.retreats()) {
             return false;
         }
         self.look();
-        let mut stays = false;
-        // A cloth that stays may be met by one that went on.
-        for _ in 0..self.surface.parts.len().min(MOST_ROUNDS) {
-            let Self { surface, untangler, retreat, positions, previous, .. } = self;
-            if self.total.is_clean() || !retreat.stay(surface, untangler.detector.crossings(), positions, previous) {
-                break;
+        let mut any = false;
+        let mut put_back = |this: &mut Self, whole: bool| {
+            let Self { surface, untangler, retreat, positions, previous, total, .. } = this;
+            let crossings = untangler.detector.crossings();
+            let put = !total.is_clean()
+                && if whole {
+                    retreat.may_stay() && retreat.stay(surface, crossings, positions, previous)
+                } else {
+                    retreat.take_there(surface, crossings, positions, previous)
+                };
+            if put {
+                (any, this.moved) = (true, true);
+                this.look();
             }
-            (stays, self.moved) = (true, true);
-            self.look();
-        }
-        stays
+            put
+        };
+        (0..MOST_RETREATS).all(|_| put_back(self, false));
+        // A cloth that stays may be met by one that went on.
+        (0..self.surface.parts.len().min(MOST_ROUNDS)).all(|_| put_back(self, true));
+        any
     }
 
     /// Moves the frame of the group: everything that is known lies `by` [m] elsewhere in it from now on.

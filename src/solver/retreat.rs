@@ -17,9 +17,6 @@ use super::detect::{Crossing, Part, Surface};
 /// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
-/// Frames in a row in which a particle is taken back: what is pressed through for seconds has to be taken apart.
-const MOST_FRAMES: u8 = 120;
-
 /// Frames in a row in which whole cloths stay where they were.
 const MOST_STAYS: u32 = 8;
 
@@ -28,9 +25,9 @@ const MOST_STAYS: u32 = 8;
 pub struct Retreat {
     /// Positions [m] at the end of the last frame; empty when it did not end clean.
     clean: Vec<Vec4>,
+    /// Which particles were taken back in this frame, and in the one before.
     taken: Vec<bool>,
-    /// Frames in a row in which each particle was taken back.
-    frames: Vec<u8>,
+    took: Vec<bool>,
     /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
     shared: Vec3A,
     /// Substeps of the frame.
@@ -49,17 +46,15 @@ pub struct Retreat {
 impl Retreat {
     /// Whether a particle was taken back in the frame that ended last.
     pub fn took(&self, particle: u32) -> bool {
-        self.frames.get(particle as usize).is_some_and(|&frames| frames > 0)
+        self.took.get(particle as usize).is_some_and(|&took| took)
     }
 
     /// Notes how a frame ended, whose last substep lies between `previous` and `positions` [m]; nothing is known of one that was not clean.
     pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
-        self.frames.resize(positions.len(), 0);
         self.taken.resize(positions.len(), false);
-        for (frames, taken) in self.frames.iter_mut().zip(&mut self.taken) {
-            *frames = if std::mem::take(taken) { frames.saturating_add(1) } else { 0 };
-        }
+        self.took.clone_from(&self.taken);
+        self.taken.fill(false);
         if is_clean {
             self.clean.extend_from_slice(positions);
             self.fastest.clear();
@@ -112,39 +107,83 @@ impl Retreat {
 
     /// Takes the particles that cross back; whether there were any that had not been.
     pub fn take(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        let topology = &surface.topology;
         let mut any = false;
+        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
+            if !std::mem::replace(&mut this.taken[v], true) {
+                let by = (this.clean[v] - *x).truncate() + Vec3::from(this.shared);
+                *x += by.extend(0.0);
+                previous[v] += by.extend(0.0);
+                any = true;
+            }
+        });
+        self.retreats |= any;
+        any
+    }
+
+    /// Whether something was taken back in this frame.
+    pub fn retreats(&self) -> bool {
+        self.retreats
+    }
+
+    /// Puts the particles that cross to the very place where they were: a body that lies there pushed what was taken along with all. They go on as all together did. Whether any was
+    /// elsewhere.
+    pub fn take_there(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+    ) -> bool {
+        let mean = self.mean();
+        let mut any = false;
+        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
+            let clean = this.clean[v].truncate();
+            if x.truncate() != clean {
+                this.taken[v] = true;
+                *x = clean.extend(x.w);
+                previous[v] = (clean - mean).extend(previous[v].w);
+                any = true;
+            }
+        });
+        any
+    }
+
+    /// Calls `act` with every free particle that crosses, if it may be put back, and with its position [m].
+    fn for_each_that_crosses(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &mut [Vec4],
+        mut act: impl FnMut(&mut Self, usize, &mut Vec4),
+    ) {
+        let topology = &surface.topology;
         for crossing in crossings {
             let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
             for v in e.into_iter().chain(f) {
                 let farthest = self.farthest[usize::from(surface.part(v))];
                 let v = v as usize;
-                let by = self.shared - Vec3A::from_vec4(positions[v] - self.clean[v]);
-                if positions[v].w > 0.0
-                    && self.frames[v] < MOST_FRAMES
-                    && by.length_squared() < farthest * farthest
-                    && !std::mem::replace(&mut self.taken[v], true)
-                {
-                    let by = by.extend(0.0);
-                    positions[v] += by;
-                    previous[v] += by;
-                    any = true;
+                let way = Vec3A::from_vec4(positions[v] - self.clean[v]) - self.shared;
+                if positions[v].w > 0.0 && way.length_squared() < farthest * farthest {
+                    act(self, v, &mut positions[v]);
                 }
             }
         }
-        self.retreats |= any;
-        any
     }
 
-    /// Whether something was taken back in this frame, and whole cloths may stay where they were.
+    /// Way of all together in a substep [m].
+    fn mean(&self) -> Vec3 {
+        Vec3::from(self.shared / self.substeps.max(1.0))
+    }
+
+    /// Whether whole cloths may stay where they were.
     pub fn may_stay(&self) -> bool {
-        self.retreats && self.stays < MOST_STAYS
+        self.stays < MOST_STAYS
     }
 
     /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
     /// Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        let mean = (self.shared / self.substeps.max(1.0)).extend(0.0);
+        let mean = self.mean();
         let mut any = false;
         for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
@@ -160,7 +199,7 @@ impl Retreat {
                     positions[v] += by;
                     previous[v] += by;
                     if self.taken[v] {
-                        previous[v] = (positions[v] - mean).with_w(previous[v].w);
+                        previous[v] = (positions[v].truncate() - mean).extend(previous[v].w);
                     }
                 }
             }

@@ -59,11 +59,60 @@ fn faces_that_slide_over_each_other_are_seen() {
     assert!(crossings > 1000, "{crossings} crossings");
 }
 
-/// A sheet with a slit along its middle, the two flaps of which bend through each other.
+/// A sheet in the plane y = 0, whose grid of `n` x `n` particles goes on in a strip of half as many rows: row 0 is the row `from` of the sheet, the next ones are at `to(row, v)`.
+fn sheet_with_strip(mut mesh: SourceMesh, n: u32, from: u32, to: impl Fn(u32, f32) -> Vec3) -> SourceMesh {
+    let first = mesh.positions.len() as u32;
+    let rows = n / 2;
+    for row in 1..=rows {
+        mesh.positions.extend((0..n).map(|j| to(row, j as f32 / (n - 1) as f32)));
+    }
+    let particle = |row: u32, j: u32| if row == 0 { from * n + j } else { first + (row - 1) * n + j };
+    for (row, j) in (0..rows).flat_map(|row| (0..n - 1).map(move |j| (row, j))) {
+        let [a, b, c, d] = [(row, j), (row, j + 1), (row + 1, j), (row + 1, j + 1)].map(|(row, j)| particle(row, j));
+        mesh.triangles.extend([[a, b, c], [b, d, c]]);
+    }
+    mesh
+}
+
+fn flat(n: u32) -> SourceMesh {
+    scenes::grid(n, n, |u, v| vec3(u, 0.0, v))
+}
+
+/// Every particle moved by up to `by` [m] upwards or downwards.
+fn roughened(positions: impl Iterator<Item = Vec3>, by: f32) -> Vec<Vec4> {
+    let mut rng = fastrand::Rng::with_seed(5);
+    positions.map(|p| (p + by * (2.0 * rng.f32() - 1.0) * Vec3::Y).extend(1.0)).collect()
+}
+
+/// Three faces meet at the edges along which a flap is sewn on: which normals agree says nothing about what lies on what.
 #[test]
-fn flaps_at_a_slit_are_seen() {
+fn a_flap_sewn_on_a_sheet_is_seen_to_cross_it() {
     let n = 17;
-    let mut mesh = scenes::grid(n, n, |u, v| vec3(u, 0.0, v));
+    let edge = 1.0 / (n - 1) as f32;
+    let mesh = sheet_with_strip(flat(n), n, n / 2, |row, v| vec3(0.5, row as f32 * edge, v));
+    let (rest, _) = RestShape::build(&mesh).expect("a sheet with a flap");
+    let laid = rest.positions.iter().map(|&p| vec3(p.x + p.y, 0.0, p.z));
+    assert!(assert_same(&rest, &roughened(laid, 0.1 * edge), "flap") > 100);
+}
+
+/// Half of a mesh is turned over, so that a sharp fold between the halves makes the normals agree.
+#[test]
+fn halves_with_different_fronts_that_are_folded_on_each_other_are_seen_to_cross() {
+    let n = 17;
+    let mut mesh = flat(n);
+    let SourceMesh { positions, triangles } = &mut mesh;
+    for t in triangles.iter_mut().filter(|t| t.iter().map(|&v| positions[v as usize].x).sum::<f32>() > 1.5) {
+        t.swap(0, 1);
+    }
+    let (rest, _) = RestShape::build(&mesh).expect("a sheet with two fronts");
+    // Not edge on edge.
+    let folded = rest.positions.iter().map(|&p| if p.x > 0.5 { vec3(0.965 - 0.93 * p.x, 0.0, 0.97 * p.z) } else { p });
+    assert!(assert_same(&rest, &roughened(folded, 0.1 / (n - 1) as f32), "fold") > 100);
+}
+
+/// A sheet with a slit along its middle, as wide as `gap` [m] where it opens.
+fn slit(n: u32, gap: f32) -> SourceMesh {
+    let mut mesh = flat(n);
     // Doubles the middle row on the left half: the faces above it get particles of their own.
     let middle = n / 2;
     let first = mesh.positions.len() as u32;
@@ -79,18 +128,29 @@ fn flaps_at_a_slit_are_seen() {
     }
     // Apart at rest, or they would be welded.
     for i in 0..middle {
-        positions[(first + i) as usize].z += 1.0e-3 * (middle - i) as f32;
+        positions[(first + i) as usize].z += gap * (middle - i) as f32 / middle as f32;
     }
-    let (rest, _) = RestShape::build(&mesh).expect("a sheet with a slit");
-    // Both flaps overlap by bending in the plane, one of them tilted through the other.
-    let bent = |p: Vec3| {
-        let upper = p.z > 0.5 + 1.0e-4 || (p.z > 0.5 && p.x < 0.45);
-        let reach = (0.5 - p.x).max(0.0);
-        let tilt = 0.25 * (p.x - 0.2);
-        let slide = 0.3 * reach * reach;
-        if upper { vec3(p.x, tilt * reach, p.z - slide) } else { vec3(p.x, -tilt * reach, p.z + slide) }
-    };
-    let positions: Vec<Vec4> = rest.positions.iter().map(|&p| bent(p).extend(1.0)).collect();
-    let crossings = assert_same(&rest, &positions, "slit");
-    assert!(crossings > 0, "the flaps should cross");
+    mesh
+}
+
+/// Both flaps of a slit overlap by bending in the plane, one of them tilted through the other.
+fn crossed_flaps(p: Vec3) -> Vec3 {
+    let upper = p.z > 0.5 + 1.0e-4 || (p.z > 0.5 && p.x < 0.45);
+    let reach = (0.5 - p.x).max(0.0);
+    let tilt = 0.25 * (p.x - 0.2);
+    let slide = 0.3 * reach * reach;
+    if upper { p + vec3(0.0, tilt * reach, -slide) } else { p + vec3(0.0, -tilt * reach, slide) }
+}
+
+#[test]
+fn flaps_at_a_slit_are_seen() {
+    let n = 17;
+    // A hem that hangs down makes the sheet one side of the box around all: its slit lies in that side, but not along it.
+    let hemmed = sheet_with_strip(slit(n, 0.008), n, n - 1, |row, v| vec3(1.0, -(row as f32) / (n - 1) as f32, v));
+    for (name, mesh) in [("slit", slit(n, 0.008)), ("slit in a cloth with a hem", hemmed)] {
+        let (rest, _) = RestShape::build(&mesh).expect("a sheet with a slit");
+        let positions: Vec<Vec4> = rest.positions.iter().map(|&p| crossed_flaps(p).extend(1.0)).collect();
+        let crossings = assert_same(&rest, &positions, name);
+        assert!(crossings > 0, "{name}: the flaps should cross");
+    }
 }

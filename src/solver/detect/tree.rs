@@ -10,8 +10,8 @@
 //! ```
 //!
 //! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not tested against
-//! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits and holes, so it is drawn
-//! only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at rest. Nor may faces beside a leaf
+//! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits, holes and seams, so it is drawn
+//! only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at rest. Nor may faces around a leaf
 //! fold back over it: cloth that is squeezed within its plane slides over itself across them **[measured: up to a fifth of the crossings missed]**.
 //!
 //! Two nodes that share particles always meet, and are most of all that does. They are known from the start and are one piece
@@ -71,6 +71,18 @@ impl Bounds {
         least > 0.0 && least * least > 0.5 * axis.length_squared()
     }
 
+    /// The smallest box around points.
+    #[inline]
+    fn around(points: impl Iterator<Item = Vec3A>) -> Self {
+        points.fold(Self::EMPTY, |sum, x| Self { min: sum.min.min(x), max: sum.max.max(x) })
+    }
+
+    /// Whether all of it lies before the plane through the origin across `axis`.
+    #[inline]
+    fn lies_before(&self, axis: Vec3A) -> bool {
+        (axis * self.min).min(axis * self.max).element_sum() > 0.0
+    }
+
     /// Whether two boxes come within `margin` [m] along every axis; touching counts.
     #[inline]
     #[must_use]
@@ -94,7 +106,7 @@ struct Node {
     /// Whether a face below is marked.
     marked: bool,
     /// Faces in the ring of a leaf.
-    ring: u8,
+    ring: u16,
     /// [`Joint`] of the two children, `NONE` of two that share nothing; of a leaf, where its ring begins in [`Tree::rings`].
     joint: u32,
     /// Box of the unit normals below; of all there are, where the faces around a leaf fold back over it.
@@ -120,7 +132,7 @@ pub struct Tree {
     boxes: Vec<Bounds>,
     /// Unit normal of each entry of `faces`.
     normals: Vec<Vec3A>,
-    /// For each leaf the entries of `faces` that share an edge with it and are in other leaves.
+    /// For each leaf the entries of `faces` that share a particle with it and are in other leaves.
     rings: Vec<u32>,
     quarantined: Vec<bool>,
     joints: Vec<Joint>,
@@ -151,7 +163,7 @@ impl Tree {
         tree
     }
 
-    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) with borders of the mesh at the sides of its box only.
+    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams and with borders of the mesh at the sides of its box only.
     fn find_discs(&mut self, surface: &Surface) {
         let topology = &surface.topology;
         let mut owner = vec![u32::MAX; topology.faces.len()];
@@ -159,6 +171,15 @@ impl Tree {
         let mut seen_vertex = vec![u32::MAX; surface.len()];
         let mut queue = Vec::new();
         let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();
+        let seams = seams(surface);
+        // Particles around which cloth may lie over itself although normals agree.
+        let mut loose = vec![false; surface.len()];
+        for (e, ends) in (0..).zip(&topology.edges) {
+            let whole = wholes[usize::from(surface.part_of_edge(e))];
+            if seams[e as usize] || (topology.is_border(e) && !runs_along_a_side(surface, whole, e)) {
+                ends.iter().for_each(|&v| loose[v as usize] = true);
+            }
+        }
         for i in 0..self.nodes.len() {
             let faces = self.faces_below(i);
             let id = i as u32;
@@ -169,9 +190,8 @@ impl Tree {
                 owner[f as usize] = id;
             }
             let corners = self.faces[faces.clone()].iter().flat_map(|&f| topology.faces[f as usize]);
-            let [low, high] = rest_box(surface, corners);
-            let whole = wholes[usize::from(self.nodes[i].part)];
-            let (mut vertices, mut edges, mut reached, mut inside, mut outline) = (0, 0, 0, false, false);
+            let own = rest_box(surface, corners);
+            let (mut vertices, mut edges, mut reached, mut is_cut, mut is_loose) = (0, 0, 0, false, false);
             queue.clear();
             queue.push(self.faces[faces.start]);
             owner[self.faces[faces.start] as usize] = u32::MAX;
@@ -180,15 +200,12 @@ impl Tree {
                 for v in topology.faces[f as usize] {
                     vertices += usize::from(seen_vertex[v as usize] != id);
                     seen_vertex[v as usize] = id;
+                    is_loose |= loose[v as usize];
                 }
                 for e in topology.face_edges[f as usize] {
                     edges += usize::from(seen_edge[e as usize] != id);
                     seen_edge[e as usize] = id;
-                    let ends = topology.edges[e as usize].map(|v| surface.rest[v as usize]);
-                    if topology.is_border(e) {
-                        inside |= !runs_along_a_side([low, high], ends);
-                        outline |= !runs_along_a_side(whole, ends);
-                    }
+                    is_cut |= seams[e as usize] || (topology.is_border(e) && !runs_along_a_side(surface, own, e));
                     for g in topology.edge_faces[e as usize] {
                         if g != NONE && owner[g as usize] == id {
                             owner[g as usize] = u32::MAX;
@@ -198,8 +215,8 @@ impl Tree {
                 }
             }
             let disc = reached == faces.len() && vertices + reached == edges + 1;
-            self.nodes[i].disc = disc && !inside;
-            self.nodes[i].smooth = disc && !outline;
+            self.nodes[i].disc = disc && !is_cut;
+            self.nodes[i].smooth = disc && !is_loose;
         }
     }
 
@@ -254,21 +271,26 @@ impl Tree {
         place
     }
 
-    /// Finds the faces around each leaf.
+    /// Finds the faces around each leaf; at the hub of a fan only those beside it.
     fn find_rings(&mut self, surface: &Surface) {
         let topology = &surface.topology;
         let place = self.places();
         for node in self.nodes.iter_mut().filter(|node| node.right & IS_LEAF != 0) {
             let (run, first) = (node.run(), self.rings.len());
-            for &e in self.faces[run.clone()].iter().flat_map(|&f| &topology.face_edges[f as usize]) {
-                for &f in topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE) {
-                    let f = place[f as usize];
-                    if !run.contains(&(f as usize)) && !self.rings[first..].contains(&f) {
-                        self.rings.push(f);
+            for &f in &self.faces[run.clone()] {
+                let corners =
+                    topology.faces[f as usize].into_iter().map(|v| topology.around(v)).filter(|edges| edges.len() <= HUB);
+                let around = corners.flatten().map(|&(_, e)| e);
+                for e in topology.face_edges[f as usize].into_iter().chain(around) {
+                    for &f in topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE) {
+                        let f = place[f as usize];
+                        if !run.contains(&(f as usize)) && !self.rings[first..].contains(&f) {
+                            self.rings.push(f);
+                        }
                     }
                 }
             }
-            (node.joint, node.ring) = (first as u32, (self.rings.len() - first) as u8);
+            (node.joint, node.ring) = (first as u32, (self.rings.len() - first) as u16);
         }
     }
 
@@ -508,12 +530,13 @@ impl Tree {
     fn normals_of_leaf(&self, leaf: &Node) -> Bounds {
         let normals = &self.normals[leaf.run()];
         let axis: Vec3A = normals.iter().sum();
-        for &i in &self.rings[leaf.joint as usize..][..usize::from(leaf.ring)] {
-            if self.normals[i as usize].dot(axis) <= 0.0 {
-                return Bounds::ALL_NORMALS;
-            }
+        let ring = &self.rings[leaf.joint as usize..][..usize::from(leaf.ring)];
+        let around = || ring.iter().map(|&i| self.normals[i as usize]);
+        // The box takes in more than the normals, and is quicker.
+        if !Bounds::around(around()).lies_before(axis) && around().any(|n| n.dot(axis) <= 0.0) {
+            return Bounds::ALL_NORMALS;
         }
-        normals.iter().fold(Bounds::EMPTY, |sum, &n| sum.union(Bounds { min: n, max: n }))
+        Bounds::around(normals.iter().copied())
     }
 
     /// Whether all normals of some leaves lie within 45° of their sum. Their box, which is tested first, takes in more than the normals.
@@ -616,13 +639,33 @@ fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2
     })
 }
 
-/// Whether a segment lies in one side of a box, along an axis in which the box is not flat.
-fn runs_along_a_side([low, high]: [Vec3; 2], [a, b]: [Vec3; 2]) -> bool {
+/// Edges at which normals say nothing about whether cloth lies on itself: more than two faces meet there, or the fronts of two face different sides.
+fn seams(surface: &Surface) -> Vec<bool> {
+    let topology = &surface.topology;
+    let mut seams = vec![false; topology.edges.len()];
+    // Two faces with one front run along their edge in opposite ways.
+    let mut taken = vec![[false; 2]; topology.edges.len()];
+    for (t, edges) in topology.faces.iter().zip(&topology.face_edges) {
+        for (k, &e) in edges.iter().enumerate() {
+            let way = usize::from(t[k] > t[(k + 1) % 3]);
+            seams[e as usize] |= core::mem::replace(&mut taken[e as usize][way], true);
+        }
+    }
+    seams
+}
+
+/// Whether a border lies in one side of a box and its face does not, along an axis in which the box is not flat.
+fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32) -> bool {
+    let topology = &surface.topology;
+    let at = |v: u32| surface.rest[v as usize];
+    let [a, b] = topology.edges[border as usize].map(at);
+    let inner = at(topology.opposite(border, topology.edge_faces[border as usize][0]));
     let size = high - low;
     let slack = 1.0e-3 * size.max_element();
     (0..3).any(|k| {
-        let on = |side: f32| (a[k] - side).abs() <= slack && (b[k] - side).abs() <= slack;
-        size[k] > 100.0 * slack && (on(low[k]) || on(high[k]))
+        let on = |x: Vec3, side: f32| (x[k] - side).abs() <= slack;
+        let along = |side: f32| on(a, side) && on(b, side) && !on(inner, side);
+        size[k] > 100.0 * slack && (along(low[k]) || along(high[k]))
     })
 }
 

@@ -154,6 +154,12 @@ impl Resolver {
         self.resort = resort;
     }
 
+    /// The stronger means in use.
+    #[must_use]
+    pub fn resort(&self) -> Resort {
+        self.resort
+    }
+
     /// Looks at the order of layers of all particles in the next iteration, not only of a few.
     pub fn inspect_layers(&mut self) {
         self.layers.thorough = true;
