@@ -363,6 +363,42 @@ fn any_thread_gives_the_same_bits() {
     assert!(there.len() == 3 && there.iter().all(|t| *t == here));
 }
 
+/// Where cloth is pressed from all sides there is no way out of a tangle within a frame, and every try would make it worse.
+#[test]
+fn a_knot_that_is_torn_at_does_not_get_more_tangled() {
+    let mut knot = untangled(scenes::twist(28), true);
+    for _ in 0..330 {
+        knot.step(FRAME);
+    }
+    knot.untangle = None;
+    let edge = knot.cloths[0].rest.mean_edge;
+    let mut rng = fastrand::Rng::with_seed(3);
+    let mut tangles = 0;
+    for _ in 0..10 {
+        // It knows nothing of how it was before.
+        let mut scene = untangled(knot.clone(), true);
+        let state = &mut scene.cloths[0].state;
+        let heart = state.positions.iter().map(|x| x.truncate()).min_by(|a, b| a.length().total_cmp(&b.length()));
+        let heart = heart.unwrap_or_default();
+        for (x, previous) in state.positions.iter_mut().zip(&mut state.previous) {
+            if x.w > 0.0 && x.truncate().distance(heart) < 2.0 * edge {
+                let by = Vec3::from_array(core::array::from_fn(|_| edge * (rng.f32() - 0.5))).extend(0.0);
+                *x += by;
+                *previous += by;
+            }
+        }
+        let before = scene.look();
+        scene.settle(FRAME);
+        let after = scene.look();
+        assert!(
+            after.contour_length <= (2.0 * before.contour_length).max(before.contour_length + 8.0 * edge),
+            "{before:?} {after:?}"
+        );
+        tangles += u32::from(!before.is_clean());
+    }
+    assert!(tangles >= 5, "{tangles} of 10");
+}
+
 /// The particle nearest to the vertical axis.
 fn middle(positions: &[Vec4]) -> usize {
     let from_axis = |&i: &usize| positions[i].truncate().with_y(0.0).length();

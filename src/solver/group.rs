@@ -28,7 +28,7 @@ use super::step::{Scratch, StepReport, Stepped};
 const RINGS: usize = 3;
 
 /// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
-const MOST_RETREATS: u32 = 8;
+const MOST_RETREATS: usize = 8;
 /// What takes crossings apart is undone where contours get more than so many times as long by it, and more than so many mean edges longer.
 const WORSE: (f32, f32) = (2.0, 8.0);
 /// Rounds in which one cloth after the other stays where it was.
@@ -593,14 +593,27 @@ impl Group {
         if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, self.count) {
             return;
         }
-        for _ in 0..MOST_RETREATS {
+        self.put_back(MOST_RETREATS, Retreat::take);
+        // What touched before may cross by rounding.
+        self.put_back(MOST_RETREATS, Retreat::take_there);
+    }
+
+    /// Puts back what crosses and looks again, some `rounds` at most, until nothing is left to put; whether there was any.
+    fn put_back(
+        &mut self,
+        rounds: usize,
+        put: impl Fn(&mut Retreat, &Surface, &[Crossing], &mut [Vec4], &mut [Vec4]) -> bool,
+    ) -> bool {
+        let mut any = false;
+        for _ in 0..rounds {
             let Self { surface, untangler, retreat, positions, previous, .. } = self;
-            if !retreat.take(surface, untangler.detector.crossings(), positions, previous) {
-                return;
+            if self.total.is_clean() || !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
+                break;
             }
-            self.moved = true;
+            (any, self.moved) = (true, true);
             self.look();
         }
+        any
     }
 
     /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where that is not enough, the cloths that cross
@@ -610,26 +623,10 @@ impl Group {
             return false;
         }
         self.look();
-        let mut any = false;
-        let mut put_back = |this: &mut Self, whole: bool| {
-            let Self { surface, untangler, retreat, positions, previous, total, .. } = this;
-            let crossings = untangler.detector.crossings();
-            let put = !total.is_clean()
-                && if whole {
-                    retreat.may_stay() && retreat.stay(surface, crossings, positions, previous)
-                } else {
-                    retreat.take_there(surface, crossings, positions, previous)
-                };
-            if put {
-                (any, this.moved) = (true, true);
-                this.look();
-            }
-            put
-        };
-        (0..MOST_RETREATS).all(|_| put_back(self, false));
+        let there = self.put_back(MOST_RETREATS, Retreat::take_there);
         // A cloth that stays may be met by one that went on.
-        (0..self.surface.parts.len().min(MOST_ROUNDS)).all(|_| put_back(self, true));
-        any
+        let whole = self.put_back(self.surface.parts.len().min(MOST_ROUNDS), Retreat::stay);
+        there || whole
     }
 
     /// Moves the frame of the group: everything that is known lies `by` [m] elsewhere in it from now on.
@@ -723,7 +720,8 @@ impl Group {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        let clean = self.total.is_clean() && !self.contacts.coincide();
+        // On which side what starts in the same place belongs, nobody knows; what came to touch has one.
+        let clean = self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
         self.retreat.note(&self.surface, &self.positions, &self.previous, clean);
         self.total
     }

@@ -49,6 +49,11 @@ impl Retreat {
         self.took.get(particle as usize).is_some_and(|&took| took)
     }
 
+    /// Whether the last frame ended clean.
+    pub fn knows(&self) -> bool {
+        !self.clean.is_empty()
+    }
+
     /// Notes how a frame ended, whose last substep lies between `previous` and `positions` [m]; nothing is known of one that was not clean.
     pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
@@ -125,8 +130,8 @@ impl Retreat {
         self.retreats
     }
 
-    /// Puts the particles that cross to the very place where they were: a body that lies there pushed what was taken along with all. They go on as all together did. Whether any was
-    /// elsewhere.
+    /// Puts the particles that cross to the very place where they were: a body pushed what was taken along with all, or rounding made it cross what it touched. They go on as all
+    /// together did. Whether any was elsewhere.
     pub fn take_there(
         &mut self,
         surface: &Surface,
@@ -175,14 +180,12 @@ impl Retreat {
         Vec3::from(self.shared / self.substeps.max(1.0))
     }
 
-    /// Whether whole cloths may stay where they were.
-    pub fn may_stay(&self) -> bool {
-        self.stays < MOST_STAYS
-    }
-
     /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
-    /// Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
+    /// No more than a few frames in a row. Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        if self.stays >= MOST_STAYS {
+            return false;
+        }
         let mean = self.mean();
         let mut any = false;
         for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
