@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! step: (constrain ─► keep apart ─► bodies ─► guard)* ─► finish ─► guard
-//! gather ─► detect ─► resolve: take back what is new ─► (advance ─► springs ─► look)* ─► scatter what moved ─► evaluate: look again, one verdict per cloth
+//! gather ─► detect ─► resolve: take back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► scatter what moved
+//!     ─► bodies ─► stay: put back what they pushed ─► evaluate: look again, one verdict per cloth
 //! ```
 //!
 //! Each cloth lives in a frame of its own; `offset` brings it into that of the group, and 0 for the only cloth of a group changes no bit.
@@ -29,8 +30,10 @@ const RINGS: usize = 3;
 
 /// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
 const MOST_RETREATS: usize = 8;
-/// What takes crossings apart is undone where contours get more than so many times as long by it, and more than so many mean edges longer.
-const WORSE: (f32, f32) = (2.0, 8.0);
+/// What takes crossings apart is undone where contours get more than so many times as long by it (dimensionless), and more than so many mean edges longer.
+/// On its way apart a tangle may get somewhat longer: less would stop what works; much more lets a knot get hopeless within a frame.
+const WORSE_TIMES: f32 = 2.0;
+const WORSE_EDGES: f32 = 8.0;
 /// Rounds in which one cloth after the other stays where it was.
 const MOST_ROUNDS: usize = 8;
 
@@ -501,7 +504,10 @@ impl Group {
         }
         let before = self.total.contour_length;
         self.begun.clear();
-        if before > 0.0 && self.takes_part.contains(&true) && self.untangler.resolver.resort() == Resort::None {
+        // Layers go to their order through whatever lies between.
+        let Untangler { resolver, .. } = &self.untangler;
+        let may_undo = resolver.resort() == Resort::None && !resolver.orders_layers();
+        if may_undo && !self.total.is_clean() && self.takes_part.contains(&true) {
             self.begun.extend_from_slice(&self.positions);
         }
         for i in 0..settings.iterations {
@@ -537,8 +543,8 @@ impl Group {
         self.undo_what_got_worse(before);
     }
 
-    /// Puts everything where it was before the iterations if contours were of length `before` [m] then and are much longer now: cloth that is pressed from all sides, as in a knot,
-    /// crosses more wherever it goes. It waits until there is room, or for the last resorts.
+    /// Puts everything where it was before the iterations if contours were of length `before` [m] then and are much longer now: cloth that is pressed from all
+    /// sides, as in a knot, crosses more wherever it goes. It waits, as slow as it was made, until there is room, or for the last resorts.
     fn undo_what_got_worse(&mut self, before: f32) {
         if self.begun.len() != self.positions.len() {
             return;
@@ -546,8 +552,7 @@ impl Group {
         if self.stale {
             self.look();
         }
-        let (times, edges) = WORSE;
-        if self.total.contour_length > (times * before).max(before + edges * self.surface.mean_edge) {
+        if self.total.contour_length > (WORSE_TIMES * before).max(before + WORSE_EDGES * self.surface.mean_edge) {
             for ((x, previous), &begun) in self.positions.iter_mut().zip(&mut self.previous).zip(&self.begun) {
                 *previous += begun - *x;
                 *x = begun;
@@ -590,7 +595,7 @@ impl Group {
         if !touches || self.total.is_clean() {
             return;
         }
-        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, self.count) {
+        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, &self.takes_part, self.count) {
             return;
         }
         self.put_back(MOST_RETREATS, Retreat::take);
@@ -616,8 +621,9 @@ impl Group {
         any
     }
 
-    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where that is not enough, the cloths that cross
-    /// stay where they were, as a whole. Whether anything does, and is to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where that is not enough,
+    /// the cloths that cross stay where they were, as a whole. Whether anything does, and is to be [scattered](Self::scatter) once more. Call it after
+    /// [`Self::regather`].
     pub fn stay(&mut self) -> bool {
         if !(self.stale && self.retreat.retreats()) {
             return false;

@@ -1,7 +1,9 @@
 //! A tangle that came up within one frame is taken back: its particles go where they were when nothing crossed.
 //!
 //! ```text
-//!   x ─► x0 + u     x0: where it was when the last frame ended clean; u: mean motion since of the cloth that crosses and moved least; velocity is kept
+//!   x ─► x0 + u     x0: where it was when the last frame ended clean; velocity is kept
+//!                   u: mean motion since of the cloth that crosses and moved least
+//!   x ─► x0         where that is not enough and u is short; goes on as all together did
 //! ```
 //!
 //! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their guard know the
@@ -16,6 +18,9 @@ use super::detect::{Crossing, Part, Surface};
 
 /// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
+
+/// How far all together may have moved, in mean edges, for single particles to be left where they were.
+const NEAR_EDGES: f32 = 0.25;
 
 /// Frames in a row in which whole cloths stay where they were.
 const MOST_STAYS: u32 = 8;
@@ -49,7 +54,7 @@ impl Retreat {
         self.took.get(particle as usize).is_some_and(|&took| took)
     }
 
-    /// Whether the last frame ended clean.
+    /// Whether it is known where everything was when nothing crossed.
     pub fn knows(&self) -> bool {
         !self.clean.is_empty()
     }
@@ -74,13 +79,15 @@ impl Retreat {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
-    /// Begins with nothing taken back; whether anything can be. The frame took as many `substeps`, the last of which lies between `previous` and `positions` [m].
+    /// Begins with nothing taken back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`, the last of which lies between
+    /// `previous` and `positions` [m].
     pub fn begin(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
         positions: &[Vec4],
         previous: &[Vec4],
+        takes_part: &[bool],
         substeps: u32,
     ) -> bool {
         if self.clean.len() != positions.len() {
@@ -92,14 +99,18 @@ impl Retreat {
         for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
             // What was stopped on its way flew before.
             let flown = fastest(range(part), positions, previous).max(before) * self.substeps;
-            self.farthest.push(FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 });
+            let farthest = FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 };
+            // What no contact keeps apart would have to be taken back for ever.
+            self.farthest.push(if takes_part.get(i) == Some(&true) { farthest } else { 0.0 });
             if !crosses(surface, crossings, i) {
                 continue;
             }
+            // Of free particles; of all where none is.
+            let held = positions[range(part)].iter().all(|x| x.w == 0.0);
             let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
             for (now, then) in positions[range(part)].iter().zip(&self.clean[range(part)]) {
                 let way = Vec3A::from_vec4(*now - *then);
-                if now.w > 0.0 && way.is_finite() {
+                if (held || now.w > 0.0) && way.is_finite() {
                     (sum, count) = (sum + way, count + 1.0);
                 }
             }
@@ -130,8 +141,8 @@ impl Retreat {
         self.retreats
     }
 
-    /// Puts the particles that cross to the very place where they were: a body pushed what was taken along with all, or rounding made it cross what it touched. They go on as all
-    /// together did. Whether any was elsewhere.
+    /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was taken along with all, or rounding
+    /// made it cross what it touched. They go on as all together did. Whether any was elsewhere.
     pub fn take_there(
         &mut self,
         surface: &Surface,
@@ -139,6 +150,9 @@ impl Retreat {
         positions: &mut [Vec4],
         previous: &mut [Vec4],
     ) -> bool {
+        if self.shared.length() > NEAR_EDGES * surface.mean_edge {
+            return false;
+        }
         let mean = self.mean();
         let mut any = false;
         self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
@@ -153,7 +167,7 @@ impl Retreat {
         any
     }
 
-    /// Calls `act` with every free particle that crosses, if it may be put back, and with its position [m].
+    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing, and with its position [m].
     fn for_each_that_crosses(
         &mut self,
         surface: &Surface,

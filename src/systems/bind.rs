@@ -150,8 +150,8 @@ fn bind_one(
 /// Warns of pins that hold nothing.
 fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved) {
     // Pins that let go of a cloth that was simulated were meant to.
-    let holds = cloth.inputs.is_some() || cloth.pins.sets.is_empty() || !resolved.particles.is_empty();
-    if !holds && notices.first(cloth.entity, "no pin holds") {
+    let is_meant = cloth.inputs.is_some() || cloth.pins.sets.is_empty() || !resolved.particles.is_empty();
+    if !is_meant && notices.first(cloth.entity, "no pin holds") {
         warn!(
             "cloth {} has pins that hold no vertex: a predicate sees positions in the space of the mesh, and weights have to be above 0",
             label(cloth.entity, cloth.name)

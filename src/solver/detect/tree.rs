@@ -101,7 +101,7 @@ struct Node {
     part: u16,
     /// Whether the faces below form a disc without slits.
     disc: bool,
-    /// Whether that holds and borders, if any, run along the sides of the whole cloth.
+    /// Whether they form a disc, cut or not, in which no particle lies at a seam, or at a border that does not run along a side of the whole cloth.
     smooth: bool,
     /// Whether a face below is marked.
     marked: bool,

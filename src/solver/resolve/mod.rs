@@ -160,6 +160,12 @@ impl Resolver {
         self.resort
     }
 
+    /// Whether cloths are on their way to the other side of each other, as their layers ask for.
+    #[must_use]
+    pub fn orders_layers(&self) -> bool {
+        self.layers.any()
+    }
+
     /// Looks at the order of layers of all particles in the next iteration, not only of a few.
     pub fn inspect_layers(&mut self) {
         self.layers.thorough = true;
