@@ -6,9 +6,21 @@
 //!
 //! Where cloths can meet, crossings are looked for in every frame, between cloths and with `--self-collision` in each; elsewhere once at the end, untimed,
 //! of everything with everything, and what would have needed a look at every frame is null.
+//!
+//! That is what the detector says of the shapes that are simulated. `--check` counts what every frame *shows*, with code that shares nothing with the detector:
+//!
+//! ```text
+//! for seed in $(seq 10); do
+//!     cargo run --release --example stress -- --scene twist --size 28 --seed $seed --check --json
+//! done
+//! ```
 #![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
 
+#[path = "../tests/detection/checker.rs"]
+mod checker;
 mod cli;
+#[path = "../tests/scenes/shown.rs"]
+mod shown;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,6 +33,7 @@ use bevy_drape::solver::group::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::step::FrameInput;
 use clap::{Parser, ValueEnum};
+use shown::Picture;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SceneName {
@@ -113,6 +126,12 @@ struct Arguments {
     /// Cloths pass through each other and are untangled afterwards, instead of resting on each other.
     #[arg(long)]
     no_contact: bool,
+    /// Moves every free particle of the start by up to a thousandth of an edge, another way for every number but 0.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Counts what crosses in what every frame shows, warming up included: untimed, and without the detector.
+    #[arg(long)]
+    check: bool,
     /// Prints one line of JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -132,6 +151,9 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if arguments.seed != 0 {
+        scene = scene.jittered(arguments.seed);
+    }
     if let Some(method) = method(&arguments) {
         let settings =
             UntangleSettings { resolve: ResolveSettings { method, ..Default::default() }, ..UntangleSettings::default() };
@@ -150,15 +172,17 @@ fn main() -> ExitCode {
     let pool = (arguments.threads > 1).then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());
     // A tangle is what its first frames are about.
     let warm_up = if scene.gravity == glam::Vec3::ZERO { 0 } else { arguments.frames / 10 };
+    let mut run = Run::default();
     for _ in 0..warm_up {
         step(&mut scene, pool.as_ref());
+        run.check(&arguments, &scene);
     }
-    let mut run = Run::default();
     for frame in 1..=arguments.frames {
         let start = Instant::now();
         step(&mut scene, pool.as_ref());
         run.frames.push(start.elapsed().as_secs_f64() * 1.0e3);
         run.note(frame, &scene);
+        run.check(&arguments, &scene);
     }
     let crossings = if scene.untangle.is_some() { Some(scene.crossings()) } else { look(&mut scene) };
     print(&arguments, &scene, &mut run, crossings);
@@ -246,9 +270,19 @@ struct Run {
     /// First frame after which nothing crossed any more.
     clean_after: u32,
     most_crossings: u32,
+    /// Frames that show something crossing, and the most in one of them.
+    crossing_frames: u32,
+    shown_crossings: usize,
 }
 
 impl Run {
+    /// Looks at what a frame shows, if that is asked for.
+    fn check(&mut self, arguments: &Arguments, scene: &Scene) {
+        let crossings = if arguments.check { Picture::of(scene).crossings() } else { 0 };
+        self.crossing_frames += u32::from(crossings > 0);
+        self.shown_crossings = self.shown_crossings.max(crossings);
+    }
+
     fn note(&mut self, frame: u32, scene: &Scene) {
         let StageTimes { integrate, detect, resolve, evaluate, respond } = scene.times;
         for (times, time) in self.stages.iter_mut().zip([integrate, detect, resolve, evaluate, respond]) {
@@ -329,6 +363,8 @@ fn print(arguments: &Arguments, scene: &Scene, run: &mut Run, crossings: Option<
         "tangled_frames": seen(run.tangled_frames),
         "clean_after": seen(run.clean_after),
         "held_frames": run.held_frames,
+        "crossing_frames": arguments.check.then_some(run.crossing_frames),
+        "shown_crossings": arguments.check.then_some(run.shown_crossings),
         "bytes_per_particle": (shared + own) / particles.max(1),
         "worst_edge": worst,
         "mean_edge": mean,
