@@ -447,7 +447,9 @@ impl Group {
         if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
             self.contacts.clear();
             self.contacts.rest();
-            self.look();
+            (self.stale, self.known) = (false, false);
+            self.total = self.untangler.look_again(&self.surface, &self.positions);
+            self.sum_up();
         } else if self.total.is_clean() {
             if !self.look_where_drifted() {
                 self.look_and_find();
@@ -726,8 +728,9 @@ impl Group {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        // On which side what starts in the same place belongs, nobody knows; what came to touch has one.
-        let clean = self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
+        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps apart is not taken back.
+        let touches = self.takes_part.contains(&true);
+        let clean = touches && self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
         self.retreat.note(&self.surface, &self.positions, &self.previous, clean);
         self.total
     }

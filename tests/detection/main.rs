@@ -59,6 +59,44 @@ fn faces_that_slide_over_each_other_are_seen() {
     assert!(crossings > 1000, "{crossings} crossings");
 }
 
+/// Looked at in every frame, cloth that hardly moves is only looked at where it was close.
+#[test]
+fn what_comes_to_cross_by_and_by_is_seen_at_once() {
+    let n = 20;
+    let edge = 1.0 / (n - 1) as f32;
+    let (rest, _) = RestShape::build(&scenes::grid(n, n, |u, v| vec3(u, 0.0, v))).expect("a sheet");
+    let (topology, rest) = (&rest.topology, &rest.positions);
+    let part = PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 };
+    let sheet = |at: &dyn Fn(Vec3) -> Vec3| rest.iter().map(|&x| at(x)).collect::<Vec<Vec3>>();
+    // Two sheets pass through each other, and one is rolled up until its ends meet; by a hundredth of an edge in each frame.
+    let wave = |x: Vec3, time: f32| edge * (0.2 * (9.0 * x.x).sin() + 0.01 * time - 0.4);
+    let pass = |time: f32| [sheet(&|x| vec3(x.x, wave(x, time), x.z)), sheet(&|x| vec3(x.z, -wave(x, time), x.x))].concat();
+    let roll = |time: f32| {
+        let turn = 5.9 + 0.003 * time;
+        sheet(&|x| vec3((turn * x.x).sin() / turn, (turn * x.x).cos() / turn * (1.0 + 0.02 * x.z), x.z + 0.1 * x.x))
+    };
+    let mut rng = fastrand::Rng::with_seed(3);
+    let mut compare = |name: &str, parts: &[PartRef<'_>], at: &dyn Fn(f32) -> Vec<Vec3>| {
+        let surface = Surface::new(parts).expect("one cloth or two");
+        let (mut detector, mut other) = (Detector::new(&surface), Detector::new(&surface));
+        let (mut first, mut crossings) = (None, 0);
+        for frame in 0..200u8 {
+            let mut shift = || 0.003 * edge * (2.0 * rng.f32() - 1.0);
+            let mut move_one = |x: Vec3| (x + vec3(shift(), shift(), shift())).extend(1.0);
+            let positions: Vec<Vec4> = at(f32::from(frame)).into_iter().map(&mut move_one).collect();
+            let expected = other.detect(&surface, &positions);
+            assert_eq!(detector.detect_again(&surface, &positions), expected, "{name}, frame {frame}");
+            crossings += expected.len();
+            if !expected.is_empty() {
+                first = first.or(Some(frame));
+            }
+        }
+        assert!(first.is_some_and(|frame| frame > 5) && crossings > 100, "{name}: from frame {first:?} on, {crossings}");
+    };
+    compare("pass", &[part, part], &pass);
+    compare("roll", &[part], &roll);
+}
+
 /// A sheet in the plane y = 0, whose grid of `n` x `n` particles goes on in a strip of half as many rows: row 0 is the row `from` of the sheet, the next ones are at `to(row, v)`.
 fn sheet_with_strip(mut mesh: SourceMesh, n: u32, from: u32, to: impl Fn(u32, f32) -> Vec3) -> SourceMesh {
     let first = mesh.positions.len() as u32;

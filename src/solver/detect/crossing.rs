@@ -16,6 +16,7 @@ use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 
 use crate::solver::rest::NONE;
 
+use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
 use super::surface::Surface;
 use super::tree::Tree;
@@ -48,6 +49,7 @@ pub struct Detector {
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
+    calm: Calm,
 }
 
 impl Detector {
@@ -66,6 +68,7 @@ impl Detector {
             ties: Ties::default(),
             doubtful: Vec::new(),
             crossings: Vec::new(),
+            calm: Calm::new(surface),
         }
     }
 
@@ -77,6 +80,31 @@ impl Detector {
             self.tree.refit(surface, positions, None);
         }
         self.detect_and(surface, positions, 0.0, |_, _| true)
+    }
+
+    /// As [`Self::detect`], of cloth that is looked at in every frame: only at what was close where it has hardly moved since.
+    pub fn detect_again(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
+        if positions.len() != surface.len() {
+            return self.detect(surface, positions);
+        }
+        let mut calm = core::mem::take(&mut self.calm);
+        let known = calm.close(positions).is_some_and(|close| self.detect_among(surface, positions, close).is_empty());
+        if !known {
+            self.tree.refit(surface, positions, None);
+            if calm.begin(positions) {
+                self.detect_and(surface, positions, calm.reach, |f, g| {
+                    calm.take_in(surface, positions, [f, g]);
+                    true
+                });
+                if self.crossings.is_empty() {
+                    calm.end();
+                }
+            } else {
+                self.detect_and(surface, positions, 0.0, |_, _| true);
+            }
+        }
+        self.calm = calm;
+        &self.crossings
     }
 
     /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`, and calls `also` with every pair of faces whose boxes come within `margin` [m]; no more
@@ -109,7 +137,7 @@ impl Detector {
         pairs: impl FnOnce(&mut Tree, &mut dyn FnMut(u32, u32)),
         mut also: F,
     ) {
-        let Self { tree, asks, kinematic, ties, doubtful, crossings } = self;
+        let Self { tree, asks, kinematic, ties, doubtful, crossings, .. } = self;
         for (part, out) in surface.parts.iter().zip(kinematic.iter_mut()) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = positions[range].iter().all(|p| p.w == 0.0);
@@ -213,7 +241,9 @@ fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u3
     let (tf, tg) = (surface.topology.faces[f as usize], surface.topology.faces[g as usize]);
     let shared = [0, 1, 2].map(|i| tf[i] == tg[0] || tf[i] == tg[1] || tf[i] == tg[2]);
     let count = shared.iter().filter(|&&s| s).count();
-    if count >= 2 || (asks[f as usize] | asks[g as usize]) == 0 || are_apart(positions, tf, tg, (count == 1).then_some(shared))
+    if count >= 2
+        || (asks[f as usize] | asks[g as usize]) == 0
+        || are_apart(positions, tf, tg, (count == 1).then_some(shared), 0.0)
     {
         return;
     }
@@ -253,10 +283,10 @@ fn cross_close_faces(
     cross(g, &pg, &sides_g, f, &pf);
 }
 
-/// Whether a plane across the line between the centres has the faces on different sides, a shared particle aside: a cheap way to dismiss
-/// almost all neighbours in a smooth sheet.
+/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` [m] apart, a shared particle aside: a cheap way to
+/// dismiss almost all neighbours in a smooth sheet.
 #[inline]
-fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>) -> bool {
+pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>, gap: f32) -> bool {
     let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
     let (a, b) = ([at(f[0]), at(f[1]), at(f[2])], [at(g[0]), at(g[1]), at(g[2])]);
     let origin = b[0];
@@ -265,6 +295,7 @@ fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool;
     let (a, b) = (Vec3::new(along(a[0]), along(a[1]), along(a[2])), Vec3::new(0.0, along(b[1]), along(b[2])));
     // Rounding of the dot products is some 1e-6 of the scale of its terms.
     let slack = 1.0e-4 * a.abs().max(b.abs()).max_element() + f32::MIN_POSITIVE;
+    let slack = if gap > 0.0 { slack + gap * axis.length() } else { slack };
     let Some(shared) = shared else { return a.min_element() > b.max_element() + slack };
     // The shared particle is where one side ends and the other begins.
     let (mine, others) = (BVec3::from_array(shared), BVec3::from_array(g.map(|v| f.contains(&v))));

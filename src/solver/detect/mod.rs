@@ -6,9 +6,11 @@
 //! positions ─► Tree::refit ─► pairs of faces whose boxes meet ─► orientation signs ─► crossings, sorted
 //! ```
 
+mod calm;
 pub mod crossing;
 pub mod orient;
 pub mod proximity;
+pub(super) mod seams;
 pub mod surface;
 pub mod tree;
 

@@ -160,6 +160,19 @@ impl Surface {
         self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
     }
 
+    /// Least height at rest of the faces around each particle [m]; infinite where there is none.
+    #[must_use]
+    pub fn least_heights(&self) -> Vec<f32> {
+        let mut heights = vec![f32::INFINITY; self.len()];
+        for t in &self.topology.faces {
+            let [a, b, c] = t.map(|v| self.rest[v as usize]);
+            let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
+            let height = (b - a).cross(c - a).length() / base.max(f32::MIN_POSITIVE);
+            t.iter().for_each(|&v| heights[v as usize] = heights[v as usize].min(height));
+        }
+        heights
+    }
+
     /// Cloth of a particle.
     #[must_use]
     pub fn part(&self, particle: u32) -> u16 {

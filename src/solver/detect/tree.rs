@@ -22,8 +22,11 @@
 
 mod levels;
 
+use core::ops::Range;
+
 use glam::{Vec3, Vec3A, Vec4};
 
+use super::seams::{loose, rest_box, runs_along_a_side, seams};
 use super::surface::{Surface, is_sane};
 use crate::solver::rest::NONE;
 
@@ -105,12 +108,22 @@ struct Node {
     smooth: bool,
     /// Whether a face below is marked.
     marked: bool,
-    /// Faces in the ring of a leaf.
-    ring: u16,
-    /// [`Joint`] of the two children, `NONE` of two that share nothing; of a leaf, where its ring begins in [`Tree::rings`].
+    /// [`Joint`] of the two children, `NONE` of two that share nothing.
     joint: u32,
     /// Box of the unit normals below; of all there are, where the faces around a leaf fold back over it.
     normals: Bounds,
+}
+
+/// A leaf and the ring of faces around it.
+#[derive(Clone, Debug)]
+struct Leaf {
+    node: u32,
+    /// The smallest node that holds the leaf and all of its ring.
+    cover: u32,
+    /// The entries of [`Tree::faces`] that share a particle with the leaf and are in other leaves: a run of [`Tree::rings`].
+    ring: Range<u32>,
+    /// Sum of the unit normals.
+    axis: Vec3A,
 }
 
 /// Two nodes, none above the other, that share particles.
@@ -132,7 +145,10 @@ pub struct Tree {
     boxes: Vec<Bounds>,
     /// Unit normal of each entry of `faces`.
     normals: Vec<Vec3A>,
-    /// For each leaf the entries of `faces` that share a particle with it and are in other leaves.
+    /// Corners of each entry of `faces`.
+    corners: Vec<[u32; 3]>,
+    leaves: Vec<Leaf>,
+    /// Rings of all leaves, one after the other.
     rings: Vec<u32>,
     quarantined: Vec<bool>,
     joints: Vec<Joint>,
@@ -158,6 +174,7 @@ impl Tree {
         tree.find_discs(surface);
         tree.find_joints(surface);
         tree.find_rings(surface);
+        tree.corners = tree.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
         // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
         tree.stack.reserve(256);
         tree
@@ -170,16 +187,8 @@ impl Tree {
         let mut seen_edge = vec![u32::MAX; topology.edges.len()];
         let mut seen_vertex = vec![u32::MAX; surface.len()];
         let mut queue = Vec::new();
-        let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();
         let seams = seams(surface);
-        // Particles around which cloth may lie over itself although normals agree.
-        let mut loose = vec![false; surface.len()];
-        for (e, ends) in (0..).zip(&topology.edges) {
-            let whole = wholes[usize::from(surface.part_of_edge(e))];
-            if seams[e as usize] || (topology.is_border(e) && !runs_along_a_side(surface, whole, e)) {
-                ends.iter().for_each(|&v| loose[v as usize] = true);
-            }
-        }
+        let loose = loose(surface, &seams);
         for i in 0..self.nodes.len() {
             let faces = self.faces_below(i);
             let id = i as u32;
@@ -275,7 +284,7 @@ impl Tree {
     fn find_rings(&mut self, surface: &Surface) {
         let topology = &surface.topology;
         let place = self.places();
-        for node in self.nodes.iter_mut().filter(|node| node.right & IS_LEAF != 0) {
+        for (i, node) in (0..).zip(&self.nodes).filter(|(_, node)| node.right & IS_LEAF != 0) {
             let (run, first) = (node.run(), self.rings.len());
             for &f in &self.faces[run.clone()] {
                 let corners =
@@ -290,8 +299,28 @@ impl Tree {
                     }
                 }
             }
-            (node.joint, node.ring) = (first as u32, (self.rings.len() - first) as u16);
+            let cover = self.cover(run, &self.rings[first..]);
+            self.leaves.push(Leaf { node: i, cover, ring: first as u32..self.rings.len() as u32, axis: Vec3A::ZERO });
         }
+    }
+
+    /// The smallest node that holds a run of `faces` and some others.
+    fn cover(&self, run: Range<usize>, others: &[u32]) -> u32 {
+        let first = others.iter().map(|&i| i as usize).fold(run.start, usize::min);
+        let last = others.iter().map(|&i| i as usize).fold(run.end - 1, usize::max);
+        let mut node = 0;
+        while self.nodes[node].right & IS_LEAF == 0 {
+            let right = self.nodes[node].right as usize;
+            let border = self.faces_below(right).start;
+            node = if last < border {
+                node + 1
+            } else if first >= border {
+                right
+            } else {
+                break;
+            };
+        }
+        node as u32
     }
 
     /// The pairs that two different nodes fall into; none of two leaves.
@@ -306,7 +335,7 @@ impl Tree {
         pairs.into_iter().filter(move |pair| !leaves && !pair.contains(&NONE))
     }
 
-    fn faces_below(&self, node: usize) -> core::ops::Range<usize> {
+    fn faces_below(&self, node: usize) -> Range<usize> {
         let (mut first, mut last) = (node, node);
         while self.nodes[first].right & IS_LEAF == 0 {
             first += 1;
@@ -369,7 +398,6 @@ impl Tree {
             disc: false,
             smooth: false,
             marked: false,
-            ring: 0,
             joint: NONE,
             normals: Bounds::EMPTY,
         });
@@ -384,30 +412,67 @@ impl Tree {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = !positions[range].iter().all(|&p| is_sane(p));
         }
-        for ((bounds, normal), &f) in self.boxes.iter_mut().zip(&mut self.normals).zip(&self.faces) {
-            let [a, b, c] = surface.topology.faces[f as usize].map(|v| Vec3A::from_vec4(positions[v as usize]));
-            *bounds = Bounds { min: a.min(b).min(c), max: a.max(b).max(c) };
-            *normal = (b - a).cross(c - a).normalize_or_zero();
-        }
-        if let Some(ahead) = ahead {
-            for (bounds, &f) in self.boxes.iter_mut().zip(&self.faces) {
-                let [a, b, c] = surface.topology.faces[f as usize].map(|v| ahead[v as usize]);
-                *bounds = bounds.union(Bounds { min: a.min(b).min(c), max: a.max(b).max(c) });
-            }
+        let now = |v: u32| Vec3A::from_vec4(positions[v as usize]);
+        let point = |x: Vec3A| Bounds { min: x, max: x };
+        match ahead {
+            None => self.fit_leaves(now, |corners| Bounds::around(corners.map(now).into_iter())),
+            Some(ahead) => self.fit_leaves(now, |corners| {
+                let [a, b, c] = corners.map(|v| point(now(v)).union(point(ahead[v as usize])));
+                a.union(b).union(c)
+            }),
         }
         for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
-            let (bounds, normals) = if node.right & IS_LEAF == 0 {
-                let (left, right) = (&self.nodes[i + 1], &self.nodes[node.right as usize]);
-                (left.bounds.union(right.bounds), left.normals.union(right.normals))
-            } else if self.quarantined[usize::from(node.part)] {
-                (Bounds::EMPTY, Bounds::EMPTY)
-            } else {
-                let bounds = self.boxes[node.run()].iter().fold(Bounds::EMPTY, |sum, &b| sum.union(b));
-                (bounds, self.normals_of_leaf(&node))
-            };
-            self.nodes[i].bounds = bounds;
-            self.nodes[i].normals = normals;
+            let right = self.nodes[i].right;
+            if right & IS_LEAF == 0 {
+                let (left, right) = (&self.nodes[i + 1], &self.nodes[right as usize]);
+                let (bounds, normals) = (left.bounds.union(right.bounds), left.normals.union(right.normals));
+                (self.nodes[i].bounds, self.nodes[i].normals) = (bounds, normals);
+            }
+        }
+        self.find_folds();
+    }
+
+    /// Fits the leaves and their faces to where particles are `now` [m]; `around` is the box of three of them.
+    #[inline]
+    fn fit_leaves(&mut self, now: impl Fn(u32) -> Vec3A, around: impl Fn([u32; 3]) -> Bounds) {
+        for leaf in &mut self.leaves {
+            let node = &mut self.nodes[leaf.node as usize];
+            let run = node.run();
+            (node.bounds, node.normals, leaf.axis) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
+            let faces = self.boxes[run.clone()].iter_mut().zip(&mut self.normals[run.clone()]);
+            for ((own, normal), &corners) in faces.zip(&self.corners[run]) {
+                let [a, b, c] = corners.map(&now);
+                *own = around(corners);
+                *normal = (b - a).cross(c - a).normalize_or_zero();
+                node.bounds = node.bounds.union(*own);
+                node.normals = Bounds { min: node.normals.min.min(*normal), max: node.normals.max.max(*normal) };
+                leaf.axis += *normal;
+            }
+            if self.quarantined[usize::from(node.part)] {
+                (node.bounds, node.normals) = (Bounds::EMPTY, Bounds::EMPTY);
+            }
+        }
+    }
+
+    /// Gives leaves over which the faces around them fold back all normals, and with them what they are part of.
+    fn find_folds(&mut self) {
+        let Self { nodes, normals, leaves, rings, .. } = self;
+        let mut any = false;
+        for Leaf { node, cover, ring, axis } in leaves.iter() {
+            // Boxes take in more than the normals, and are quicker.
+            if nodes[*cover as usize].normals.lies_before(*axis) {
+                continue;
+            }
+            let around = || rings[ring.start as usize..ring.end as usize].iter().map(|&i| normals[i as usize]);
+            if !Bounds::around(around()).lies_before(*axis) && around().any(|n| n.dot(*axis) <= 0.0) {
+                nodes[*node as usize].normals = Bounds::ALL_NORMALS;
+                any = true;
+            }
+        }
+        for i in (0..nodes.len()).rev().filter(|_| any) {
+            if nodes[i].right & IS_LEAF == 0 {
+                nodes[i].normals = nodes[i + 1].normals.union(nodes[nodes[i].right as usize].normals);
+            }
         }
     }
 
@@ -525,20 +590,6 @@ impl Tree {
         }
     }
 
-    /// Box of the unit normals of a leaf.
-    #[inline]
-    fn normals_of_leaf(&self, leaf: &Node) -> Bounds {
-        let normals = &self.normals[leaf.run()];
-        let axis: Vec3A = normals.iter().sum();
-        let ring = &self.rings[leaf.joint as usize..][..usize::from(leaf.ring)];
-        let around = || ring.iter().map(|&i| self.normals[i as usize]);
-        // The box takes in more than the normals, and is quicker.
-        if !Bounds::around(around()).lies_before(axis) && around().any(|n| n.dot(axis) <= 0.0) {
-            return Bounds::ALL_NORMALS;
-        }
-        Bounds::around(normals.iter().copied())
-    }
-
     /// Whether all normals of some leaves lie within 45° of their sum. Their box, which is tested first, takes in more than the normals.
     #[inline]
     fn hardly_bend<const N: usize>(&self, leaves: [&Node; N]) -> bool {
@@ -625,48 +676,10 @@ impl Tree {
 
 impl Node {
     #[inline]
-    fn run(&self) -> core::ops::Range<usize> {
+    fn run(&self) -> Range<usize> {
         let first = (self.right & !IS_LEAF) as usize;
         first..first + usize::from(self.count)
     }
-}
-
-/// Smallest and largest corner [m] of the box around particles at rest.
-fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2] {
-    particles.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], v| {
-        let x = surface.rest[v as usize];
-        [low.min(x), high.max(x)]
-    })
-}
-
-/// Edges at which normals say nothing about whether cloth lies on itself: more than two faces meet there, or the fronts of two face different sides.
-fn seams(surface: &Surface) -> Vec<bool> {
-    let topology = &surface.topology;
-    let mut seams = vec![false; topology.edges.len()];
-    // Two faces with one front run along their edge in opposite ways.
-    let mut taken = vec![[false; 2]; topology.edges.len()];
-    for (t, edges) in topology.faces.iter().zip(&topology.face_edges) {
-        for (k, &e) in edges.iter().enumerate() {
-            let way = usize::from(t[k] > t[(k + 1) % 3]);
-            seams[e as usize] |= core::mem::replace(&mut taken[e as usize][way], true);
-        }
-    }
-    seams
-}
-
-/// Whether a border lies in one side of a box and its face does not, along an axis in which the box is not flat.
-fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32) -> bool {
-    let topology = &surface.topology;
-    let at = |v: u32| surface.rest[v as usize];
-    let [a, b] = topology.edges[border as usize].map(at);
-    let inner = at(topology.opposite(border, topology.edge_faces[border as usize][0]));
-    let size = high - low;
-    let slack = 1.0e-3 * size.max_element();
-    (0..3).any(|k| {
-        let on = |x: Vec3, side: f32| (x[k] - side).abs() <= slack;
-        let along = |side: f32| on(a, side) && on(b, side) && !on(inner, side);
-        size[k] > 100.0 * slack && (along(low[k]) || along(high[k]))
-    })
 }
 
 #[inline]

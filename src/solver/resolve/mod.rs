@@ -346,6 +346,12 @@ impl Untangler {
         self.resolver.analyse(surface, crossings, positions)
     }
 
+    /// As [`Self::look`], of cloth that is looked at in every frame.
+    pub fn look_again(&mut self, surface: &Surface, positions: &[Vec4]) -> Verdict {
+        let crossings = self.detector.detect_again(surface, positions);
+        self.resolver.analyse(surface, crossings, positions)
+    }
+
     /// One iteration: looks, then moves `positions` and `previous` together. The verdict is that of the positions as they came.
     pub fn iterate(
         &mut self,

@@ -9,6 +9,7 @@ use super::contact::Contact;
 use super::{Contacts, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
+use crate::solver::detect::seams::{loose, seams};
 use crate::solver::detect::surface::FARTHEST;
 use crate::solver::detect::tree::{Bounds, Tree};
 use crate::solver::detect::{Proximity, Surface};
@@ -96,6 +97,8 @@ pub struct Finder {
     heights: Vec<f32>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
+    /// Particles around which cloth may lie over itself although normals agree.
+    loose: Vec<bool>,
 }
 
 /// Where the cloth hardly bends.
@@ -211,13 +214,6 @@ impl Finder {
         let start = vec![Vec3A::ZERO; surface.len()];
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
         let shifted = astray.clone();
-        let mut heights = vec![f32::INFINITY; surface.len()];
-        for t in &topology.faces {
-            let [a, b, c] = t.map(|v| surface.rest[v as usize]);
-            let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
-            let height = (b - a).cross(c - a).length() / base.max(f32::MIN_POSITIVE);
-            t.iter().for_each(|&v| heights[v as usize] = heights[v as usize].min(height));
-        }
         Self {
             owns,
             ahead: start.clone(),
@@ -229,8 +225,9 @@ impl Finder {
             flatness: Flatness::new(surface),
             shared: Vec3A::ZERO,
             haste: 0.0,
-            heights,
+            heights: surface.least_heights(),
             longest,
+            loose: loose(surface, &seams(surface)),
         }
     }
 
@@ -389,8 +386,8 @@ impl Finder {
         let &Moment { positions, touch, takes_part, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
         let topology = &surface.topology;
-        let Self { owns, ahead, longest, flatness, .. } = self;
-        let (owns, ahead, longest): (&[u8], &[Vec3A], &[f32]) = (owns, ahead, longest);
+        let Self { owns, ahead, longest, flatness, loose, .. } = self;
+        let (owns, ahead, longest, loose): (&[u8], &[Vec3A], &[f32], &[bool]) = (owns, ahead, longest, loose);
         let at = |v: u32| positions[v as usize].truncate();
         let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
         let most = MOST_PAIRS * surface.len();
@@ -461,11 +458,13 @@ impl Finder {
         move |f: u32, g: u32| {
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             // Faces of a fan that hardly bends are hardly closer than at rest.
-            if tf.iter().any(|v| tg.contains(v) && flatness.holds(*v, surface, positions, ahead)) {
-                if anew {
+            if let Some(&v) = tf.iter().find(|&&v| tg.contains(&v) && flatness.holds(v, surface, positions, ahead)) {
+                // Nor do they cross, unless cloth is cut or sewn there.
+                let may_cross = loose[v as usize];
+                if anew && may_cross {
                     contacts.close.push([f, g]);
                 }
-                return true;
+                return may_cross;
             }
             let (pf, pg) = (corners(tf, path), corners(tg, path));
             // A thick cloth does not make the others look farther.
