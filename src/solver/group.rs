@@ -10,6 +10,7 @@
 //! While nothing crosses nothing is written back, so that a clean cloth has the same bits with and without a group.
 
 mod look;
+mod undo;
 
 use core::ops::Range;
 
@@ -24,16 +25,13 @@ use super::retreat::Retreat;
 use super::settings::Stepping;
 use super::state::ClothState;
 use super::step::{Scratch, StepReport, Stepped};
+use undo::Undo;
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
 
 /// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
 const MOST_RETREATS: usize = 8;
-/// What takes crossings apart is undone where contours get more than so many times as long by it (dimensionless), and more than so many mean edges longer.
-/// On its way apart a tangle may get somewhat longer: less would stop what works; much more lets a knot get hopeless within a frame.
-const WORSE_TIMES: f32 = 2.0;
-const WORSE_EDGES: f32 = 8.0;
 /// Rounds in which one cloth after the other stays where it was.
 const MOST_ROUNDS: usize = 8;
 
@@ -124,8 +122,8 @@ pub struct Group {
     horizon: f32,
     share: f32,
     looks: u32,
-    /// Where everything was before all iterations, and before one; particles of what crosses.
-    begun: Vec<Vec4>,
+    undo: Undo,
+    /// Where everything was before an iteration; particles of what crosses.
     start: Vec<Vec4>,
     caught: Vec<bool>,
     /// Whether what was found at the last look is still known, as long as nothing moves far.
@@ -504,13 +502,12 @@ impl Group {
         if settings.iterations > 0 {
             self.take_back();
         }
-        let before = self.total.contour_length;
-        self.begun.clear();
+        self.undo.forget();
         // Layers go to their order through whatever lies between.
-        let Untangler { resolver, .. } = &self.untangler;
-        let may_undo = resolver.resort() == Resort::None && !resolver.orders_layers();
+        let Self { surface, untangler, undo, positions, .. } = self;
+        let may_undo = untangler.resolver.resort() == Resort::None && !untangler.resolver.orders_layers();
         if may_undo && !self.total.is_clean() && self.takes_part.contains(&true) {
-            self.begun.extend_from_slice(&self.positions);
+            undo.begin(surface, positions, parts_of_contours(surface, untangler));
         }
         for i in 0..settings.iterations {
             let underway = i > 0 && self.untangler.resolver.carry_on(&mut self.positions, &mut self.previous);
@@ -542,23 +539,19 @@ impl Group {
             }
             self.keep_others_apart();
         }
-        self.undo_what_got_worse(before);
+        self.undo_what_got_worse();
     }
 
-    /// Puts everything where it was before the iterations if contours were of length `before` [m] then and are much longer now: cloth that is pressed from all
-    /// sides, as in a knot, crosses more wherever it goes. It waits, as slow as it was made, until there is room, or for the last resorts.
-    fn undo_what_got_worse(&mut self, before: f32) {
-        if self.begun.len() != self.positions.len() {
+    fn undo_what_got_worse(&mut self) {
+        if !self.undo.is_due() {
             return;
         }
         if self.stale {
             self.look();
         }
-        if self.total.contour_length > (WORSE_TIMES * before).max(before + WORSE_EDGES * self.surface.mean_edge) {
-            for ((x, previous), &begun) in self.positions.iter_mut().zip(&mut self.previous).zip(&self.begun) {
-                *previous += begun - *x;
-                *x = begun;
-            }
+        let Self { surface, untangler, undo, positions, previous, .. } = self;
+        if undo.end(surface, parts_of_contours(surface, untangler), positions, previous) {
+            untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
             self.look();
         }
     }
@@ -744,11 +737,7 @@ impl Group {
     /// Gives each cloth its share of the verdict.
     fn sum_up(&mut self) {
         self.verdicts.fill(Verdict::default());
-        let (graph, crossings) = (self.untangler.resolver.graph(), self.untangler.detector.crossings());
-        for (k, contour) in graph.contours.iter().enumerate() {
-            // A contour stays between the two cloths that its first crossing is between.
-            let Some(first) = graph.nodes_of(k).first().map(|&i| &crossings[i as usize]) else { continue };
-            let (a, b) = (self.surface.part_of_edge(first.edge), self.surface.part_of_face(first.face));
+        for (contour, [a, b]) in parts_of_contours(&self.surface, &self.untangler) {
             for part in [Some(a), (a != b).then_some(b)].into_iter().flatten() {
                 let verdict = &mut self.verdicts[usize::from(part)];
                 verdict.crossings += contour.count;
@@ -826,6 +815,17 @@ impl Group {
             onward.map(move |j| (graph.contour_of[i] as usize, [from, points[j as usize]]))
         })
     }
+}
+
+/// Every contour found last, with the two cloths that it is between, or twice the one.
+fn parts_of_contours<'a>(surface: &'a Surface, untangler: &'a Untangler) -> impl Iterator<Item = (&'a Contour, [u16; 2])> {
+    let Untangler { detector, resolver } = untangler;
+    let graph = resolver.graph();
+    graph.contours.iter().enumerate().filter_map(move |(k, contour)| {
+        // A contour stays between the two cloths that its first crossing is between.
+        let first = &detector.crossings()[*graph.nodes_of(k).first()? as usize];
+        Some((contour, [surface.part_of_edge(first.edge), surface.part_of_face(first.face)]))
+    })
 }
 
 /// What one cloth shows, and what it showed before.

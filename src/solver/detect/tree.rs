@@ -108,9 +108,11 @@ struct Node {
     smooth: bool,
     /// Whether a face below is marked.
     marked: bool,
+    /// Whether the faces around a leaf fold back over it.
+    folded: bool,
     /// [`Joint`] of the two children, `NONE` of two that share nothing.
     joint: u32,
-    /// Box of the unit normals below; of all there are, where the faces around a leaf fold back over it.
+    /// Box of the unit normals below; of all there are, where a leaf is folded.
     normals: Bounds,
 }
 
@@ -398,6 +400,7 @@ impl Tree {
             disc: false,
             smooth: false,
             marked: false,
+            folded: false,
             joint: NONE,
             normals: Bounds::EMPTY,
         });
@@ -439,6 +442,7 @@ impl Tree {
             let node = &mut self.nodes[leaf.node as usize];
             let run = node.run();
             (node.bounds, node.normals, leaf.axis) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
+            node.folded = false;
             let faces = self.boxes[run.clone()].iter_mut().zip(&mut self.normals[run.clone()]);
             for ((own, normal), &corners) in faces.zip(&self.corners[run]) {
                 let [a, b, c] = corners.map(&now);
@@ -465,7 +469,8 @@ impl Tree {
             }
             let around = || rings[ring.start as usize..ring.end as usize].iter().map(|&i| normals[i as usize]);
             if !Bounds::around(around()).lies_before(*axis) && around().any(|n| n.dot(*axis) <= 0.0) {
-                nodes[*node as usize].normals = Bounds::ALL_NORMALS;
+                let node = &mut nodes[*node as usize];
+                (node.folded, node.normals) = (true, Bounds::ALL_NORMALS);
                 any = true;
             }
         }
@@ -596,8 +601,7 @@ impl Tree {
         let normals = || leaves.into_iter().flat_map(|leaf| &self.normals[leaf.run()]);
         let axis: Vec3A = normals().sum();
         let limit = COS * axis.length();
-        let is_folded_over = leaves.iter().any(|leaf| leaf.normals.min == Bounds::ALL_NORMALS.min);
-        !is_folded_over && limit > 0.0 && normals().all(|n| n.dot(axis) >= limit)
+        limit > 0.0 && !leaves.iter().any(|leaf| leaf.folded) && normals().all(|n| n.dot(axis) >= limit)
     }
 
     #[inline]

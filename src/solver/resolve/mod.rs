@@ -149,6 +149,11 @@ impl Resolver {
         &self.points
     }
 
+    /// Gives up ways apart that are being carried out for particles that are not where they were any more.
+    pub fn give_up_plans(&mut self, moved: impl Fn(u32) -> bool) {
+        self.plans.give_up(moved);
+    }
+
     /// Uses stronger means from now on.
     pub fn escalate(&mut self, resort: Resort) {
         self.resort = resort;

@@ -46,6 +46,19 @@ impl Plans {
         self.live = 0;
     }
 
+    /// Gives up those that move particles that were `put` elsewhere.
+    pub fn give_up(&mut self, put: impl Fn(u32) -> bool) {
+        let mut k = 0;
+        while k < self.live {
+            if self.list[k].moves.iter().any(|&(v, _)| put(v)) {
+                self.live -= 1;
+                self.list.swap(k, self.live);
+            } else {
+                k += 1;
+            }
+        }
+    }
+
     /// Whether any plan is being carried out.
     pub fn any(&self) -> bool {
         self.live > 0

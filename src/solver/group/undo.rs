@@ -1,0 +1,156 @@
+//! What takes crossings apart is undone where it makes them much longer: cloth that is pressed from all sides, as in a knot, crosses more wherever it goes. It waits, as
+//! slow as it was made, until there is room, or for the last resorts.
+
+use glam::Vec4;
+
+use crate::solver::detect::Surface;
+use crate::solver::resolve::Contour;
+
+/// Contours that get more than so many times as long (dimensionless), and more than so many mean edges longer, are much longer. On its way apart a tangle may get
+/// somewhat longer: less would stop what works; much more lets a knot get hopeless within a frame.
+const WORSE_TIMES: f32 = 2.0;
+const WORSE_EDGES: f32 = 8.0;
+
+/// How everything was before a frame took crossings apart.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Undo {
+    /// Where all particles were [m]; empty while nothing is undone.
+    begun: Vec<Vec4>,
+    /// Length of the contours of each cloth, then and now [m]; of two, those of the first.
+    lengths: Vec<[f32; 2]>,
+    /// Another cloth that each is tangled with, or itself: those that are tangled with each other are led to the same.
+    tied: Vec<u16>,
+    undone: Vec<bool>,
+}
+
+impl Undo {
+    /// Nothing will be undone.
+    pub fn forget(&mut self) {
+        self.begun.clear();
+    }
+
+    /// Whether something may be undone.
+    pub fn is_due(&self) -> bool {
+        !self.begun.is_empty()
+    }
+
+    /// Notes how everything is.
+    pub fn begin<'a>(
+        &mut self,
+        surface: &Surface,
+        positions: &[Vec4],
+        contours: impl Iterator<Item = (&'a Contour, [u16; 2])>,
+    ) {
+        let parts = surface.parts.len();
+        self.begun.clear();
+        self.begun.extend_from_slice(positions);
+        self.tied.clear();
+        self.tied.extend(0..parts as u16);
+        self.lengths.clear();
+        self.lengths.resize(parts, [0.0; 2]);
+        self.take_in(0, contours);
+    }
+
+    /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without a change of velocity; whether there were any.
+    pub fn end<'a>(
+        &mut self,
+        surface: &Surface,
+        contours: impl Iterator<Item = (&'a Contour, [u16; 2])>,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+    ) -> bool {
+        self.take_in(1, contours);
+        for part in (0..self.tied.len()).rev() {
+            let to = self.knot(part);
+            if to != part {
+                let lengths = core::mem::take(&mut self.lengths[part]);
+                self.lengths[to].iter_mut().zip(lengths).for_each(|(sum, length)| *sum += length);
+            }
+        }
+        self.undone.clear();
+        for (i, part) in surface.parts.iter().enumerate() {
+            let [before, after] = self.lengths[self.knot(i)];
+            let worse = after > (WORSE_TIMES * before).max(before + WORSE_EDGES * surface.mean_edge);
+            self.undone.push(worse);
+            if !worse {
+                continue;
+            }
+            let range = part.particles.start as usize..part.particles.end as usize;
+            for ((x, previous), &begun) in
+                positions[range.clone()].iter_mut().zip(&mut previous[range.clone()]).zip(&self.begun[range])
+            {
+                *previous += begun - *x;
+                *x = begun;
+            }
+        }
+        self.undone.contains(&true)
+    }
+
+    /// Whether a cloth was put back at the last [end](Self::end).
+    pub fn has_undone(&self, part: u16) -> bool {
+        self.undone[usize::from(part)]
+    }
+
+    fn take_in<'a>(&mut self, time: usize, contours: impl Iterator<Item = (&'a Contour, [u16; 2])>) {
+        for (contour, [a, b]) in contours {
+            self.lengths[usize::from(a)][time] += contour.length;
+            let [a, b] = [a, b].map(|part| self.knot(usize::from(part)));
+            self.tied[a.max(b)] = a.min(b) as u16;
+        }
+    }
+
+    /// The first of the cloths that one is tangled with, by way of others too.
+    fn knot(&self, mut part: usize) -> usize {
+        while usize::from(self.tied[part]) != part {
+            part = usize::from(self.tied[part]);
+        }
+        part
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::detect::PartRef;
+    use crate::solver::rest::Topology;
+    use glam::{Vec3, vec3};
+
+    /// Five single triangles.
+    fn surface() -> Surface {
+        let topology = Topology::new(3, vec![[0, 1, 2]]);
+        let rest = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
+        Surface::new(&[part; 5]).expect("five cloths")
+    }
+
+    fn of_lengths<'a>(contours: &'a [(Contour, [u16; 2])]) -> impl Iterator<Item = (&'a Contour, [u16; 2])> {
+        contours.iter().map(|(contour, parts)| (contour, *parts))
+    }
+
+    #[test]
+    fn cloths_that_are_tangled_with_each_other_are_put_back_and_others_are_not() {
+        let surface = surface();
+        let contour = |length: f32, parts: [u16; 2]| (Contour { length, ..Contour::default() }, parts);
+        // 1 and 3 are tangled by way of 4, with 100 m in place of 10; 0 and 2 come apart.
+        let before = [contour(8.0, [4, 1]), contour(2.0, [3, 4]), contour(9.0, [0, 2])];
+        let after = [contour(50.0, [1, 4]), contour(50.0, [3, 3]), contour(4.0, [2, 0])];
+        let start: Vec<Vec4> = (0..15).map(|i| vec3(i as f32, 0.0, 0.0).extend(1.0)).collect();
+        let (mut positions, mut previous) = (start.clone(), start.clone());
+        let mut undo = Undo::default();
+        undo.begin(&surface, &positions, of_lengths(&before));
+        positions.iter_mut().for_each(|x| x.y += 1.0);
+        previous.iter_mut().for_each(|x| x.y += 0.5);
+        assert!(undo.end(&surface, of_lengths(&after), &mut positions, &mut previous));
+        for part in 0..5u16 {
+            let is_back = [1, 3, 4].contains(&part);
+            assert_eq!(undo.has_undone(part), is_back, "{part}");
+            for v in surface.parts[usize::from(part)].particles.clone() {
+                let (x, old, start) = (positions[v as usize], previous[v as usize], start[v as usize]);
+                assert_eq!(x, if is_back { start } else { start + Vec4::Y });
+                assert_eq!(x - old, 0.5 * Vec4::Y, "velocity");
+            }
+        }
+        undo.forget();
+        assert!(!undo.is_due());
+    }
+}
