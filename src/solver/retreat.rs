@@ -240,3 +240,75 @@ fn fastest(range: Range<usize>, positions: &[Vec4], previous: &[Vec4]) -> f32 {
     let ways = positions[range.clone()].iter().zip(&previous[range]).filter(|(now, _)| now.w > 0.0);
     ways.map(|(now, old)| Vec3A::from_vec4(*now - *old).length_squared()).fold(0.0, f32::max).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+    use crate::solver::detect::{Detector, PartRef};
+    use crate::solver::rest::Topology;
+
+    /// A triangle, and a smaller one whose corner is above it.
+    fn surface() -> (Surface, Vec<Vec4>) {
+        let topology = Topology::new(3, vec![[0, 1, 2]]);
+        let lower = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let upper = [vec3(0.2, 0.2, 0.1), vec3(0.4, 0.2, 0.3), vec3(0.2, 0.4, 0.3)];
+        let part = |rest| PartRef { topology: &topology, rest, layer: 0, self_collision: true, thickness: 0.01 };
+        let surface = Surface::new(&[part(&lower), part(&upper)]).expect("two cloths");
+        (surface, lower.into_iter().chain(upper).map(|x| x.extend(1.0)).collect())
+    }
+
+    /// A retreat that knows where all was before it went 0.04 m in 4 substeps, the corner through the other triangle.
+    fn after_a_frame(takes_part: bool) -> (Surface, Vec<Vec4>, Retreat, Detector, Vec<Vec4>, Vec<Vec4>) {
+        let (surface, clean) = surface();
+        let mut retreat = Retreat::default();
+        retreat.note(&surface, &clean, &clean, true);
+        let mut positions: Vec<Vec4> = clean.iter().map(|x| *x + Vec4::X * 0.04).collect();
+        positions[3].z = -0.1;
+        let previous: Vec<Vec4> = positions.iter().map(|x| *x - Vec4::X * 0.01).collect();
+        let mut detector = Detector::new(&surface);
+        let crossings = detector.detect(&surface, &positions);
+        assert_eq!(crossings.len(), 2);
+        assert!(retreat.begin(&surface, crossings, &positions, &previous, &[takes_part; 2], 4));
+        (surface, clean, retreat, detector, positions, previous)
+    }
+
+    #[test]
+    fn what_crosses_goes_back_with_all_and_then_to_its_very_place() {
+        let (surface, clean, mut retreat, mut detector, mut positions, mut previous) = after_a_frame(true);
+        assert!(retreat.take(&surface, detector.crossings(), &mut positions, &mut previous) && retreat.retreats());
+        assert!(positions[3].distance(clean[3] + Vec4::X * 0.04) < 1e-6, "{}", positions[3]);
+        assert!(detector.detect(&surface, &positions).is_empty());
+        // Pushed through again, it was taken already.
+        positions[3].z = -0.1;
+        detector.detect(&surface, &positions);
+        assert!(!retreat.take(&surface, detector.crossings(), &mut positions, &mut previous));
+        assert!(retreat.take_there(&surface, detector.crossings(), &mut positions, &mut previous));
+        assert_eq!(positions[3], clean[3]);
+        assert!((positions[3] - previous[3]).distance(Vec4::X * 0.01) < 1e-6, "goes on as all did");
+        assert!(!retreat.take_there(&surface, detector.crossings(), &mut positions, &mut previous), "is there");
+    }
+
+    #[test]
+    fn whole_cloths_stay_for_a_few_frames_at_most() {
+        let (surface, clean, mut retreat, mut detector, mut positions, mut previous) = after_a_frame(true);
+        let crossing = positions.clone();
+        for frame in 0..=MOST_STAYS {
+            positions.clone_from(&crossing);
+            let stayed = retreat.stay(&surface, detector.crossings(), &mut positions, &mut previous);
+            assert_eq!(stayed, frame < MOST_STAYS, "frame {frame}");
+            assert_eq!(positions, if stayed { clean.clone() } else { crossing.clone() });
+            retreat.note(&surface, &clean, &clean, true);
+            let crossings = detector.detect(&surface, &crossing);
+            assert!(retreat.begin(&surface, crossings, &crossing, &previous, &[true; 2], 4));
+        }
+    }
+
+    #[test]
+    fn cloth_that_no_contact_keeps_apart_is_not_taken_back() {
+        let (surface, _, mut retreat, detector, mut positions, mut previous) = after_a_frame(false);
+        assert!(!retreat.take(&surface, detector.crossings(), &mut positions, &mut previous));
+        assert!(!retreat.retreats());
+    }
+}
