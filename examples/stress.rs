@@ -129,7 +129,7 @@ struct Arguments {
     /// Moves every free particle of the start by up to a thousandth of an edge, another way for every number but 0.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Counts what crosses in what every frame shows, warming up included: untimed, and without the detector.
+    /// Counts what crosses in what every frame shows, warming up included, without the detector. Frames are a little slower for it.
     #[arg(long)]
     check: bool,
     /// Prints one line of JSON instead of a table.
@@ -270,7 +270,8 @@ struct Run {
     /// First frame after which nothing crossed any more.
     clean_after: u32,
     most_crossings: u32,
-    /// Frames that show something crossing, and the most in one of them.
+    /// Frames that were checked, those that show something crossing, and the most in one of them.
+    checked_frames: u32,
     crossing_frames: u32,
     shown_crossings: usize,
 }
@@ -278,7 +279,11 @@ struct Run {
 impl Run {
     /// Looks at what a frame shows, if that is asked for.
     fn check(&mut self, arguments: &Arguments, scene: &Scene) {
-        let crossings = if arguments.check { Picture::of(scene).crossings() } else { 0 };
+        if !arguments.check {
+            return;
+        }
+        let crossings = Picture::of(scene).crossings();
+        self.checked_frames += 1;
         self.crossing_frames += u32::from(crossings > 0);
         self.shown_crossings = self.shown_crossings.max(crossings);
     }
@@ -363,6 +368,7 @@ fn print(arguments: &Arguments, scene: &Scene, run: &mut Run, crossings: Option<
         "tangled_frames": seen(run.tangled_frames),
         "clean_after": seen(run.clean_after),
         "held_frames": run.held_frames,
+        "checked_frames": arguments.check.then_some(run.checked_frames),
         "crossing_frames": arguments.check.then_some(run.crossing_frames),
         "shown_crossings": arguments.check.then_some(run.shown_crossings),
         "bytes_per_particle": (shared + own) / particles.max(1),

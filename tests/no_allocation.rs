@@ -35,10 +35,12 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
-    use bevy_drape::scenes::{self, Tangle};
+    use bevy_drape::scenes::{self, Scene, Tangle};
     let bodies = [("needles", scenes::needles(20)), ("funnel", scenes::funnel(20))];
-    for (name, scene) in [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))].into_iter().chain(bodies) {
-        let mut scene = scene.untangled(Default::default(), Default::default(), true).expect("a few cloths");
+    let scenes = [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))].into_iter().chain(bodies);
+    let untangled = |scene: Scene| scene.untangled(Default::default(), Default::default(), true).expect("a few cloths");
+    let without = ("hang without contacts", untangled(scenes::hang(32)).without_contact());
+    for (name, mut scene) in scenes.map(|(name, scene)| (name, untangled(scene))).chain([without]) {
         // A funnel takes a while to swallow a sheet; lists of what is near its wall grow until then.
         for _ in 0..600 {
             scene.step(1.0 / 60.0);

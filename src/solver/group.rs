@@ -550,9 +550,15 @@ impl Group {
             self.look();
         }
         let Self { surface, untangler, undo, positions, previous, .. } = self;
-        if undo.end(surface, parts_of_contours(surface, untangler), positions, previous) {
-            untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
+        let mut undone = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
+        // One more cloth each time.
+        while undone {
             self.look();
+            let Self { surface, untangler, undo, positions, previous, .. } = self;
+            undone = undo.follow(surface, parts_of_contours(surface, untangler), positions, previous);
+            if !undone {
+                untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
+            }
         }
     }
 

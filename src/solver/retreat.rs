@@ -28,7 +28,7 @@ const MOST_STAYS: u32 = 8;
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default)]
 pub struct Retreat {
-    /// Positions [m] at the end of the last frame; empty when it did not end clean.
+    /// Positions [m] at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
     clean: Vec<Vec4>,
     /// Which particles were taken back in this frame, and in the one before.
     taken: Vec<bool>,

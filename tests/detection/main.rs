@@ -2,9 +2,14 @@
 
 mod checker;
 
+use core::f32::consts::TAU;
+
 use bevy_drape::scenes;
+use bevy_drape::solver::body::Touch;
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
+use bevy_drape::solver::group::Group;
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::state::ClothState;
 use glam::{Vec3, Vec4, vec3};
 
 fn assert_same(rest: &RestShape, positions: &[Vec4], what: &str) -> usize {
@@ -190,5 +195,45 @@ fn flaps_at_a_slit_are_seen() {
         let positions: Vec<Vec4> = rest.positions.iter().map(|&p| crossed_flaps(p).extend(1.0)).collect();
         let crossings = assert_same(&rest, &positions, name);
         assert!(crossings > 0, "{name}: the flaps should cross");
+        assert_eq!(seen_with_contacts(&rest, &positions), crossings, "{name}");
     }
+}
+
+/// Around its end a slit leaves faces that share a particle, hardly bend, and cross each other all the same.
+#[test]
+fn faces_that_cross_beside_the_end_of_a_slit_are_seen() {
+    // A disc with a slit from its rim to its centre, both sides of which are lifted and drawn over each other.
+    let fan = |overlap: f32, lift: f32| {
+        let rim = (0..=8u8).map(|k| {
+            let is_end = k % 8 == 0;
+            let angle = f32::from(k) * TAU / 8.0 + if is_end { overlap.copysign(f32::from(k) - 4.0) } else { 0.0 };
+            let y = if is_end { lift } else { 0.0 };
+            let radius = 1.0 + 0.01 * f32::from(k);
+            vec3(radius * angle.cos(), y, radius * angle.sin())
+        });
+        let positions = core::iter::once(Vec3::ZERO).chain(rim).collect();
+        SourceMesh { positions, triangles: (1..=8).map(|k| [0, k + 1, k]).collect() }
+    };
+    let (rest, _) = RestShape::build(&fan(-0.05, 0.0)).expect("a disc with a slit");
+    let crossed = fan(0.25, 0.05).positions;
+    let at_rest = fan(-0.05, 0.0).positions;
+    let same = |x: &Vec3| at_rest.iter().position(|y| y.distance(*x) < 1.0e-4).expect("a vertex");
+    let positions: Vec<Vec4> = rest.positions.iter().map(|x| crossed[same(x)].extend(1.0)).collect();
+    let crossings = assert_same(&rest, &positions, "end of a slit");
+    assert!(crossings > 0);
+    assert_eq!(seen_with_contacts(&rest, &positions), crossings);
+}
+
+/// Crossings that are found in the same walk as what may touch.
+fn seen_with_contacts(rest: &RestShape, positions: &[Vec4]) -> usize {
+    let (topology, rest) = (&rest.topology, &rest.positions);
+    let part = PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 };
+    let mut group = Group::new(&[part]).expect("one cloth");
+    let touch = Touch { thickness: 0.005, static_friction: 0.0, dynamic_friction: 0.0 };
+    let state =
+        ClothState { positions: positions.to_vec(), previous: positions.to_vec(), substep: 0.01, ..ClothState::default() };
+    group.expect(0.01, &[touch], |_| true);
+    group.gather(0, &state, Vec3::ZERO, false);
+    group.detect();
+    group.crossings().iter().filter(|c| !c.touching).count()
 }

@@ -49,7 +49,7 @@ pub struct Detector {
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
-    calm: Calm,
+    pub(super) calm: Calm,
 }
 
 impl Detector {
@@ -91,12 +91,13 @@ impl Detector {
         let known = calm.close(positions).is_some_and(|close| self.detect_among(surface, positions, close).is_empty());
         if !known {
             self.tree.refit(surface, positions, None);
-            if calm.begin(positions) {
+            if calm.begin(surface, positions) {
                 self.detect_and(surface, positions, calm.reach, |f, g| {
                     calm.take_in(surface, positions, [f, g]);
                     true
                 });
-                if self.crossings.is_empty() {
+                let all = (0..surface.parts.len()).all(|part| !self.is_quarantined(part as u16));
+                if all && self.crossings.is_empty() {
                     calm.end();
                 }
             } else {

@@ -9,7 +9,7 @@
 //! orientation test the same sign, and count as not crossing.
 
 use core::ops::Range;
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 use crate::solver::rest::{NONE, Topology};
 
@@ -160,17 +160,16 @@ impl Surface {
         self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
     }
 
-    /// Least height at rest of the faces around each particle [m]; infinite where there is none.
-    #[must_use]
-    pub fn least_heights(&self) -> Vec<f32> {
-        let mut heights = vec![f32::INFINITY; self.len()];
+    /// Finds the squares of the least heights of the faces around each particle [m²], with particles `at` their positions [m]; infinite where there is no face.
+    pub(crate) fn least_heights_squared(&self, at: impl Fn(u32) -> Vec3A, squares: &mut Vec<f32>) {
+        squares.clear();
+        squares.resize(self.len(), f32::INFINITY);
         for t in &self.topology.faces {
-            let [a, b, c] = t.map(|v| self.rest[v as usize]);
-            let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared()).sqrt();
-            let height = (b - a).cross(c - a).length() / base.max(f32::MIN_POSITIVE);
-            t.iter().for_each(|&v| heights[v as usize] = heights[v as usize].min(height));
+            let [a, b, c] = t.map(&at);
+            let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+            let height = (b - a).cross(c - a).length_squared() / base.max(f32::MIN_POSITIVE);
+            t.iter().for_each(|&v| squares[v as usize] = squares[v as usize].min(height));
         }
-        heights
     }
 
     /// Cloth of a particle.

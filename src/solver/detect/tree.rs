@@ -31,7 +31,7 @@ use super::surface::{Surface, is_sane};
 use crate::solver::rest::NONE;
 
 /// Faces per leaf at most.
-const LEAF: usize = 4;
+const LEAF: usize = 8;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
 /// Cosine of 45°.
@@ -460,11 +460,12 @@ impl Tree {
 
     /// Gives leaves over which the faces around them fold back all normals, and with them what they are part of.
     fn find_folds(&mut self) {
-        let Self { nodes, normals, leaves, rings, .. } = self;
+        let Self { nodes, normals, leaves, rings, quarantined, .. } = self;
         let mut any = false;
         for Leaf { node, cover, ring, axis } in leaves.iter() {
             // Boxes take in more than the normals, and are quicker.
-            if nodes[*cover as usize].normals.lies_before(*axis) {
+            let leaf = &nodes[*node as usize];
+            if nodes[*cover as usize].normals.lies_before(*axis) || quarantined[usize::from(leaf.part)] {
                 continue;
             }
             let around = || rings[ring.start as usize..ring.end as usize].iter().map(|&i| normals[i as usize]);

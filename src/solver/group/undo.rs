@@ -16,7 +16,7 @@ const WORSE_EDGES: f32 = 8.0;
 pub(super) struct Undo {
     /// Where all particles were [m]; empty while nothing is undone.
     begun: Vec<Vec4>,
-    /// Length of the contours of each cloth, then and now [m]; of two, those of the first.
+    /// Length of the contours of each cloth, then and now [m]; of two that cross each other, of either.
     lengths: Vec<[f32; 2]>,
     /// Another cloth that each is tangled with, or itself: those that are tangled with each other are led to the same.
     tied: Vec<u16>,
@@ -68,25 +68,48 @@ impl Undo {
             }
         }
         self.undone.clear();
-        for (i, part) in surface.parts.iter().enumerate() {
-            let [before, after] = self.lengths[self.knot(i)];
-            let worse = after > (WORSE_TIMES * before).max(before + WORSE_EDGES * surface.mean_edge);
-            self.undone.push(worse);
-            if !worse {
-                continue;
-            }
-            let range = part.particles.start as usize..part.particles.end as usize;
-            for ((x, previous), &begun) in
-                positions[range.clone()].iter_mut().zip(&mut previous[range.clone()]).zip(&self.begun[range])
-            {
-                *previous += begun - *x;
-                *x = begun;
-            }
+        for part in 0..self.tied.len() {
+            let [before, after] = self.lengths[self.knot(part)];
+            self.undone.push(after > (WORSE_TIMES * before).max(before + WORSE_EDGES * surface.mean_edge));
+        }
+        for part in (0..self.tied.len()).filter(|&part| self.undone[part]) {
+            self.put_back(surface, part, positions, previous);
         }
         self.undone.contains(&true)
     }
 
-    /// Whether a cloth was put back at the last [end](Self::end).
+    /// Puts back cloths that cross one that was put back, as they did not before; whether there were any.
+    pub fn follow<'a>(
+        &mut self,
+        surface: &Surface,
+        contours: impl Iterator<Item = (&'a Contour, [u16; 2])>,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+    ) -> bool {
+        let mut any = false;
+        for (_, parts) in contours {
+            let [a, b] = parts.map(usize::from);
+            if self.undone[a] != self.undone[b] {
+                let other = if self.undone[a] { b } else { a };
+                self.undone[other] = true;
+                self.put_back(surface, other, positions, previous);
+                any = true;
+            }
+        }
+        any
+    }
+
+    fn put_back(&self, surface: &Surface, part: usize, positions: &mut [Vec4], previous: &mut [Vec4]) {
+        let particles = &surface.parts[part].particles;
+        let range = particles.start as usize..particles.end as usize;
+        let all = positions[range.clone()].iter_mut().zip(&mut previous[range.clone()]);
+        for ((x, previous), &begun) in all.zip(&self.begun[range]) {
+            *previous += begun - *x;
+            *x = begun;
+        }
+    }
+
+    /// Whether a cloth was put back since the last [end](Self::end).
     pub fn has_undone(&self, part: u16) -> bool {
         self.undone[usize::from(part)]
     }
@@ -150,6 +173,12 @@ mod tests {
                 assert_eq!(x - old, 0.5 * Vec4::Y, "velocity");
             }
         }
+        // Put back, 4 crosses 2, which crossed nothing of that knot; 0 is left alone.
+        let crossing = [contour(1.0, [2, 4]), contour(1.0, [1, 3])];
+        assert!(undo.follow(&surface, of_lengths(&crossing), &mut positions, &mut previous));
+        assert!(undo.has_undone(2) && !undo.has_undone(0));
+        assert_eq!(positions[6..9], start[6..9]);
+        assert!(!undo.follow(&surface, of_lengths(&crossing), &mut positions, &mut previous));
         undo.forget();
         assert!(!undo.is_due());
     }

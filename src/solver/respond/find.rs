@@ -27,7 +27,7 @@ const STRAY: f32 = 0.45;
 /// that may drift from one side of where they were to the other. Two that nobody knew come to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known: cloth is thinner
 /// there for a moment, but far from crossing.
 const DRIFT: f32 = 1.0;
-/// The same as a share of the least height of the faces around: what was flat, or inside an edge, about stays so.
+/// The same as a share of the least height that the faces around had then: what was flat, or inside an edge, about stays so.
 const DRIFT_OF_HEIGHT: f32 = 0.1;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
@@ -93,62 +93,67 @@ pub struct Finder {
     shared: Vec3A,
     /// Mean speed at the last look at everything, less what all cloths share [m/s].
     haste: f32,
-    /// Least height at rest of the faces around each particle [m].
+    /// Square of the least height of the faces around each particle at the last look [m²], if it is known.
     heights: Vec<f32>,
+    heights_known: bool,
+    /// Square of how far each particle has drifted, or will, since [m²].
+    drift: Vec<f32>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
 }
 
-/// Where the cloth hardly bends.
+/// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of
+/// those at rest.
 #[derive(Clone, Debug, Default)]
 struct Flatness {
     /// Normals of faces as long as twice their area [m²], and their sums around particles.
     normals: Vec<Vec3A>,
     sums: Vec<Vec3A>,
-    /// Particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of those at rest.
-    flat: Vec<bool>,
-    /// How often it was asked for since everything moved, and whether it is known.
+    /// Whether particles are flat; none where it was not asked for since everything moved.
+    flat: Vec<Option<bool>>,
+    /// Particles for which it was.
     asked: u32,
-    known: bool,
 }
 
-/// Asked more often than once for this many particles, it is cheaper to find out about all.
-const ONE_IN: usize = 8;
+/// Asked for more than one in this many particles, it is cheaper to find out about all.
+const ONE_IN: usize = 4;
 
 impl Flatness {
     fn new(surface: &Surface) -> Self {
         let n = surface.len();
         let normals = vec![Vec3A::ZERO; surface.topology.faces.len()];
-        Self { normals, sums: vec![Vec3A::ZERO; n], flat: vec![false; n], asked: 0, known: false }
+        Self { normals, sums: vec![Vec3A::ZERO; n], flat: vec![None; n], asked: 0 }
     }
 
     /// Everything moved: nothing is known.
     fn forget(&mut self) {
-        (self.asked, self.known) = (0, false);
+        self.asked = 0;
+        self.flat.fill(None);
     }
 
-    /// Whether particle `v` is flat; finds out about all when that was asked [often](ONE_IN).
+    /// Whether particle `v` is flat.
     #[inline]
     fn holds(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
-        if !self.known {
-            self.asked += 1;
-            if self.asked as usize * ONE_IN <= self.flat.len() {
-                let now = is_flat(v, surface, |v| Vec3A::from_vec4(positions[v as usize]));
-                return now && is_flat(v, surface, |v| ahead[v as usize]);
-            }
-            self.find(surface, positions, ahead);
-        }
-        self.flat[v as usize]
+        self.flat[v as usize].unwrap_or_else(|| self.find(v, surface, positions, ahead))
     }
 
+    /// Finds out about particle `v`, or about all when that was asked [often](ONE_IN).
     #[cold]
-    fn find(&mut self, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) {
-        self.known = true;
-        self.flat.fill(true);
-        self.keep(surface, |v| Vec3A::from_vec4(positions[v as usize]));
-        self.keep(surface, |v| ahead[v as usize]);
+    fn find(&mut self, v: u32, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) -> bool {
+        let now = |v: u32| Vec3A::from_vec4(positions[v as usize]);
+        let then = |v: u32| ahead[v as usize];
+        self.asked += 1;
+        if self.asked as usize * ONE_IN <= self.flat.len() {
+            let flat = is_flat(v, surface, now) && is_flat(v, surface, then);
+            self.flat[v as usize] = Some(flat);
+            return flat;
+        }
+        self.flat.fill(Some(true));
+        self.keep(surface, now);
+        self.keep(surface, then);
+        self.flat[v as usize] == Some(true)
     }
 
     fn keep(&mut self, surface: &Surface, at: impl Fn(u32) -> Vec3A) {
@@ -167,7 +172,9 @@ impl Flatness {
             for &v in t {
                 let sum = sums[v as usize];
                 let along = normal.dot(sum);
-                flat[v as usize] &= along > 0.0 && along * along > limit * sum.length_squared();
+                if !(along > 0.0 && along * along > limit * sum.length_squared()) {
+                    flat[v as usize] = Some(false);
+                }
             }
         }
     }
@@ -225,7 +232,9 @@ impl Finder {
             flatness: Flatness::new(surface),
             shared: Vec3A::ZERO,
             haste: 0.0,
-            heights: surface.least_heights(),
+            heights: Vec::with_capacity(surface.len()),
+            heights_known: false,
+            drift: vec![0.0; surface.len()],
             longest,
             loose: loose(surface, &seams(surface)),
         }
@@ -281,11 +290,13 @@ impl Finder {
             for v in part.particles.start as usize..part.particles.end as usize {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
                 let motion = foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness);
-                let limit = limit.min(DRIFT_OF_HEIGHT * self.heights[v]);
-                let farthest = now.distance_squared(start).max((now + motion).distance_squared(start));
-                self.astray[v] = self.shifted[v] || !(farthest <= limit * limit);
+                self.drift[v] = now.distance_squared(start).max((now + motion).distance_squared(start));
+                self.astray[v] = self.shifted[v] || !(self.drift[v] <= limit * limit);
                 drifted += usize::from(self.astray[v]);
             }
+        }
+        if drifted <= most {
+            drifted += self.find_bent(surface);
         }
         if drifted > most {
             return false;
@@ -294,6 +305,22 @@ impl Finder {
             self.find_strayed(surface, tree, moment, 0.0, dt, tangled, contacts);
         }
         true
+    }
+
+    /// Finds particles that have drifted so far that faces around them may have turned over, though not too far for others; how many.
+    fn find_bent(&mut self, surface: &Surface) -> usize {
+        let Self { start, heights, heights_known, drift, astray, .. } = self;
+        if !*heights_known {
+            surface.least_heights_squared(|v| start[v as usize], heights);
+            *heights_known = true;
+        }
+        let mut bent = 0;
+        for ((astray, &drift), &height) in astray.iter_mut().zip(&*drift).zip(&*heights) {
+            let is_bent = !*astray && !(drift <= DRIFT_OF_HEIGHT * DRIFT_OF_HEIGHT * height);
+            *astray |= is_bent;
+            bent += usize::from(is_bent);
+        }
+        bent
     }
 
     /// Where each particle is foreseen to be [m], less the motion that all cloths share.
@@ -341,6 +368,7 @@ impl Finder {
         for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
         }
+        self.heights_known = false;
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
         // Of the time since the last look at everything and until the next: at its end all of it.
         let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
@@ -552,6 +580,7 @@ impl Finder {
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
         let substep = moment.substep;
+        self.heights_known = false;
         self.astray.fill(false);
         self.shifted.fill(false);
         let mut mean = Vec3A::ZERO;
@@ -588,9 +617,9 @@ impl Finder {
 fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
     let way = Vec3A::from_vec4(moment.positions[v]) - before;
-    let still = (STILL * thickness).min(STUCK * motion.length());
+    let still = (STILL * thickness).powi(2).min(STUCK * STUCK * motion.length_squared());
     // Not a number where nothing is known.
-    if way.length_squared() < still * still { way * ahead } else { motion }
+    if way.length_squared() < still { way * ahead } else { motion }
 }
 
 /// A motion no longer than `longest` [m]: of what goes farther, the rest is looked for when it gets there.
