@@ -4,8 +4,8 @@
 //! cargo run --example bake -- assets/drape.glb --frames 240 --out bake
 //! ```
 //!
-//! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame did. The exit code is 0 only if
-//! all was written; a file that cannot be simulated is one line on stderr and exit code 2.
+//! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame did. The exit
+//! code is 0 only if all was written; a file that cannot be simulated is one line on stderr and exit code 2.
 
 mod cli;
 

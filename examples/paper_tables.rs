@@ -1,13 +1,13 @@
-//! Tables 1 and 2 and figure 6 of Wen et al. 2009: two crossing sheets of N x N, average time of the whole frame, the traditional method (1995) against
-//! ours; then the same at sizes beyond the paper's.
+//! Tables 1 and 2 and figure 6 of Wen et al. 2009: two crossing sheets of N x N, average time of the whole frame, the traditional method
+//! (1995) against ours; then the same at sizes beyond the paper's.
 //!
 //! ```text
 //! cargo run --release --example paper_tables -- --figure figure_6.png
 //! ```
 //!
-//! The paper does not say how its sheets move. Here each figure is the mean over the eight named tangles, half a second of each from its tangled
-//! start; a second row of ours counts only frames in which something crossed. A third table takes the paper's summed gradient for every contour: it leaves
-//! what is cut straight through.
+//! The paper does not say how its sheets move. Here each figure is the mean over the eight named tangles, half a second of each from its
+//! tangled start; a second row of ours counts only frames in which something crossed. A third table takes the paper's summed gradient for
+//! every contour: it leaves what is cut straight through.
 #![expect(clippy::print_stdout, reason = "a program for the terminal")]
 
 mod chart;

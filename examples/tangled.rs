@@ -1,7 +1,8 @@
 //! Sheets that get into each other, or start in themselves, and how they come apart, in slow motion.
 //!
-//! Two sheets that are clean are put into each other: eight tangles. What crosses is drawn as a line, coloured by how it ends; while the last clean shape is held in place of
-//! the tangled one, as it would be in a game, it is shown as a ghost. Seven more start tangled, in themselves: there is no clean shape to hold.
+//! Two sheets that are clean are put into each other: eight tangles. What crosses is drawn as a line, coloured by how it ends; while the
+//! last clean shape is held in place of the tangled one, as it would be in a game, it is shown as a ghost. Seven more start tangled, in
+//! themselves: there is no clean shape to hold.
 //!
 //! | key | does |
 //! |---|---|

@@ -143,15 +143,16 @@ impl ClothParticles {
         &mut self.state
     }
 
-    /// Gives an impulse [N·s] to the particles within `radius` [m] of a point in the world [m], as one piece, fading towards the rim. Held particles stay; no velocity changes by more than
-    /// 100 m/s. Returns how many particles took part; none when a number is not finite.
+    /// Gives an impulse [N·s] to the particles within `radius` [m] of a point in the world [m], as one piece, fading towards the rim. Held
+    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite.
     pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
         let point = (point.as_dvec3() - self.origin).as_vec3();
         kick::impulse(self.state_mut(), point, impulse, radius)
     }
 
-    /// Blows the particles within `radius` [m] away from a point in the world [m]. `impulse` [N·s] is what the whole cloth gets close by; it fades to nothing at `radius`. Held
-    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite.
+    /// Blows the particles within `radius` [m] away from a point in the world [m]. `impulse` [N·s] is what the whole cloth gets close by;
+    /// it fades to nothing at `radius`. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took
+    /// part; none when a number is not finite.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
         let center = (center.as_dvec3() - self.origin).as_vec3();
         kick::explosion(self.state_mut(), center, impulse, radius)

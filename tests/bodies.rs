@@ -1,4 +1,5 @@
-//! Faces of cloth and bodies that are finer than the mesh. What is asked is worked out here in f64, from the numbers of the bodies: nothing of it is the solver's.
+//! Faces of cloth and bodies that are finer than the mesh. What is asked is worked out here in f64, from the numbers of the bodies: nothing
+//! of it is the solver's.
 
 use std::sync::Arc;
 

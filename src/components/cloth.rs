@@ -9,8 +9,9 @@ use super::{
 
 /// Makes the [`Mesh3d`] of its entity a cloth.
 ///
-/// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is
-/// simulated and where it is held; [`ClothCollision`], [`Untangle`] and [`SkipFrame`] what happens when it meets itself or another cloth; [`ClothSleep`] and [`ClothLod`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
+/// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is simulated
+/// and where it is held; [`ClothCollision`], [`Untangle`] and [`SkipFrame`] what happens when it meets itself or another cloth;
+/// [`ClothSleep`] and [`ClothLod`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
 ///
 /// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh back. The cloth starts
 /// where the entity is and then lives in the world: moving the entity moves what is pinned to it, and the rest follows by physics.

@@ -12,8 +12,8 @@ use crate::systems::colliders::ColliderBody;
 /// It moves with the entity, fast or slow, and is not moved by the cloth. Which cloths it touches is up to [`ClothLayers`](crate::ClothLayers).
 /// Entities with `Disabled` push nothing.
 ///
-/// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that moves fast can still poke out
-/// for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh finer.
+/// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that moves fast
+/// can still poke out for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh finer.
 ///
 /// ```
 /// # use bevy::prelude::*;

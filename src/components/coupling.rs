@@ -8,13 +8,14 @@ use crate::systems::couple::CoupledBody;
 
 /// Whether a body takes what cloth does to it. On the entity of a collider, on an ancestor of several, or on what cloth is pinned to.
 ///
-/// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives a body something does not sleep
-/// ([`ClothSleep`](crate::ClothSleep)).
+/// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives a body
+/// something does not sleep ([`ClothSleep`](crate::ClothSleep)).
 ///
-/// A body lighter than the cloth is as stable as a heavier one. One that is much heavier takes more substeps to be held: a net of 0.3 kg catches 1 kg
-/// at the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz, 3 kg at 720 Hz and 10 kg at 1440 Hz; with fewer they stretch it until they slip through between
-/// its particles. A net that gives way ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) brings what falls into it to rest; one at its
-/// strain limit quivers.
+/// A body lighter than the cloth is as stable as a heavier one. One that is much heavier takes more substeps to be held: a net of 0.3 kg
+/// catches 1 kg at the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz, 3 kg at 720 Hz and 10 kg at 1440
+/// Hz; with fewer they stretch it until they slip through between its particles. A net that gives way
+/// ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) brings what falls into it to rest; one
+/// at its strain limit quivers.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -39,15 +40,16 @@ pub enum ClothCoupling {
     /// Cloth gives it nothing. On a child of a two-way body: that child takes no part.
     #[default]
     OneWay,
-    /// [`ClothImpulse`] says what cloth gave it. A body with a mass ([`ClothRigidBody`]; a dynamic `RigidBody` of avian has one) also gives way within the frame.
+    /// [`ClothImpulse`] says what cloth gave it. A body with a mass ([`ClothRigidBody`]; a dynamic `RigidBody` of avian has one) also gives
+    /// way within the frame.
     TwoWay,
 }
 
-/// What cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after [`ClothSystems::Integrate`](crate::ClothSystems::Integrate);
-/// written by the simulation.
+/// What cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after
+/// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate); written by the simulation.
 ///
-/// Contacts and rigid pins are counted. What a pin bears is exact for all pins of a cloth together; among several bodies it is shared by the strain at their pins.
-/// A body of avian is given all of it without a line of code.
+/// Contacts and rigid pins are counted. What a pin bears is exact for all pins of a cloth together; among several bodies it is shared by
+/// the strain at their pins. A body of avian is given all of it without a line of code.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -79,9 +81,9 @@ impl ClothImpulse {
 
 /// How readily a body with [`ClothCoupling::TwoWay`] gives way. Default: not at all.
 ///
-/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of [`ClothImpulse`] after
-/// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next frame of the cloth goes on from there. The component of a body
-/// of avian is kept up to date from its mass properties.
+/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of [`ClothImpulse`]
+/// after [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next frame of the cloth goes on from
+/// there. The component of a body of avian is kept up to date from its mass properties.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

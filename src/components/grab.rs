@@ -5,9 +5,11 @@ use bevy::prelude::*;
 use super::checked::Checked;
 use crate::query::ClothHit;
 
-/// Holds a point of a cloth near `target`, on an entity of its own: spawn it to grab, move `target` to drag, despawn it to let go. The cloth keeps the velocity it has then.
+/// Holds a point of a cloth near `target`, on an entity of its own: spawn it to grab, move `target` to drag, despawn it to let go. The
+/// cloth keeps the velocity it has then.
 ///
-/// The grip yields and its force is bounded, so that a cloth that is stuck stays whole, and bodies stop it. A grip whose cloth is gone or does not have those particles any more does nothing.
+/// The grip yields and its force is bounded, so that a cloth that is stuck stays whole, and bodies stop it. A grip whose cloth is gone or
+/// does not have those particles any more does nothing.
 ///
 /// ```
 /// # use bevy::prelude::*;

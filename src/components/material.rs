@@ -11,12 +11,13 @@ use crate::solver::settings::Fabric;
 ///
 /// # Where the presets come from
 ///
-/// Areal densities are those of the trade (shirting 110 to 160 g/m², suiting 180 to 300, denim 340 to 480, garment leather 600 to 1000). Stiffnesses are
-/// rounded from the ranges that the Kawabata evaluation system reports (KES-F; S. Kawabata, *The Standardization and Analysis of Hand Evaluation*,
-/// 1980), converted to SI: tensile secant at 490 N/m of load and an elongation of 2 to 6 %, shear `G` 1 gf/(cm·deg) = 56 N/m,
-/// bending `B` 1 gf·cm²/cm = 9.8e-5 N·m; their order among each other follows H. Wang, J. O'Brien, R. Ramamoorthi,
-/// *Data-driven elastic models for cloth: modeling and measurement*, 2011. Rubber is a latex sheet of 0.5 mm from
-/// Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching, `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two: take them as starting points.
+/// Areal densities are those of the trade (shirting 110 to 160 g/m², suiting 180 to 300, denim 340 to 480, garment leather 600 to 1000).
+/// Stiffnesses are rounded from the ranges that the Kawabata evaluation system reports (KES-F; S. Kawabata, *The Standardization and
+/// Analysis of Hand Evaluation*, 1980), converted to SI: tensile secant at 490 N/m of load and an elongation of 2 to 6 %, shear `G` 1
+/// gf/(cm·deg) = 56 N/m, bending `B` 1 gf·cm²/cm = 9.8e-5 N·m; their order among each other follows H. Wang, J. O'Brien, R. Ramamoorthi,
+/// *Data-driven elastic models for cloth: modeling and measurement*, 2011. Rubber is a latex sheet of 0.5 mm from Young's modulus `E` =
+/// 1.5e6 Pa: `E·t` for stretching, `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two: take them as
+/// starting points.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -31,9 +32,10 @@ pub struct ClothMaterial {
     pub shear_stiffness: f32,
     /// Bending stiffness [N·m]. Default 1e-5, range 0 to 1. Low folds finely; high keeps the shape at rest.
     ///
-    /// The solver caps it at about `(A1 + A2) / (8 h² Σ w c²)` for two triangles of areas `A1` and `A2`, substep `h`, inverse masses `w` and bending
-    /// coefficients `c`, beyond which a substep would overshoot. Fine meshes therefore bend more softly than asked: at 360 Hz the cap is about 1e-5 N·m for
-    /// 64 × 64 vertices per metre and 1e-6 N·m for 128 × 128. Raise [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) where that shows.
+    /// The solver caps it at about `(A1 + A2) / (8 h² Σ w c²)` for two triangles of areas `A1` and `A2`, substep `h`, inverse masses `w`
+    /// and bending coefficients `c`, beyond which a substep would overshoot. Fine meshes therefore bend more softly than asked: at 360 Hz
+    /// the cap is about 1e-5 N·m for 64 × 64 vertices per metre and 1e-6 N·m for 128 × 128. Raise
+    /// [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) where that shows.
     pub bend_stiffness: f32,
     /// Damping inside the fabric [1/s]: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like moving in honey.
     pub damping: f32,
@@ -48,7 +50,8 @@ pub struct ClothMaterial {
     pub static_friction: f32,
     /// Coulomb coefficient while it slides (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
-    /// How far it may hang from a pin, over the distance along the cloth at rest (dimensionless). Default 1, range 0.1 to 10; infinite switches it off.
+    /// How far it may hang from a pin, over the distance along the cloth at rest (dimensionless). Default 1, range 0.1 to 10; infinite
+    /// switches it off.
     pub tether_scale: f32,
     /// Aerodynamic drag coefficient of the surface (dimensionless). Default 1.2, range 0 to 10.
     pub drag_coefficient: f32,

@@ -52,7 +52,8 @@ pub struct PinSet {
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum PinSelect {
-    /// Vertices of the mesh by index. Indices past the end are ignored and listed in [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
+    /// Vertices of the mesh by index. Indices past the end are ignored and listed in
+    /// [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
     Vertices(Vec<u32>),
     /// Vertices of the mesh by index, each with a weight from 0 (free) to 1 (held). What is below or above counts as 0 or 1; NaN holds nothing.
     Weighted(Vec<(u32, f32)>),

@@ -12,10 +12,11 @@ use crate::solver::settings::Stepping;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSolver {
-    /// Substeps per second [Hz]. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional. Up to eight times as many are taken
-    /// while a body that moves much faster than the pins is near.
+    /// Substeps per second [Hz]. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional. Up
+    /// to eight times as many are taken while a body that moves much faster than the pins is near.
     pub substep_rate: f32,
-    /// Longest frame that is simulated [s]. Default 0.1, range 0.001 to 1. Time beyond it is counted in [`ClothReport::lost_time`](crate::ClothReport::lost_time).
+    /// Longest frame that is simulated [s]. Default 0.1, range 0.001 to 1. Time beyond it is counted in
+    /// [`ClothReport::lost_time`](crate::ClothReport::lost_time).
     pub max_frame: f32,
     /// Scale of [`ClothGravity`] (dimensionless). Default 1, range -100 to 100.
     pub gravity_scale: f32,
@@ -23,7 +24,8 @@ pub struct ClothSolver {
     pub time_scale: f32,
     /// What happens when the cloth is moved too far in one frame. Default [`TeleportMode::Keep`].
     pub teleport: TeleportMode,
-    /// Least jump of the carrier in a frame that counts as a teleport [m]. Default 1, range 0.001 to 1e6; three times the cloth's radius counts when that is larger.
+    /// Least jump of the carrier in a frame that counts as a teleport [m]. Default 1, range 0.001 to 1e6; three times the cloth's radius
+    /// counts when that is larger.
     pub teleport_distance: f32,
     /// Least turn of the carrier in a frame that counts as a teleport [rad]. Default 60 degrees, range 0.01 to pi.
     pub teleport_angle: f32,

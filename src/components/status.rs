@@ -173,8 +173,8 @@ pub struct ClothHeld {
     pub entity: Entity,
 }
 
-/// A cloth has been tangled for so long that the last resorts are used: regions and ways apart for every contour, more directions, and at the end the tangled part is
-/// drawn to the animated pose or to the shape at rest.
+/// A cloth has been tangled for so long that the last resorts are used: regions and ways apart for every contour, more directions, and at
+/// the end the tangled part is drawn to the animated pose or to the shape at rest.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothLastResort {
     /// The cloth.

@@ -34,8 +34,8 @@ pub struct Untangle {
     pub patience: u32,
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
-    /// Whether a cloth that is tangled in its first frame is taken apart before it is shown, whatever number of iterations it takes, 300 at most. Default false: it
-    /// comes apart before the eyes of the player.
+    /// Whether a cloth that is tangled in its first frame is taken apart before it is shown, whatever number of iterations it takes, 300 at
+    /// most. Default false: it comes apart before the eyes of the player.
     pub at_load: bool,
 }
 

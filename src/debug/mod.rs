@@ -53,8 +53,8 @@ use crate::solver::rest::{NONE, RestShape};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ClothDebugPlugin;
 
-/// Gizmos of cloth: the group in the `GizmoConfigStore` under which their width, layers and depth are set. Lines are 1.5 px wide and slightly in front of what they
-/// lie on.
+/// Gizmos of cloth: the group in the `GizmoConfigStore` under which their width, layers and depth are set. Lines are 1.5 px wide and
+/// slightly in front of what they lie on.
 #[derive(Clone, Copy, Debug, Default, Reflect, GizmoConfigGroup)]
 #[reflect(Default, Clone, Debug)]
 pub struct ClothGizmos;
@@ -81,7 +81,8 @@ pub struct ClothDebug {
     pub contours: bool,
     /// The pieces that contours cut off. Default false.
     pub regions: bool,
-    /// The border of each cloth, by its level of detail: strained, awake, calm, half or a quarter of the substeps, still, or asleep; every edge of one without a border. Default false.
+    /// The border of each cloth, by its level of detail: strained, awake, calm, half or a quarter of the substeps, still, or asleep; every
+    /// edge of one without a border. Default false.
     pub sleep: bool,
     /// Normals of the particles. Default false.
     pub normals: bool,

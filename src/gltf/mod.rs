@@ -1,7 +1,7 @@
 //! Cloth authored in a glTF: node and scene extras become components.
 //!
-//! A node whose extras hold `cloth` makes its mesh a cloth, one that holds `collider` makes it a collider; everything else has defaults. Unknown keys and
-//! wrong types are one warning each that names the file, the node and the key, and the rest of the file still works.
+//! A node whose extras hold `cloth` makes its mesh a cloth, one that holds `collider` makes it a collider; everything else has defaults.
+//! Unknown keys and wrong types are one warning each that names the file, the node and the key, and the rest of the file still works.
 //!
 //! | node extras | value |
 //! |---|---|

@@ -13,8 +13,8 @@ use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
 ///
-/// The material is written over the preset that it differs least from. What lies elsewhere follows as comments, where it differs: weights of pins, which
-/// belong to the sets that the program makes, and wind and gravity of the world, which are resources.
+/// The material is written over the preset that it differs least from. What lies elsewhere follows as comments, where it differs: weights
+/// of pins, which belong to the sets that the program makes, and wind and gravity of the world, which are resources.
 #[must_use]
 pub fn as_rust(settings: &ClothSettings) -> String {
     let mut lines = vec![material_as_rust(&settings.material)];

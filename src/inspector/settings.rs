@@ -92,7 +92,8 @@ impl ClothSettings {
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, level of detail, pins and the world are not in files.
+    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, level of detail, pins and the
+    /// world are not in files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
         fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {

@@ -38,10 +38,11 @@ const MOST_ROUNDS: usize = 8;
 /// How far ahead pairs are looked for at most [s]: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
-/// Time between looks for what strayed within a frame, to the nearest substep [s], where what slips by in between can be taken back at its end. Looking in every substep costs twice
-/// as much for a flag in the wind or a sheet that falls on a ball.
+/// Time between looks for what strayed within a frame, to the nearest substep [s], where what slips by in between can be taken back at its
+/// end. Looking in every substep costs twice as much for a flag in the wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
-/// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less often, cross.
+/// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less
+/// often, cross.
 const CROWDED: usize = 2;
 
 /// Time in which [`Group::blend`] should draw a tangle to a pose [s].
@@ -171,7 +172,8 @@ impl Group {
         }
     }
 
-    /// Says that the pairs will be wanted that may touch within the next `dt` [s], the longest of the frames that the cloths will take: `touch` says of each cloth how it does, `takes_part` whether it does.
+    /// Says that the pairs will be wanted that may touch within the next `dt` [s], the longest of the frames that the cloths will take:
+    /// `touch` says of each cloth how it does, `takes_part` whether it does.
     pub fn expect(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
         let parts = self.surface.parts.len();
         self.known &= self.touch == touch && (0..parts).map(&takes_part).eq(self.takes_part.iter().copied());
@@ -189,7 +191,8 @@ impl Group {
         self.contacts.lift();
     }
 
-    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle are left out.
+    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle
+    /// are left out.
     pub fn respond(&mut self) {
         if self.looks == 0 || self.moved || !self.total.is_clean() {
             self.share = 0.0;
@@ -225,7 +228,8 @@ impl Group {
         }
     }
 
-    /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it where it is.
+    /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it
+    /// where it is.
     pub fn step(&mut self, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
         let (mut count, mut longest) = (0, 0.0f32);
@@ -364,8 +368,8 @@ impl Group {
         }
     }
 
-    /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead, where it was foreseen to be; everywhere
-    /// when that time is up. Otherwise only when that is `due`.
+    /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead, where it was
+    /// foreseen to be; everywhere when that time is up. Otherwise only when that is `due`.
     fn look_ahead(&mut self, cloths: &mut impl Members, each: f32, due: bool) {
         let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
         if !due && !over {
@@ -418,8 +422,8 @@ impl Group {
         &self.contacts
     }
 
-    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them [m] in the frame of the group, the unit
-    /// normal towards the first, and the mean push per substep times the mass it moves [kg·m].
+    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them [m] in the
+    /// frame of the group, the unit normal towards the first, and the mean push per substep times the mass it moves [kg·m].
     pub fn touches(&self, mut found: impl FnMut([usize; 2], Vec3, Vec3, f32)) {
         for (ids, weights, normal, drive) in self.contacts.pushes() {
             let parts = [ids[0], ids[3]].map(|v| usize::from(self.surface.part(v)));
@@ -476,8 +480,8 @@ impl Group {
         self.sum_up();
     }
 
-    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved is looked anew. False where
-    /// that is not so, or something crosses.
+    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
+    /// is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
         let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
         let moment = Moment { positions, previous, substep, touch, takes_part };
@@ -622,9 +626,9 @@ impl Group {
         any
     }
 
-    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where that is not enough,
-    /// the cloths that cross stay where they were, as a whole. Whether anything does, and is to be [scattered](Self::scatter) once more. Call it after
-    /// [`Self::regather`].
+    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where
+    /// that is not enough, the cloths that cross stay where they were, as a whole. Whether anything does, and is to be
+    /// [scattered](Self::scatter) once more. Call it after [`Self::regather`].
     pub fn stay(&mut self) -> bool {
         if !(self.stale && self.retreat.retreats()) {
             return false;
@@ -727,7 +731,8 @@ impl Group {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps apart is not taken back.
+        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps apart is not
+        // taken back.
         let touches = self.takes_part.contains(&true);
         let clean = touches && self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
         self.retreat.note(&self.surface, &self.positions, &self.previous, clean);

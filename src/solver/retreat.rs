@@ -6,9 +6,9 @@
 //!   x ─► x0         where that is not enough and u is short; goes on as all together did
 //! ```
 //!
-//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their guard know the
-//! pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that
-//! started in the same place are left to [`resolve`](super::resolve).
+//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their
+//! guard know the pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that started in
+//! the same place are left to [`resolve`](super::resolve).
 
 use core::ops::Range;
 
@@ -16,7 +16,8 @@ use glam::{Vec3, Vec3A, Vec4};
 
 use super::detect::{Crossing, Part, Surface};
 
-/// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved farther, by a teleport, is not taken back.
+/// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved
+/// farther, by a teleport, is not taken back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// How far all together may have moved, in mean edges, for single particles to be left where they were.
@@ -79,8 +80,8 @@ impl Retreat {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
-    /// Begins with nothing taken back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`, the last of which lies between
-    /// `previous` and `positions` [m].
+    /// Begins with nothing taken back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`,
+    /// the last of which lies between `previous` and `positions` [m].
     pub fn begin(
         &mut self,
         surface: &Surface,
@@ -141,8 +142,8 @@ impl Retreat {
         self.retreats
     }
 
-    /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was taken along with all, or rounding
-    /// made it cross what it touched. They go on as all together did. Whether any was elsewhere.
+    /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was taken along
+    /// with all, or rounding made it cross what it touched. They go on as all together did. Whether any was elsewhere.
     pub fn take_there(
         &mut self,
         surface: &Surface,
@@ -194,8 +195,9 @@ impl Retreat {
         Vec3::from(self.shared / self.substeps.max(1.0))
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and nothing else is known to be clean.
-    /// No more than a few frames in a row. Velocity is kept, but what was taken back goes on as all together did: it would do the same again. What came from far does not stay.
+    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and
+    /// nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was taken back goes on as all
+    /// together did: it would do the same again. What came from far does not stay.
     pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         if self.stays >= MOST_STAYS {
             return false;

@@ -35,8 +35,8 @@ pub struct Fabric {
 }
 
 impl Fabric {
-    /// What masses and factors of constraints are made of: density [kg/m²], stiffness against stretch and shear [N/m], and against bending [N·m]. While these stay,
-    /// [`prepare`](super::step::prepare) has nothing to do.
+    /// What masses and factors of constraints are made of: density [kg/m²], stiffness against stretch and shear [N/m], and against bending
+    /// [N·m]. While these stay, [`prepare`](super::step::prepare) has nothing to do.
     #[must_use]
     pub fn prepared(&self) -> [f32; 4] {
         [self.density, self.stretch_stiffness, self.shear_stiffness, self.bend_stiffness]
@@ -66,8 +66,8 @@ impl Default for Fabric {
 /// How a frame is cut into substeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepping {
-    /// Substeps per second of simulated time [Hz]. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`, or up to eight times as many
-    /// while a body that moves much faster than the pins is near.
+    /// Substeps per second of simulated time [Hz]. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`, or up to eight
+    /// times as many while a body that moves much faster than the pins is near.
     pub substep_rate: f32,
     /// Longest frame that is simulated [s]; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
     pub max_frame: f32,

@@ -1,9 +1,10 @@
 //! A fabric that is changed while cloth is made of it: what could make the cloth jump goes to its new value over a quarter of a second.
 //!
-//! Geometrically, so that a hundred times stiffer is as gentle as a hundred times softer: over a step `dt` of the time `T` that is left, `v' = v (v₁ / v)^(dt / T)`.
+//! Geometrically, so that a hundred times stiffer is as gentle as a hundred times softer: over a step `dt` of the time `T` that is left,
+//! `v' = v (v₁ / v)^(dt / T)`.
 //!
-//! Bounds of elongation move what they hold, however stiff it is: they let a sheet down that hangs, and draw it up. They go at a speed, `V` at the far end of a cloth
-//! of length `L`:
+//! Bounds of elongation move what they hold, however stiff it is: they let a sheet down that hangs, and draw it up. They go at a speed, `V`
+//! at the far end of a cloth of length `L`:
 //!
 //! ```text
 //! raised    b' = b + dt V / L                          until it is out of reach; then it is where it is wanted at once

@@ -106,8 +106,8 @@ impl Scratch {
         &mut self.pulls
     }
 
-    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep: of particles, by body, then of faces, by body, each as
-    /// if its nearest corner bore it alone.
+    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep: of particles, by body, then of
+    /// faces, by body, each as if its nearest corner bore it alone.
     pub fn touches(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.contacts.loads().chain(self.faces.loads())
     }
@@ -129,8 +129,9 @@ impl Scratch {
         self.strained
     }
 
-    /// Particles that touched a body in the last substep, one once for each of its faces that did, each with the force of the body on it [N], on average over the last substeps: `F = m C / h²`,
-    /// `C` the mean push of a substep `h`. What other cloth lies on them is not in it.
+    /// Particles that touched a body in the last substep, one once for each of its faces that did, each with the force of the body on it
+    /// [N], on average over the last substeps: `F = m C / h²`, `C` the mean push of a substep `h`. What other cloth lies on them is not in
+    /// it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
         self.touches().filter_map(|(_, p, load)| {
             let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
@@ -172,7 +173,8 @@ impl Scratch {
 /// Wind forces are evaluated at least this often [Hz].
 const WIND_RATE: f32 = 60.0;
 
-/// Bending elements are solved once in this many substeps, with the impulse of as many; in every substep of a calm cloth, which the alternation would keep from rest.
+/// Bending elements are solved once in this many substeps, with the impulse of as many; in every substep of a calm cloth, which the
+/// alternation would keep from rest.
 const BEND_EVERY: u64 = 2;
 
 /// Root mean square of the speeds below which a cloth becomes calm [m/s]; at twice that it no longer is.
@@ -181,26 +183,30 @@ const CALM_SPEED: f32 = 0.03;
 /// Time for which it has to be that slow [s].
 const CALM_AFTER: f32 = 0.25;
 
-/// What a calm cloth loses of its velocities on top of drag [1/s]: what one sweep over constraints in a row leaves over keeps going around for ever otherwise.
+/// What a calm cloth loses of its velocities on top of drag [1/s]: what one sweep over constraints in a row leaves over keeps going around
+/// for ever otherwise.
 const CALM_DRAG: f32 = 5.0;
 
-/// What got less far within a frame than this share of the way its speed would take it (dimensionless) is stuck: constraints pull it to and fro between them. In a
-/// calm cloth it has the speed of its mean motion.
+/// What got less far within a frame than this share of the way its speed would take it (dimensionless) is stuck: constraints pull it to and
+/// fro between them. In a calm cloth it has the speed of its mean motion.
 pub(super) const STUCK: f32 = 0.25;
 
-/// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the frame ends with its overlong edges shortened.
+/// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]: its coarse net is solved in the next frame, and the
+/// frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
 /// The same at the end of a frame of a calm cloth: what is shortened moves, and is shortened in the next frame again.
 const CALM_STRAINED: f32 = 2.5;
 
-/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame those of its springs that are close to the limit are also swept [`TAUT_SWEEPS`] times for it alone.
+/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]: in the substeps of the next frame those of its springs
+/// that are close to the limit are also swept [`TAUT_SWEEPS`] times for it alone.
 const TAUT: f32 = 2.0;
 
 /// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame.
 const WILD: f32 = 8.0;
 
-/// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would do it every other frame.
+/// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would
+/// do it every other frame.
 const EASED: f32 = 0.5;
 
 /// Sweeps for the strain limit in each substep of a taut cloth.
@@ -209,7 +215,8 @@ const TAUT_SWEEPS: u32 = 2;
 /// The same for a calm cloth, whose edges are not shortened at the end of a frame.
 const CALM_SWEEPS: u32 = 8;
 
-/// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two that are moved farther could pass through each other unseen.
+/// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two that are moved farther could
+/// pass through each other unseen.
 const CROWDED: f32 = 0.5;
 
 /// Passes over edges that are beyond the strain limit at the end of a frame.
@@ -220,8 +227,8 @@ const EVEN: f32 = 0.2;
 
 /// Sets inverse masses from density and anchors, constraint factors and tethers.
 ///
-/// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them are held rigidly changed. Keeps positions
-/// and velocities.
+/// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them are held
+/// rigidly changed. Keeps positions and velocities.
 pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
     for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
         x.w = 1.0 / (fabric.density * area).max(1.0e-9);
@@ -313,8 +320,9 @@ impl Frame {
     }
 }
 
-/// Most times as many substeps a cloth takes while a body comes through, and the way of the body in one of them that needs no more, in thicknesses (dimensionless): at three thicknesses a
-/// ball of 0.1 m that goes through the middle of a hanging sheet at 5 m/s is there before the pull is, and edges around it get many times as long.
+/// Most times as many substeps a cloth takes while a body comes through, and the way of the body in one of them that needs no more, in
+/// thicknesses (dimensionless): at three thicknesses a ball of 0.1 m that goes through the middle of a hanging sheet at 5 m/s is there
+/// before the pull is, and edges around it get many times as long.
 const MOST_DRIVEN: f32 = 8.0;
 const DRIVEN: f32 = 0.4;
 
@@ -325,7 +333,8 @@ pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
 }
 
 impl Stepped<'_> {
-    /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that moves much faster than the pins may meet the cloth.
+    /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that moves much
+    /// faster than the pins may meet the cloth.
     #[must_use]
     pub fn substeps(&self, stepping: &Stepping, scratch: &Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
@@ -563,7 +572,8 @@ fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: 
     }
 }
 
-/// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of that. Whether bodies stopped anything.
+/// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of that. Whether
+/// bodies stopped anything.
 pub fn displace(
     fabric: &Fabric,
     bodies: &[Body],

@@ -15,9 +15,10 @@
 //! *Force.* A flat plate as in Wejchert & Haumann 1991, with drag and lift apart: drag along the wind on the projected area `A c / |v|`, lift across
 //! it in the plane of wind and normal, both with `½ ρ |v|²`. `C_D` is 1.17 for a square plate across the wind (Hoerner 1965).
 //!
-//! *Stability.* The force is held for `hold` seconds, in which an explicit `½ ρ C A v² hold` may exceed `m v` many times (at 60 m/s and
-//! 0.1 kg/m²: four times). Explicitly the relative velocity would change by `x v`; divided by `√(1 + x²)` it changes by less than `v`, so that it decays and is
-//! never reversed, while a gentle wind (`x < 0.1`) loses less than 0.5 % of its force. (Implicit Euler divides by `1 + x` and loses 10 %.)
+//! *Stability.* The force is held for `hold` seconds, in which an explicit `½ ρ C A v² hold` may exceed `m v` many times (at 60 m/s and 0.1
+//! kg/m²: four times). Explicitly the relative velocity would change by `x v`; divided by `√(1 + x²)` it changes by less than `v`, so that
+//! it decays and is never reversed, while a gentle wind (`x < 0.1`) loses less than 0.5 % of its force. (Implicit Euler divides by `1 + x`
+//! and loses 10 %.)
 
 use glam::{DVec3, Mat4, Quat, Vec3, Vec3A, Vec4};
 
@@ -109,8 +110,8 @@ pub struct Turbulence {
     /// Root mean square of each component of the gusts over the mean wind speed (dimensionless). Default 0; open country 0.15, a city 0.3.
     /// Range 0 to 5.
     pub intensity: f32,
-    /// Size of the largest eddies [m]. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells and fades as a whole; smaller than its
-    /// triangles: noise.
+    /// Size of the largest eddies [m]. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells and fades as a whole;
+    /// smaller than its triangles: noise.
     pub length: f32,
     /// How often the largest eddies turn over [Hz], on top of the `speed / length` at which they pass by. Default 0.5, range 0 to 20.
     pub frequency: f32,
@@ -346,8 +347,9 @@ impl WindForces {
 
     /// Adds the acceleration of each particle by the air to `acc` (`xyz` [m/s²], `w` unused).
     ///
-    /// `positions`: `w` = inverse mass [1/kg], particles with 0 get nothing. `substep`: time between `previous` and `positions` [s], 0 or less when the cloth
-    /// is at rest. `hold`: how long the accelerations will be used before the next call [s]. Faces with an index past the end: no force.
+    /// `positions`: `w` = inverse mass [1/kg], particles with 0 get nothing. `substep`: time between `previous` and `positions` [s], 0 or
+    /// less when the cloth is at rest. `hold`: how long the accelerations will be used before the next call [s]. Faces with an index past
+    /// the end: no force.
     pub fn apply(
         &mut self,
         wind: &Wind,

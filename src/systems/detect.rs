@@ -52,7 +52,8 @@ pub(crate) fn group(
     });
 }
 
-/// Looks for crossings and for what may touch in the next frame, in parallel over groups. Each writes only its own data, so the result has the same bits for any number of threads.
+/// Looks for crossings and for what may touch in the next frame, in parallel over groups. Each writes only its own data, so the result has
+/// the same bits for any number of threads.
 pub(crate) fn detect(
     time: Res<Time>,
     mut groups: ResMut<ClothGroups>,

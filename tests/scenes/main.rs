@@ -1,5 +1,5 @@
-//! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a thousandth of an edge.
-//! What is shown is checked with code that shares nothing with the detector.
+//! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a thousandth
+//! of an edge. What is shown is checked with code that shares nothing with the detector.
 
 #[path = "../detection/checker.rs"]
 mod checker;
@@ -17,8 +17,8 @@ fn untangled(scene: Scene) -> Scene {
     scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true).expect("a few cloths")
 }
 
-/// Runs a scene from three starts and asserts that no shown frame crosses, that at most 0.5 % of all frames are held, and that no edge is ever longer than
-/// `longest` times its rest length.
+/// Runs a scene from three starts and asserts that no shown frame crosses, that at most 0.5 % of all frames are held, and that no edge is
+/// ever longer than `longest` times its rest length.
 fn shows_no_crossing(name: &str, frames: u32, longest: f32, scene: impl Fn() -> Scene) {
     let (mut held, mut worst) = (0, 0.0f32);
     for seed in 1..=3 {

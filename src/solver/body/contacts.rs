@@ -15,8 +15,8 @@ use super::sweep::{Swept, plane_at, sweep};
 use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
 
-/// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance kept (dimensionless): it was
-/// put where it is.
+/// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance kept
+/// (dimensionless): it was put where it is.
 const MOVED: f32 = 0.1;
 const TELEPORTED: f32 = 16.0;
 
@@ -251,9 +251,9 @@ impl BodyContacts {
 
     /// Once per substep, after every other constraint: resolves contacts.
     ///
-    /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the substep is
-    /// recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling` are moved by what they do
-    /// to the cloth, unless no time passes. Returns the number of contacts.
+    /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the
+    /// substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling`
+    /// are moved by what they do to the cloth, unless no time passes. Returns the number of contacts.
     pub fn project(
         &mut self,
         bodies: &[Body],
@@ -559,7 +559,8 @@ impl Setting<'_> {
 }
 
 impl Setting<'_> {
-    /// Where a particle belongs that was moved through a surface since it was last known at `last`: by cloth that pushes cloth, or by what takes tangles apart.
+    /// Where a particle belongs that was moved through a surface since it was last known at `last`: by cloth that pushes cloth, or by what
+    /// takes tangles apart.
     fn strayed(&self, sample: &impl Fn(Vec3A, f32) -> Sample, last: Vec3A, q0: Vec3A, q1: Vec3A) -> Option<Swept> {
         let off = last.distance(q0);
         // False for a place that is not known.

@@ -15,7 +15,8 @@ use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::shape::{HeightField, Shape, SharedShape, TriMesh, Triangle, TypedShape};
 
-/// Sharp edges are found in a box this much longer on every side than the one they are asked for in, so that they are known for a while (dimensionless).
+/// Sharp edges are found in a box this much longer on every side than the one they are asked for in, so that they are known for a while
+/// (dimensionless).
 const WIDER: f32 = 0.25;
 /// Most sharp edges that are taken of one surface in a frame, in their order: beyond that particles have to do.
 const MOST: usize = 4096;

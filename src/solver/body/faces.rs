@@ -8,16 +8,18 @@
 //!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
 //! ```
 //!
-//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the distance that particles
-//! keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the middle: a convex part lies behind
-//! its tangent plane, and a face that begins and ends in front of that never met it.
+//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
+//! distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the
+//! middle: a convex part lies behind its tangent plane, and a face that begins and ends in front of that never met it.
 //!
-//! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed ([`first_touch`]); it starts each
-//! substep outside, hence stays there. *A side is kept.* Where other causes moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken
-//! apart), the normal it last had tells where it belongs: it is brought back along that, at the speed of particles that start inside. The
-//! shortest way out of a needle is sideways, and cloth with a needle in it cannot go there.
+//! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed
+//! ([`first_touch`]); it starts each substep outside, hence stays there. *A side is kept.* Where other causes moved it onto the part (cloth
+//! that pushes cloth, overlong edges, tangles taken apart), the normal it last had tells where it belongs: it is brought back along that,
+//! at the speed of particles that start inside. The shortest way out of a needle is sideways, and cloth with a needle in it cannot go
+//! there.
 //!
-//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`Creases`]), each as a convex part of its own.
+//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`Creases`]), each as a convex
+//! part of its own.
 //!
 //! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
 //!
@@ -41,17 +43,20 @@ use super::room::Rooms;
 use super::sweep::{SLIDES, plane_at};
 use crate::solver::couple::Coupling;
 
-/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more faces have to be asked for.
+/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more
+/// faces have to be asked for.
 const SHARE: f32 = 0.5;
 /// Faces whose boxes are looked at as one.
 const BLOCK: usize = 16;
-/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the distance kept.
+/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the
+/// distance kept.
 const DOUBLINGS: u32 = 8;
 /// Tangent planes that are tried before the nearest point is asked for.
 const PLANES: u32 = 4;
 /// How much nearer another point may be than the nearest, as a share of its distance (dimensionless).
 const EXACT: f32 = 0.02;
-/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is not levered.
+/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is
+/// not levered.
 const LEAST_MOBILITY: f32 = 0.05;
 /// Least weight of every corner of a face that is touched within (dimensionless).
 const WITHIN: f32 = 0.02;
@@ -157,8 +162,8 @@ impl FaceContacts {
         })
     }
 
-    /// Once per frame of `dt` [s], before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on the way of any
-    /// particle [m].
+    /// Once per frame of `dt` [s], before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on
+    /// the way of any particle [m].
     pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
         core::mem::swap(&mut self.parts, &mut self.parts_before);
         core::mem::swap(&mut self.candidates, &mut self.candidates_before);
@@ -293,8 +298,8 @@ impl FaceContacts {
         }
     }
 
-    /// Once per substep, after the particles: keeps faces out of parts. As [`BodyContacts::project`](super::BodyContacts::project); returns the number of
-    /// touches.
+    /// Once per substep, after the particles: keeps faces out of parts. As [`BodyContacts::project`](super::BodyContacts::project); returns
+    /// the number of touches.
     pub fn project(
         &mut self,
         bodies: &[Body],
@@ -519,8 +524,8 @@ impl Setting<'_> {
             })
     }
 
-    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at where the face is nearest to
-    /// what was nearest to that, and so on.
+    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at where the
+    /// face is nearest to what was nearest to that, and so on.
     #[inline]
     fn pass(&self, way: &Way) -> Pass {
         let Way { from, to, .. } = way;

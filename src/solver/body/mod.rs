@@ -54,7 +54,8 @@ pub struct Body {
     pub dynamic_friction: f32,
     /// Distance kept to the shape on top of the fabric's thickness [m]. Default 0, range 0 to 1.
     pub margin: f32,
-    /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default none: cloth does nothing to it.
+    /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default none: cloth
+    /// does nothing to it.
     pub rigid: Option<u32>,
 }
 

@@ -107,7 +107,8 @@ impl<'a> Yielding<'a> {
         if across > 0.0 { along / across } else { 1.0 }
     }
 
-    /// Splits a correction `by` of a particle at `at`, of which `silent` gives no speed, between it and the body. Returns the particle's parts of both.
+    /// Splits a correction `by` of a particle at `at`, of which `silent` gives no speed, between it and the body. Returns the particle's
+    /// parts of both.
     pub(super) fn split(&mut self, w: f32, at: Vec3A, by: Vec3A, silent: Vec3A) -> (Vec3A, Vec3A) {
         let r = self.slot.arm(at.into(), self.s);
         let inverse = self.slot.compliance(w, r, self.several).inverse();

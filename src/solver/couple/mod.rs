@@ -15,12 +15,13 @@
 //! Δx = w J,   Δd = -J / M,   Δθ = -I⁻¹ (r × J)
 //! ```
 //!
-//! (XPBD for rigid bodies, Müller et al. 2020, eq. 2 to 9, for a whole vector instead of one direction.) The body moves within the substeps, so that one
-//! lighter than the cloth is as stable as a heavier one, and no momentum is lost: what a particle gains the body loses.
+//! (XPBD for rigid bodies, Müller et al. 2020, eq. 2 to 9, for a whole vector instead of one direction.) The body moves within the
+//! substeps, so that one lighter than the cloth is as stable as a heavier one, and no momentum is lost: what a particle gains the body
+//! loses.
 //!
-//! All contacts of a body in a substep are solved at once, so that none comes first: each is given a body of `1/n` of the mass, and the body moves by the mean of what
-//! they make of it (mass splitting, Tonge et al. 2012), which is the sum of the impulses over the whole mass. Several cloths at one body are stepped without knowing of each other, and
-//! share it in the same way.
+//! All contacts of a body in a substep are solved at once, so that none comes first: each is given a body of `1/n` of the mass, and the
+//! body moves by the mean of what they make of it (mass splitting, Tonge et al. 2012), which is the sum of the impulses over the whole
+//! mass. Several cloths at one body are stepped without knowing of each other, and share it in the same way.
 
 mod pins;
 

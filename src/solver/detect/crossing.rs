@@ -108,8 +108,8 @@ impl Detector {
         &self.crossings
     }
 
-    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`, and calls `also` with every pair of faces whose boxes come within `margin` [m]; no more
-    /// once something is known to cross. It says whether they may cross where they are.
+    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`, and calls `also` with every pair of faces whose boxes
+    /// come within `margin` [m]; no more once something is known to cross. It says whether they may cross where they are.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
@@ -284,8 +284,8 @@ fn cross_close_faces(
     cross(g, &pg, &sides_g, f, &pf);
 }
 
-/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` [m] apart, a shared particle aside: a cheap way to
-/// dismiss almost all neighbours in a smooth sheet.
+/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` [m] apart, a shared particle aside:
+/// a cheap way to dismiss almost all neighbours in a smooth sheet.
 #[inline]
 pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>, gap: f32) -> bool {
     let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);

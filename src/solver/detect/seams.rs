@@ -43,7 +43,8 @@ pub fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32)
     })
 }
 
-/// Particles around which cloth may lie over itself although normals agree: at `seams`, and at borders of the mesh but those along the sides of its box at rest.
+/// Particles around which cloth may lie over itself although normals agree: at `seams`, and at borders of the mesh but those along the
+/// sides of its box at rest.
 pub fn loose(surface: &Surface, seams: &[bool]) -> Vec<bool> {
     let topology = &surface.topology;
     let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();

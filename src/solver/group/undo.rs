@@ -1,13 +1,13 @@
-//! What takes crossings apart is undone where it makes them much longer: cloth that is pressed from all sides, as in a knot, crosses more wherever it goes. It waits, as
-//! slow as it was made, until there is room, or for the last resorts.
+//! What takes crossings apart is undone where it makes them much longer: cloth that is pressed from all sides, as in a knot, crosses more
+//! wherever it goes. It waits, as slow as it was made, until there is room, or for the last resorts.
 
 use glam::Vec4;
 
 use crate::solver::detect::Surface;
 use crate::solver::resolve::Contour;
 
-/// Contours that get more than so many times as long (dimensionless), and more than so many mean edges longer, are much longer. On its way apart a tangle may get
-/// somewhat longer: less would stop what works; much more lets a knot get hopeless within a frame.
+/// Contours that get more than so many times as long (dimensionless), and more than so many mean edges longer, are much longer. On its way
+/// apart a tangle may get somewhat longer: less would stop what works; much more lets a knot get hopeless within a frame.
 const WORSE_TIMES: f32 = 2.0;
 const WORSE_EDGES: f32 = 8.0;
 
@@ -51,7 +51,8 @@ impl Undo {
         self.take_in(0, contours);
     }
 
-    /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without a change of velocity; whether there were any.
+    /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without a change of
+    /// velocity; whether there were any.
     pub fn end<'a>(
         &mut self,
         surface: &Surface,

@@ -62,15 +62,16 @@ impl BendFactors {
     }
 }
 
-/// Curvature within which a fabric keeps any bend, by the friction of its yarns [1/m]: the moment of hysteresis over the bending stiffness. Kawabata (1980) measures 10 to 50
-/// on wool and cotton. 0: folds swing for a long time; much more: folds creep to their place.
+/// Curvature within which a fabric keeps any bend, by the friction of its yarns [1/m]: the moment of hysteresis over the bending stiffness.
+/// Kawabata (1980) measures 10 to 50 on wool and cotton. 0: folds swing for a long time; much more: folds creep to their place.
 const HYSTERESIS: f32 = 4.0;
 
 /// Share of a rate that one element may take, since elements overlap.
 const RUB_SHARE: f32 = 0.25;
 
-/// Friction between yarns that slide on each other where the cloth bends: a moment `M = B · HYSTERESIS` [N] per width against every change of `v`, whatever its speed, so that a
-/// cloth comes to rest. Once per frame of `dt` [s], for the `motion` [m] over a substep of `h` [s], `w` its inverse mass [1/kg]; Coulomb's law as an impulse:
+/// Friction between yarns that slide on each other where the cloth bends: a moment `M = B · HYSTERESIS` [N] per width against every change
+/// of `v`, whatever its speed, so that a cloth comes to rest. Once per frame of `dt` [s], for the `motion` [m] over a substep of `h` [s],
+/// `w` its inverse mass [1/kg]; Coulomb's law as an impulse:
 ///
 /// ```text
 /// Δv̇ = -min(|v̇| / 4, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²

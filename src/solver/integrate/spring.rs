@@ -136,8 +136,8 @@ pub struct Tight {
 const TIGHT: f32 = 0.25;
 
 impl Tight {
-    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within the frame; with `keep`, those
-    /// that were close stay listed.
+    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within
+    /// the frame; with `keep`, those that were close stay listed.
     pub fn find(&mut self, springs: &Springs, strain_limit: f32, (all, keep): (bool, bool), positions: &[Vec4]) {
         self.batches.clear();
         self.batches.reserve(springs.a.len());
@@ -163,7 +163,8 @@ impl Tight {
         }
     }
 
-    /// Shortens those beyond the strain limit, `sweeps` times over. Springs that are too short do not push back, so nothing keeps others from giving way.
+    /// Shortens those beyond the strain limit, `sweeps` times over. Springs that are too short do not push back, so nothing keeps others
+    /// from giving way.
     pub fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, sweeps: u32, positions: &mut [Vec4]) {
         let bound = Bound::new(strain_limit);
         for k in (0..sweeps).flat_map(|_| &self.batches).map(|&k| k as usize) {

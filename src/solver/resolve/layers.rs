@@ -71,7 +71,8 @@ impl Layers {
         self.plans.any() || !self.strays.is_empty()
     }
 
-    /// Looks for cloths on the wrong side of each other, as seen from some of their particles. The tree must fit the positions, to a tenth of an edge.
+    /// Looks for cloths on the wrong side of each other, as seen from some of their particles. The tree must fit the positions, to a tenth
+    /// of an edge.
     pub fn patrol(&mut self, surface: &Surface, tree: &mut Tree, positions: &[Vec4]) {
         self.strays.clear();
         let some = (surface.len() as u32 / SAMPLES).clamp(1, STRIDE);

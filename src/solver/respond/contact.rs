@@ -139,8 +139,8 @@ impl Contact {
         true
     }
 
-    /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that is (mass scaling as in
-    /// Macklin et al. 2014, section 5.2).
+    /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that
+    /// is (mass scaling as in Macklin et al. 2014, section 5.2).
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
         let ids = self.slots.map(|s| particles.ids[s as usize] as usize);

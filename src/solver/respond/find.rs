@@ -1,7 +1,7 @@
 //! Which pairs may touch before the next frame.
 //!
-//! Each face is boxed together with where it is foreseen to be, relative to the motion all cloths share. Of two faces whose boxes meet, each asks with
-//! the particles and edges it owns, so that every pair is asked for once.
+//! Each face is boxed together with where it is foreseen to be, relative to the motion all cloths share. Of two faces whose boxes meet,
+//! each asks with the particles and edges it owns, so that every pair is asked for once.
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -23,9 +23,10 @@ const MARGIN: f32 = 0.25;
 /// than half of it cannot meet.
 const STRAY: f32 = 0.45;
 
-/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin. What drifted is looked at where it is, against others
-/// that may drift from one side of where they were to the other. Two that nobody knew come to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known: cloth is thinner
-/// there for a moment, but far from crossing.
+/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, as a share of the margin. What
+/// drifted is looked at where it is, against others that may drift from one side of where they were to the other. Two that nobody knew come
+/// to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known: cloth is thinner there for a moment, but far from
+/// crossing.
 const DRIFT: f32 = 1.0;
 /// The same as a share of the least height that the faces around had then: what was flat, or inside an edge, about stays so.
 const DRIFT_OF_HEIGHT: f32 = 0.1;
@@ -104,8 +105,8 @@ pub struct Finder {
     loose: Vec<bool>,
 }
 
-/// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 45° of their sum, so that distances across are at least `cos 45°` of
-/// those at rest.
+/// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 45° of their sum, so that distances across
+/// are at least `cos 45°` of those at rest.
 #[derive(Clone, Debug, Default)]
 struct Flatness {
     /// Normals of faces as long as twice their area [m²], and their sums around particles.
@@ -267,8 +268,8 @@ impl Finder {
         });
     }
 
-    /// Brings the last look at all pairs up to date, if particles have drifted so little that it still holds but for a few, which are looked at anew. False, and
-    /// nothing is done, where they have not.
+    /// Brings the last look at all pairs up to date, if particles have drifted so little that it still holds but for a few, which are
+    /// looked at anew. False, and nothing is done, where they have not.
     pub fn refresh(
         &mut self,
         surface: &Surface,
@@ -329,8 +330,8 @@ impl Finder {
         &self.ahead
     }
 
-    /// How far ahead to look [s] when the next look at everything is due in `dt` [s]: half of that where cloth flutters, as boxes swept half as far meet a third of the faces; a whole
-    /// number of substeps of `h` [s].
+    /// How far ahead to look [s] when the next look at everything is due in `dt` [s]: half of that where cloth flutters, as boxes swept
+    /// half as far meet a third of the faces; a whole number of substeps of `h` [s].
     #[must_use]
     pub fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
@@ -343,7 +344,8 @@ impl Finder {
         [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten().for_each(|x| *x += by);
     }
 
-    /// Notes where all particles are [m] at the end of a frame, or of the time looked ahead within one, to tell at the next look which of them are stuck.
+    /// Notes where all particles are [m] at the end of a frame, or of the time looked ahead within one, to tell at the next look which of
+    /// them are stuck.
     pub fn note(&mut self, positions: &[Vec4]) {
         self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
     }
@@ -354,7 +356,8 @@ impl Finder {
         (1.0 + MARGIN) * moment.thickest()
     }
 
-    /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share` has passed.
+    /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share`
+    /// has passed.
     pub fn find_strayed(
         &mut self,
         surface: &Surface,
@@ -401,8 +404,8 @@ impl Finder {
         self.marked = marked;
     }
 
-    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is asked `anew`, of faces nobody has
-    /// looked for crossings at since they were elsewhere. Says of two faces whether they may cross now.
+    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is asked
+    /// `anew`, of faces nobody has looked for crossings at since they were elsewhere. Says of two faces whether they may cross now.
     pub fn ask<'a>(
         &'a mut self,
         surface: &'a Surface,
@@ -542,8 +545,9 @@ impl Finder {
         }
     }
 
-    /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found before the next substep ends, when `share` (0 to 1) of
-    /// the time looked ahead will have passed. `positions` and `previous` and `offset` [m] as gathered, `thickness` [m] of the cloth. Whether there are any.
+    /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found before the next substep
+    /// ends, when `share` (0 to 1) of the time looked ahead will have passed. `positions` and `previous` and `offset` [m] as gathered,
+    /// `thickness` [m] of the cloth. Whether there are any.
     pub fn strayed(
         &mut self,
         first: usize,
@@ -611,8 +615,8 @@ impl Finder {
     }
 }
 
-/// The motion of particle `v` until the next look [m]: that of the last substep times `scale`. Where constraints pull against each other the last substep tells
-/// nothing: what is as good as where it was `before` moves on as it did since, `ahead` times as far.
+/// The motion of particle `v` until the next look [m]: that of the last substep times `scale`. Where constraints pull against each other
+/// the last substep tells nothing: what is as good as where it was `before` moves on as it did since, `ahead` times as far.
 #[inline]
 fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;

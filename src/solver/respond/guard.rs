@@ -6,10 +6,10 @@
 //!   else x1 ─► x0 + u + α (x1 - x0 - u)          u: mean motion of the pair by mass; α: the largest share that leaves d1 > 0
 //! ```
 //!
-//! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass. The mean motion is kept,
-//! hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs share particles, so passes are repeated
-//! until none cuts anything; the later ones keep only the motion that all share, and at last nothing else, which ends. What is
-//! held cannot be cut: between two that are held and close, cloth has nowhere to go.
+//! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
+//! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
+//! share particles, so passes are repeated until none cuts anything; the later ones keep only the motion that all share, and at last
+//! nothing else, which ends. What is held cannot be cut: between two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
 

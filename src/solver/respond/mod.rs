@@ -6,9 +6,10 @@
 //!                Contacts::guard   what would still pass through is stopped on its way
 //! ```
 //!
-//! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to the
-//! front. So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that can be met before the next, and it holds until something drifts by a share of the margin.
-//! Pairs of a tangle have no right side; they are left to [`resolve`](crate::solver::resolve), which stops at what has no part in the tangle.
+//! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to
+//! the front. So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that can be met before the next,
+//! and it holds until something drifts by a share of the margin. Pairs of a tangle have no right side; they are left to
+//! [`resolve`](crate::solver::resolve), which stops at what has no part in the tangle.
 //!
 //! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.
 
@@ -138,7 +139,8 @@ impl Contacts {
         self.touching
     }
 
-    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep [kg·m] of every pair that touched in the last [`Self::solve`].
+    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep [kg·m] of every pair that touched in
+    /// the last [`Self::solve`].
     pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
         touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.drive))
@@ -243,8 +245,8 @@ impl Contacts {
         self.old.resize(self.particles.len(), Vec4::NAN);
     }
 
-    /// Takes in the particles of pairs in cloth `part`: `read` gives the position ([m], `w` inverse mass) and the position at the start of the substep [m] of
-    /// its `i`-th.
+    /// Takes in the particles of pairs in cloth `part`: `read` gives the position ([m], `w` inverse mass) and the position at the start of
+    /// the substep [m] of its `i`-th.
     pub fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
