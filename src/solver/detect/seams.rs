@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::Surface;
-use crate::solver::rest::NONE;
 
 /// Smallest and largest corner [m] of the box around particles at rest.
 pub fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2] {

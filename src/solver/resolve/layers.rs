@@ -161,28 +161,36 @@ fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
     }
 }
 
+fn mean(normals: impl Iterator<Item = Vec3>) -> Vec3 {
+    let (sum, count) = normals.fold((Vec3::ZERO, 0), |(sum, count), normal| (sum + normal, count + 1));
+    sum / f32::max(count as f32, 1.0)
+}
+
+/// Unit normal of a face, or zero.
+fn facing(view: View<'_>, face: u32) -> Vec3 {
+    let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// Where the inner cloth faces at some contours.
+fn facing_at<'a>(view: View<'a>, graph: &'a ContourGraph, set: &'a [Member]) -> impl Iterator<Item = Vec3> + 'a {
+    nodes(graph, set).map(move |(i, side)| {
+        let c = &view.crossings[i];
+        facing(view, if side == 0 { c.face } else { view.surface.topology.edge_faces[c.edge as usize][0] })
+    })
+}
+
 /// The direction in which the inner cloth faces where it meets the outer one, and whether it is the same all along; where it is not, that at
 /// one place after the other, by `turn`.
 fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], turn: u32) -> (Vec3, bool) {
-    let topology = &view.surface.topology;
-    let facing = |face: u32| {
-        let [a, b, c] = topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
-        (b - a).cross(c - a).normalize_or_zero()
-    };
-    let at_contours = || {
-        nodes(graph, set).map(|(i, side)| {
-            let c = &view.crossings[i];
-            facing(if side == 0 { c.face } else { topology.edge_faces[c.edge as usize][0] })
-        })
-    };
     // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
-    let all = || at_contours().chain(strays.iter().map(|s| facing(s.face)));
-    let (sum, count) = all().fold((Vec3::ZERO, 0), |(sum, count), normal| (sum + normal, count + 1));
-    if sum.length() > ONE_WAY * count as f32 {
-        (sum.normalize_or_zero(), true)
+    let all = || facing_at(view, graph, set).chain(strays.iter().map(|s| facing(view, s.face)));
+    let mean = mean(all());
+    if mean.length() > ONE_WAY {
+        (mean.normalize_or_zero(), true)
     } else {
         // Multiples of a large odd number visit places far from each other.
-        let place = turn.wrapping_mul(0x9E37_79B1) as usize % count.max(1);
+        let place = turn.wrapping_mul(0x9E37_79B1) as usize % all().count().max(1);
         (all().nth(place).unwrap_or_default(), false)
     }
 }
@@ -202,6 +210,11 @@ impl Resolver {
             of_pair.clear();
             of_pair.extend(strays.iter().filter(|s| s.0 == cloths).map(|s| s.1));
             let (out, one_way) = outward(view, graph, set, of_pair, *turn);
+            if !one_way {
+                // What brings one flank of a tube in drives the other one out.
+                set.retain(|&m| mean(facing_at(view, graph, &[m])).dot(out) > AGREE);
+                of_pair.retain(|s| facing(view, s.face).dot(out) > AGREE);
+            }
             probe.look_from(view, graph, set, of_pair, out, if one_way { GRAZING } else { AGREE }, f32::INFINITY);
             let undone = set.is_empty() || !one_way || probe.undone >= UNDONE;
             let plan = if undone && probe.cost > 0.0 { plans.carry_out(view, graph, set, probe, step) } else { 0 };

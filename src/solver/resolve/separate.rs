@@ -16,10 +16,15 @@ use crate::solver::rest::NONE;
 /// How much cheaper another direction must be than the one taken before.
 const HYSTERESIS: f32 = 0.25;
 
-/// Mean normals of the two sides along some contours.
-fn normals(view: View<'_>, graph: &ContourGraph, terms: &[Terms], set: &[Member]) -> [Vec3; 2] {
-    let mut sum = [Vec3::ZERO; 2];
+/// Least length of the mean normal of a side along contours that one direction may undo (dimensionless): all around a tube it is none, and what brings one flank
+/// of it in drives the other one out.
+const ONE_WAY: f32 = 0.5;
+
+/// Sums of the unit normals of the two sides along some contours, and of how many.
+fn normals(view: View<'_>, graph: &ContourGraph, terms: &[Terms], set: &[Member]) -> ([Vec3; 2], f32) {
+    let (mut sum, mut count) = ([Vec3::ZERO; 2], 0.0);
     for (i, side) in nodes(graph, set) {
+        count += 1.0;
         sum[1 - side] += terms[i].normal.as_vec3();
         for face in view.surface.topology.edge_faces[view.crossings[i].edge as usize] {
             if face != NONE {
@@ -28,7 +33,7 @@ fn normals(view: View<'_>, graph: &ContourGraph, terms: &[Terms], set: &[Member]
             }
         }
     }
-    sum.map(Vec3::normalize_or_zero)
+    (sum, count)
 }
 
 /// The cloths on the two sides of a contour.
@@ -56,7 +61,9 @@ impl Resolver {
         if let Some(pair) = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]) {
             set.extend(between(view, &self.graph, pair));
         }
-        let mut done = set.len() > 1 && self.separate_all(view, &set, step);
+        let agree = |(sums, count): ([Vec3; 2], f32)| sums.iter().any(|n| n.length() > ONE_WAY * count);
+        let mut done =
+            set.len() > 1 && agree(normals(view, &self.graph, &self.terms, &set)) && self.separate_all(view, &set, step);
         if !done {
             set.clear();
             set.push(Member { contour, flip: 0 });
@@ -73,7 +80,7 @@ impl Resolver {
             let weight = if latch.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
             sum + latch.heading * if m.flip == 0 { weight } else { -weight }
         });
-        let [n, m] = normals(view, graph, terms, set);
+        let [n, m] = normals(view, graph, terms, set).0.map(Vec3::normalize_or_zero);
         let (mut best, mut least) = (None, f32::INFINITY);
         let mut look = |direction: Vec3, most: f32| probe.look(view, graph, set, direction, most).then_some(probe.cost);
         let across = n.cross(m).normalize_or_zero();

@@ -23,6 +23,8 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 const RECOVERY_SPEED: f32 = 0.5;
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
 const SUPPORT: f32 = 0.1;
+/// No particle of a pair that is partly held goes farther than one over this times its push (dimensionless).
+const LEAST_SHARE: f32 = 0.25;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
 
@@ -113,6 +115,10 @@ impl Contact {
             self.support(particles, &mut x);
         }
         let mobility: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
+        // Beside what is held, the little that is free would have to go far to matter.
+        let held = x.iter().any(|x| x.w == 0.0);
+        let most = (0..4).map(|i| self.weights[i].abs() * x[i].w).fold(0.0, f32::max);
+        let mobility = if held { mobility.max(LEAST_SHARE * most) } else { mobility };
         // NaN passes no comparison.
         let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
         if !(touches && mobility > 0.0) {
