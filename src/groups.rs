@@ -4,6 +4,7 @@
 //! are together part only when boxes twice as wide are apart. Groups and their members are in the order of entities, so that nothing depends on
 //! the order of archetypes or threads.
 
+use core::cmp::Reverse;
 use std::sync::Arc;
 
 use bevy::math::{DVec3, Vec4};
@@ -196,7 +197,9 @@ impl ClothGroups {
             members.clear();
             members.extend(run.iter().map(|i| of(i).member.clone()));
             let best = run.iter().map(of).filter(|c| !c.member.fixed).fold(first, |best, c| {
-                if best.member.fixed || c.settings.iterations > best.settings.iterations { c } else { best }
+                // Lower indices first, of which most entities were spawned earlier.
+                let rank = |c: &Candidate| (c.settings.iterations, Reverse(c.member.entity.index_u32()));
+                if best.member.fixed || rank(c) > rank(best) { c } else { best }
             });
             // One without members was taken.
             while before.get(old).is_some_and(|g| g.members.first().is_none_or(|m| m.entity < first.member.entity)) {

@@ -255,6 +255,56 @@ fn a_garment_of_many_layers_comes_apart() {
     assert!(crossings[5..].iter().all(|&n| n == 0), "{crossings:?}");
 }
 
+/// A tube that widens downwards and faces outwards, pinned along its upper rim: of radius `r` [m] there, and wider by a share `oval` along x below.
+fn tube(r: f32, oval: f32, layer: i32) -> SceneCloth {
+    let mut mesh = grid(32, 32, |u, v| {
+        let (sin, cos) = (core::f32::consts::TAU * u).sin_cos();
+        r * (1.0 + 0.3 * v) * vec3((1.0 + oval * v) * cos, 0.0, sin) - 0.6 * v * Vec3::Y
+    });
+    let [a, b, c] = mesh.triangles[0].map(|v| mesh.positions[v as usize]);
+    if (b - a).cross(c - a).dot((a + b + c).with_y(0.0)) < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    SceneCloth { layer, ..pinned_above(&mesh) }
+}
+
+/// A cloth that is pinned where it is highest.
+fn pinned_above(mesh: &SourceMesh) -> SceneCloth {
+    let top = mesh.positions.iter().map(|x| x.y).fold(f32::NEG_INFINITY, f32::max);
+    let pins: Vec<u32> = (0..).zip(&mesh.positions).filter(|(_, x)| x.y > top - 1.0e-3).map(|(i, _)| i).collect();
+    let (rest, _) = RestShape::build(mesh).expect("a cloth");
+    SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &pins)
+}
+
+/// One direction that undoes both flanks of a tube would drive each through the other.
+#[test]
+fn a_tube_that_pokes_through_another_on_two_flanks_comes_apart() {
+    for layers in [[0, 0], [0, 1]] {
+        let tubes = vec![tube(0.2, 0.15, layers[0]), tube(0.22, 0.0, layers[1])];
+        let mut scene = untangled(Scene::new(tubes), true);
+        for frame in 0..60 {
+            scene.step(FRAME);
+            let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
+            assert!(worst < 1.15, "layers {layers:?}, frame {frame}: worst edge {worst}");
+            assert!(frame < 5 || scene.crossings() == 0, "layers {layers:?}, frame {frame}: {} crossings", scene.crossings());
+        }
+    }
+}
+
+/// What is free beside pins that are too close would have to go far to bring the pair apart.
+#[test]
+fn cloths_that_are_pinned_closer_than_their_thickness_hang_still() {
+    for gap in [0.002, 0.0045] {
+        let curtain = |z: f32| pinned_above(&grid(20, 20, |u, v| vec3(u, -v, z)));
+        let mut scene = untangled(Scene::new(vec![curtain(0.0), curtain(gap)]), true);
+        for frame in 0..120 {
+            scene.step(FRAME);
+            let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
+            assert!(worst < 1.03 && scene.crossings() == 0, "{gap} m, frame {frame}: {worst}");
+        }
+    }
+}
+
 /// A sheet of 1 m that faces upwards, at `height(u, v)`.
 fn sheet(n: u32, layer: i32, height: impl Fn(f32, f32) -> f32) -> SceneCloth {
     let mut mesh = grid(n, n, |u, v| vec3(u - 0.5, v - 0.5, height(u, v)));

@@ -14,7 +14,7 @@ pub struct StageArgs {
     #[arg(long)]
     pub headless: bool,
     /// How many frames to simulate; implies --headless [default: 240].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
     /// Write the last frame (.png), or an animation of at most 61 frames and 2 MB (.gif); implies --headless.
     #[arg(long, value_name = "FILE")]

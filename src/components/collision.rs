@@ -13,8 +13,8 @@ pub struct ClothCollision {
     /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths pass through
     /// each other and are untangled afterwards.
     pub contact: bool,
-    /// Order of layers of clothing: of two cloths that cross, the one with the higher number is brought outside. Default 0; equal numbers
-    /// have no order.
+    /// Order of layers of clothing: of two cloths that cross, the one with the higher number is brought outside, which is where the front of
+    /// their triangles faces. Default 0; equal numbers have no order.
     pub layer: i32,
 }
 

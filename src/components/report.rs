@@ -37,7 +37,8 @@ pub struct ClothReport {
     pub restores: u32,
     /// Times the cloth was taken back to its pose at rest.
     pub resets: u32,
-    /// Edges that cross faces, of this cloth with itself and with others, in what is about to be shown.
+    /// Edges that cross faces, of this cloth with itself and with others, in the live shape: while [`held`](Self::held), another is shown.
+    /// 0 while it is stopped by an error.
     pub crossings: u32,
     /// Intersection curves.
     pub contours: u32,

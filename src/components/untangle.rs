@@ -8,7 +8,8 @@ use crate::solver::resolve::{Method, ResolveSettings};
 
 /// How a cloth that crosses itself or another is taken apart.
 ///
-/// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one that was spawned first.
+/// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one whose entity has
+/// the lowest index, as a rule the one that was spawned first.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -34,8 +35,9 @@ pub struct Untangle {
     pub patience: u32,
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
-    /// Whether a cloth that is tangled in its first frame is taken apart before it is shown, whatever number of iterations it takes, 300 at
-    /// most. Default false: it comes apart before the eyes of the player.
+    /// Whether a cloth that is tangled in its first frame is taken apart at once, whatever number of iterations it takes, 300 at most.
+    /// Default false: it comes apart before the eyes of the player. While no time passes, as in the very first frame of an app and while
+    /// virtual time is paused, nothing is taken apart and the mesh is shown as it is.
     pub at_load: bool,
 }
 

@@ -210,6 +210,23 @@ fn cloths_that_start_tangled_are_apart_when_first_shown_if_asked() {
 }
 
 #[test]
+fn of_equal_settings_those_of_the_cloth_that_was_spawned_first_hold() {
+    for (methods, is_clean) in [
+        ([UntangleMethod::ByEndType, UntangleMethod::History], true),
+        ([UntangleMethod::History, UntangleMethod::ByEndType], false),
+    ] {
+        let mut app = app();
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let [first, second] = Tangle::FullCut.meshes(13).map(|mesh| mesh_of(&mesh));
+        let ask = |method| (Transform::default(), Untangle { method, ..default() });
+        let first = spawn(&mut app, first, ask(methods[0]));
+        let second = spawn(&mut app, second, ask(methods[1]));
+        run(&mut app, 50);
+        assert_eq!(crossings(&app, &[first, second]) == 0, is_clean, "{methods:?}");
+    }
+}
+
+#[test]
 fn the_game_is_told_of_last_resorts() {
     let mut app = app();
     record::<ClothLastResort>(&mut app);
