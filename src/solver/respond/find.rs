@@ -50,6 +50,10 @@ const MOST_PAIRS: usize = 32;
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
 const REST_SHARE: f32 = 0.7;
 
+/// Closer than so many thicknesses, primitives all but lie in the same place, and do so for all that can be told (dimensionless).
+const HARDLY_APART: f32 = 1.0e-3;
+const ROUNDING: f32 = 1.0e-5;
+
 /// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
 const SLACK: f32 = 0.1;
 
@@ -435,7 +439,12 @@ impl Finder {
             let mut thickness = 0.5 * (mine.thickness + other.thickness);
             let margin = MARGIN * thickness;
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
-            let normal = delta / pair.distance;
+            // Of a distance that is little more than rounding only the direction is used, and between two cloths in one plane nothing.
+            let normal = match pair.distance / thickness {
+                HARDLY_APART.. => delta / pair.distance,
+                apart if apart >= ROUNDING || p == q => delta.normalize(),
+                _ => Vec3::NAN,
+            };
             // Exactly in touch, there is no side to be on.
             let in_tangle = |ids: &[u32]| ids.iter().any(|&v| tangled(v));
             if !normal.is_finite() || (in_tangle(&ids[..first]) && in_tangle(&ids[first..])) {
