@@ -98,14 +98,17 @@ mod tests {
 
     use super::super::{Detector, PartRef};
     use super::*;
-    use crate::scenes;
-    use crate::solver::rest::RestShape;
+    use crate::solver::rest::{RestShape, SourceMesh};
 
     const N: u32 = 12;
 
     /// A sheet in the plane y = 0 that collides with itself.
     fn sheet() -> Surface {
-        let (rest, _) = RestShape::build(&scenes::grid(N, N, |u, v| vec3(u, 0.0, v))).expect("a sheet");
+        let at = |i: u32| vec3((i / N) as f32, 0.0, (i % N) as f32) / (N - 1) as f32;
+        let positions = (0..N * N).map(at).collect();
+        let cells = (0..N * (N - 1)).filter(|i| i % N < N - 1);
+        let triangles = cells.flat_map(|i| [[i, i + 1, i + N], [i + 1, i + N + 1, i + N]]).collect();
+        let (rest, _) = RestShape::build(&SourceMesh { positions, triangles }).expect("a sheet");
         let (topology, rest) = (&rest.topology, &rest.positions);
         Surface::new(&[PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 }]).expect("one cloth")
     }
