@@ -196,11 +196,9 @@ impl ClothGroups {
             }
             members.clear();
             members.extend(run.iter().map(|i| of(i).member.clone()));
-            let best = run.iter().map(of).filter(|c| !c.member.fixed).fold(first, |best, c| {
-                // Lower indices first, of which most entities were spawned earlier.
-                let rank = |c: &Candidate| (c.settings.iterations, Reverse(c.member.entity.index_u32()));
-                if best.member.fixed || rank(c) > rank(best) { c } else { best }
-            });
+            // Lower indices first, of which most entities were spawned earlier.
+            let rank = |c: &&Candidate| (c.settings.iterations, Reverse(c.member.entity.index_u32()));
+            let best = run.iter().map(of).filter(|c| !c.member.fixed).max_by_key(rank).unwrap_or(first);
             // One without members was taken.
             while before.get(old).is_some_and(|g| g.members.first().is_none_or(|m| m.entity < first.member.entity)) {
                 old += 1;

@@ -5,6 +5,8 @@ use std::borrow::Cow;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
+use crate::components::checked::Checked;
+
 /// Warnings per entity: one for each kind or field.
 #[derive(Resource, Default)]
 pub(crate) struct Notices {
@@ -32,13 +34,20 @@ impl Notices {
     }
 
     /// Warns once for each setting that was clamped.
-    pub fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, fields: &[Cow<'static, str>]) {
-        for field in fields {
-            if self.first(entity, field.clone()) {
-                warn!(
-                    "{what} {} has `{field}` out of range: it is used clamped; the documentation of the field has the range",
-                    label(entity, name)
-                );
+    pub fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, checked: &Checked) {
+        for (field, values) in checked.changes() {
+            if !self.first(entity, field.clone()) {
+                continue;
+            }
+            let entity = label(entity, name);
+            match values {
+                Some([given, used]) => warn!(
+                    "{what} {entity} has `{field}` out of range: {used} is used in place of {given}; the documentation of the field has \
+                     the range"
+                ),
+                None => {
+                    warn!("{what} {entity} has a `{field}` that cannot be used: a number in it is not finite or not allowed");
+                }
             }
         }
     }

@@ -244,15 +244,18 @@ fn the_seven_units_come_apart_within_60_frames() {
 #[expect(clippy::print_stderr, reason = "the figures are wanted")]
 fn a_garment_of_many_layers_comes_apart() {
     let Some(mesh) = obj("garments/multilayer.obj") else { return };
-    let mut scene = untangled(floating(vec![cloth(&mesh)]), true);
-    let crossings: Vec<u32> = (0..12)
-        .map(|_| {
-            scene.step(FRAME);
-            scene.crossings()
-        })
-        .collect();
-    eprintln!("crossings after each frame: {crossings:?}");
-    assert!(crossings[5..].iter().all(|&n| n == 0), "{crossings:?}");
+    for seed in 0..3 {
+        let scene = floating(vec![cloth(&mesh)]);
+        let mut scene = untangled(if seed > 0 { scene.jittered(seed) } else { scene }, true);
+        let crossings: Vec<u32> = (0..12)
+            .map(|_| {
+                scene.step(FRAME);
+                scene.crossings()
+            })
+            .collect();
+        eprintln!("crossings after each frame: {crossings:?}");
+        assert!(crossings[9..].iter().all(|&n| n == 0), "start {seed}: {crossings:?}");
+    }
 }
 
 /// A tube that widens downwards and faces outwards, pinned along its upper rim: of radius `r` [m] there, and wider by a share `oval` along x below.
@@ -291,17 +294,61 @@ fn a_tube_that_pokes_through_another_on_two_flanks_comes_apart() {
     }
 }
 
-/// What is free beside pins that are too close would have to go far to bring the pair apart; what lies in the same plane has no side.
+/// What is free beside pins that are too close would have to go far to bring the pair apart; what lies in the same place has no side.
 #[test]
 fn cloths_that_are_pinned_closer_than_their_thickness_hang_still() {
-    let gaps = [(vec3(0.0, 0.0, 0.002), 1.03), (vec3(0.0, 0.0, 0.0045), 1.03), (Vec3::ZERO, 1.03), (vec3(0.02, 0.0, 0.0), 1.6)];
-    for (gap, longest) in gaps {
+    let gaps = [
+        Vec3::ZERO,
+        vec3(0.0, 0.0, 0.002),
+        vec3(0.0, 0.003, 0.001),
+        vec3(0.013, 0.003, 0.001),
+        vec3(0.017, 0.0, 0.0005),
+        vec3(0.005, 0.011, 0.0045),
+    ];
+    for gap in gaps {
         let curtain = |at: Vec3| pinned_above(&grid(30, 30, |u, v| at + vec3(u, -v, 0.0)));
         let mut scene = untangled(Scene::new(vec![curtain(Vec3::ZERO), curtain(gap)]), true);
         for frame in 0..120 {
             scene.step(FRAME);
             let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
-            assert!(worst < longest && scene.crossings() == 0, "{gap} m, frame {frame}: {worst}");
+            assert!(worst < 1.03 && scene.crossings() == 0, "{gap} m, frame {frame}: {worst}");
+        }
+        let speed = |c: &SceneCloth| (0..c.state.positions.len()).map(|i| c.state.velocity(i).length()).fold(0.0, f32::max);
+        let fastest = scene.cloths.iter().map(speed).fold(0.0, f32::max);
+        assert!(fastest < 0.02, "{gap} m: {fastest} m/s");
+    }
+}
+
+/// Cloths in one plane have nowhere to go but past each other.
+#[test]
+fn cloths_that_are_pinned_in_one_plane_do_not_blow_up() {
+    let curtain = |at: Vec3| pinned_above(&grid(30, 30, |u, v| at + vec3(u, -v, 0.0)));
+    let mut scene = untangled(Scene::new(vec![curtain(Vec3::ZERO), curtain(vec3(0.02, 0.0, 0.0))]), true);
+    for frame in 0..120 {
+        scene.step(FRAME);
+        let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
+        assert!(worst < 1.6 && scene.crossings() == 0, "frame {frame}: {worst}");
+    }
+}
+
+/// Two waistbands that cross by a centimetre where they are pinned: what cannot come apart is left as it is rather than tangled further.
+#[test]
+fn waistbands_that_are_pinned_crossed_get_no_more_tangled() {
+    for n in [16, 24] {
+        let band = |x: f32, z: f32| {
+            pinned_above(&grid(2 * n + 1, n, |u, v| {
+                let (sin, cos) = (core::f32::consts::TAU * if u < 1.0 { u } else { 0.0 }).sin_cos();
+                vec3(x * cos, -0.5 * v, z * sin)
+            }))
+        };
+        let mut scene = untangled(Scene::new(vec![band(0.15, 0.15), band(0.16, 0.14)]), true);
+        scene.look();
+        let length = |scene: &Scene| scene.contours().iter().map(|c| c.length).sum::<f32>();
+        let start = length(&scene);
+        for frame in 0..180 {
+            scene.step(FRAME);
+            let now = length(&scene);
+            assert!(now < 2.0 * start, "{n}, frame {frame}: {start} m of contours, now {now}");
         }
     }
 }

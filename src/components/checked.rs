@@ -12,12 +12,31 @@ use bevy::math::Vec3;
 pub(crate) struct Checked {
     /// Names of the settings that were changed, in the order of the checks.
     pub clamped: Vec<Cow<'static, str>>,
+    /// Of each, what was given and what is used, in its own unit, if these are numbers; of a vector its length.
+    values: Vec<Option<[f32; 2]>>,
 }
 
 impl Checked {
     /// Forgets all names but keeps the memory.
     pub fn clear(&mut self) {
         self.clamped.clear();
+        self.values.clear();
+    }
+
+    /// Names a setting that cannot be used.
+    pub fn refuse(&mut self, name: &'static str) {
+        self.clamped.push(Cow::Borrowed(name));
+        self.values.push(None);
+    }
+
+    fn note(&mut self, name: &'static str, given: f32, used: f32) {
+        self.clamped.push(Cow::Borrowed(name));
+        self.values.push(Some([given, used]));
+    }
+
+    /// The settings that were changed, each with what was given and what is used.
+    pub fn changes(&self) -> impl Iterator<Item = (&Cow<'static, str>, Option<[f32; 2]>)> {
+        self.clamped.iter().zip(self.values.iter().copied())
     }
 
     /// `value` if it lies in `low..=high`; the nearer end if it lies outside; `default` if it is not a number.
@@ -25,16 +44,18 @@ impl Checked {
         if value >= low && value <= high {
             return value;
         }
-        self.clamped.push(Cow::Borrowed(name));
-        if value.is_nan() { default } else { value.clamp(low, high) }
+        let used = if value.is_nan() { default } else { value.clamp(low, high) };
+        self.note(name, value, used);
+        used
     }
 
     /// `value` if it lies in `low..=high`, else the nearer end.
     pub fn count(&mut self, name: &'static str, value: u32, low: u32, high: u32) -> u32 {
-        if !(low..=high).contains(&value) {
-            self.clamped.push(Cow::Borrowed(name));
+        let used = value.clamp(low, high);
+        if used != value {
+            self.note(name, value as f32, used as f32);
         }
-        value.clamp(low, high)
+        used
     }
 
     /// As [`Self::within`], where infinity switches a limit off.
@@ -47,10 +68,12 @@ impl Checked {
         if value.is_finite() && value.length() <= longest {
             return value;
         }
-        self.clamped.push(Cow::Borrowed(name));
         // A long vector may overflow its own length: shrink before measuring.
         let largest = value.abs().max_element();
-        if value.is_finite() && largest > 0.0 { (value / largest).normalize_or_zero() * longest } else { default }
+        let shortened = value.is_finite() && largest > 0.0;
+        let used = if shortened { (value / largest).normalize_or_zero() * longest } else { default };
+        self.note(name, value.length(), used.length());
+        used
     }
 }
 
@@ -67,7 +90,12 @@ mod tests {
         assert_eq!(checked.within("c", f32::NAN, 1.0, 0.0, 3.0), 1.0);
         assert_eq!(checked.within("d", f32::INFINITY, 1.0, 0.0, 3.0), 3.0);
         assert_eq!(checked.within_or_off("e", f32::INFINITY, 1.0, 0.0, 3.0), f32::INFINITY);
-        assert_eq!(checked.clamped, ["b", "c", "d"]);
+        assert_eq!(checked.count("f", 9, 1, 4), 4);
+        checked.refuse("g");
+        assert_eq!(checked.clamped, ["b", "c", "d", "f", "g"]);
+        let values: Vec<_> = checked.changes().map(|(_, values)| values).collect();
+        assert!(matches!(values[1], Some([given, 1.0]) if given.is_nan()), "{values:?}");
+        assert_eq!([values[0], values[3], values[4]], [Some([-2.0, 0.0]), Some([9.0, 4.0]), None]);
     }
 
     #[test]

@@ -143,7 +143,7 @@ impl ClothRigidBody {
         let m = self.inverse_inertia;
         let sound = m.is_finite() && m.x_axis.x >= 0.0 && m.y_axis.y >= 0.0 && m.z_axis.z >= 0.0;
         if !sound {
-            checked.clamped.push("inverse_inertia".into());
+            checked.refuse("inverse_inertia");
         }
         Self {
             inverse_mass,

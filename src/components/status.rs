@@ -43,7 +43,9 @@ impl WaitingFor {
         match self {
             Self::Mesh => "it has no `Mesh3d`: insert one",
             Self::Asset => "its mesh asset is not loaded: keep the handle's loader running, or check the path",
-            Self::Scale => "its transform has a zero or non-finite part: set a finite scale that is not zero",
+            Self::Scale => {
+                "a number of its transform is not finite, or its scale is zero along an axis: set finite numbers and a scale that is not zero"
+            }
             Self::Target => "the target of a pin set has no `GlobalTransform`: spawn it with a `Transform`",
             Self::Skin => {
                 "a joint or the inverse bind poses of its `SkinnedMesh` are missing: spawn them, or remove `SkinnedMesh`"
@@ -174,7 +176,8 @@ pub struct ClothHeld {
 }
 
 /// A cloth has been tangled for so long that the last resorts are used: regions and ways apart for every contour, more directions, and at
-/// the end the tangled part is drawn to the animated pose or to the shape at rest.
+/// the end the tangled part is drawn to the animated pose or to the shape at rest. Methods other than
+/// [`ByEndType`](crate::UntangleMethod::ByEndType) have only the last of these; with [`Untangle`](crate::Untangle) off there is none, and no event.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothLastResort {
     /// The cloth.

@@ -213,12 +213,12 @@ impl Group {
             self.contacts.clear();
             return;
         }
-        let Self { surface, untangler, finder, contacts, weights, .. } = self;
+        let Self { surface, untangler, finder, contacts, weights, fixed, .. } = self;
         let clean = self.total.is_clean();
         let takes_part = &self.takes_part;
-        let tangled = |v: u32| !clean && weights.get(v as usize).is_some_and(|&w| w > 0.9);
+        let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let moment = Moment { positions, previous, substep, touch, takes_part };
+        let moment = Moment { positions, previous, substep, touch, takes_part, fixed };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
@@ -465,11 +465,11 @@ impl Group {
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part };
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, fixed, .. } = self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, fixed };
         finder.begin(surface, &moment, self.horizon, contacts);
         untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
-        let ask = finder.ask(surface, &moment, |_| false, contacts, false);
+        let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
         let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), ask);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
@@ -483,10 +483,10 @@ impl Group {
     /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
     /// is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part };
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, fixed, .. } = self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, fixed };
         let detector = &mut untangler.detector;
-        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| false, contacts)) {
+        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts)) {
             return false;
         }
         let crossings = detector.detect_among(surface, positions, contacts.close_faces());
@@ -507,10 +507,13 @@ impl Group {
             self.take_back();
         }
         self.undo.forget();
+        if self.total.is_clean() {
+            self.undo.forget_least();
+        }
         // Layers go to their order through whatever lies between.
         let Self { surface, untangler, undo, positions, .. } = self;
-        let may_undo = untangler.resolver.resort() == Resort::None && !untangler.resolver.orders_layers();
-        if may_undo && !self.total.is_clean() && self.takes_part.contains(&true) {
+        let may_undo = settings.resolve.method == Method::ByEndType && !untangler.resolver.orders_layers();
+        if may_undo && !self.total.is_clean() {
             undo.begin(surface, positions, parts_of_contours(surface, untangler));
         }
         for i in 0..settings.iterations {

@@ -185,9 +185,9 @@ pub(crate) fn poses(
         checked.clear();
         let (margin, static_friction, dynamic_friction) = collider.checked(checked);
         if !finite {
-            checked.clamped.push("transform".into());
+            checked.refuse("transform");
         }
-        notices.clamped(entity, name, "collider", &checked.clamped);
+        notices.clamped(entity, name, "collider", checked);
         let to = if finite { Some(Isometry3d::new(translation, rotation.normalize())) } else { body.pose };
         let Some(to) = to else { continue };
         let from = body.pose.filter(|from| !jumped(from, &to, body.reach)).unwrap_or(to);

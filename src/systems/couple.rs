@@ -68,7 +68,7 @@ pub(crate) fn bodies(
         body.pose = Some(to);
         checked.clear();
         rigids.push(in_world(entity, &rigid.checked(checked), from, to, known.is_some(), body.givers));
-        notices.clamped(entity, name, "coupled body", &checked.clamped);
+        notices.clamped(entity, name, "coupled body", checked);
     }
     rigids.sort_unstable_by_key(|rigid| rigid.entity);
     if rigids.is_empty() {

@@ -7,7 +7,7 @@ use super::detect::each;
 use super::stopwatch;
 use crate::components::{
     Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothReport, ClothStatus,
-    ClothTangled, ClothUntangled, RecoveryLevel,
+    ClothTangled, ClothUntangled, RecoveryLevel, Untangle,
 };
 use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
@@ -71,8 +71,11 @@ pub(crate) fn judge(
 }
 
 /// Events for cloths that became tangled, held or clean.
-pub(crate) fn tell(mut commands: Commands, mut cloths: Query<(Entity, &ClothParticles, &mut ClothReport), With<Cloth>>) {
-    for (entity, particles, mut report) in &mut cloths {
+pub(crate) fn tell(
+    mut commands: Commands,
+    mut cloths: Query<(Entity, &ClothParticles, &Untangle, &mut ClothReport), With<Cloth>>,
+) {
+    for (entity, particles, untangle, mut report) in &mut cloths {
         let outcome = particles.display.outcome();
         if outcome.became_tangled {
             let ClothReport { crossings, contour_length, .. } = *report;
@@ -81,7 +84,8 @@ pub(crate) fn tell(mut commands: Commands, mut cloths: Query<(Entity, &ClothPart
         if outcome.became_held {
             commands.trigger(ClothHeld { entity });
         }
-        if outcome.became_last_resort {
+        // Where nothing is untangled there are no resorts.
+        if outcome.became_last_resort && untangle.enabled && untangle.iterations > 0 {
             commands.trigger(ClothLastResort { entity, crossings: report.crossings });
         }
         if outcome.became_clean {

@@ -45,9 +45,9 @@ pub(crate) fn grabs(
         checked.clear();
         let (radius, compliance, force) = grab.checked(&mut checked);
         if !grab.target.is_finite() {
-            checked.clamped.push("grab.target".into());
+            checked.refuse("grab.target");
         }
-        notices.clamped(entity, name, "grab", &checked.clamped);
+        notices.clamped(entity, name, "grab", &checked);
         let Ok((rest, mut particles, mut scratch)) = cloths.get_mut(grab.cloth) else { continue };
         let of = (grab.cloth, grab.particles, grab.weights, radius, particles.len());
         if grip.of != Some(of) {

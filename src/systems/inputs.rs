@@ -45,7 +45,7 @@ pub(crate) fn air(
     checked.clear();
     blow(air, &wind.checked(checked));
     *pull = gravity.checked(checked);
-    notices.clamped(Entity::PLACEHOLDER, None, "the world", &checked.clamped);
+    notices.clamped(Entity::PLACEHOLDER, None, "the world", checked);
     air.advance(time.delta_secs());
     known.clear();
     for (entity, name, zone, global) in &zones {
@@ -54,7 +54,7 @@ pub(crate) fn air(
         if let Some(placement) = Placement::of(&global.affine()) {
             known.push((entity, scaled(zone, global.scale().abs()), placement.isometry()));
         }
-        notices.clamped(entity, name, "wind zone", &checked.clamped);
+        notices.clamped(entity, name, "wind zone", checked);
     }
     known.sort_unstable_by_key(|(entity, ..)| *entity);
 }
@@ -116,7 +116,7 @@ pub(crate) fn settings(
         if report.clamped != checked.clamped {
             report.clamped.clone_from(&checked.clamped);
         }
-        notices.clamped(entity, name, "cloth", &checked.clamped);
+        notices.clamped(entity, name, "cloth", checked);
     }
 }
 

@@ -136,7 +136,7 @@ pub(crate) fn watch(
     for mut cloth in &mut cloths {
         checked.clear();
         let ClothSleep { enabled, threshold, delay } = cloth.sleep.checked(&mut checked);
-        notices.clamped(cloth.entity, cloth.name, "cloth", &checked.clamped);
+        notices.clamped(cloth.entity, cloth.name, "cloth", &checked);
         let slumber = &mut *cloth.slumber;
         (slumber.threshold, slumber.delay) = (if enabled { threshold } else { 0.0 }, delay);
         let changed = cloth.solver.is_changed()

@@ -37,7 +37,7 @@ pub(crate) fn touches(
         }
         checked.clear();
         let patience = events.patience(&mut checked);
-        notices.clamped(entity, name, "cloth", &checked.clamped);
+        notices.clamped(entity, name, "cloth", &checked);
         now.clear();
         if particles.state.substep > 0.0 {
             // Of one substep, times their number, over its length: the impulse of the frame.

@@ -136,6 +136,7 @@ fn what_cannot_be_simulated_is_drawn_as_authored_and_says_why() {
         ("no triangle", mesh_of(list, quad(), Some(Indices::U16(vec![]))), BadMesh),
         ("all past the end", mesh_of(list, quad(), Some(Indices::U16(vec![7, 8, 9]))), BadMesh),
         ("all at one place", mesh_of(list, vec![[1.0; 3]; 4], four()), BadMesh),
+        ("absurdly far out", mesh_of(list, vec![[1.0e30; 3], [0.0; 3], [1.0; 3], [2.0; 3]], four()), BadMesh),
         ("a position that is not a number", mesh_of(list, vec![[f32::NAN; 3]; 4], four()), BadMesh),
     ] {
         let mut app = app();
@@ -145,6 +146,8 @@ fn what_cannot_be_simulated_is_drawn_as_authored_and_says_why() {
         run(&mut app, 10);
         assert_eq!(status(&app, cloth), ClothStatus::Failed, "{name}");
         assert_eq!(error(&app, cloth), Some(kind), "{name}");
+        let detail = &app.world().get::<ClothError>(cloth).expect("an error").detail;
+        assert!(name != "absurdly far out" || detail.contains("vertex 0"), "{name}: {detail}");
         assert_eq!(app.world().get::<Mesh3d>(cloth).map(|m| m.0.id()), Some(source.id()), "{name}");
         assert_eq!(seen::<ClothFailed>(&app).len(), 1, "{name}: one event for one failure");
     }

@@ -126,6 +126,8 @@ fn limits_of_teleports_and_weights_of_pins_that_are_out_of_range_are_named() {
             assert!(finite(app, cloth));
         });
         assert_eq!(lines.iter().filter(|line| line.contains("`loose`")).count(), 3, "{lines:#?}");
+        let told = format!("in place of {bad}");
+        assert!(lines.iter().filter(|line| line.contains("`loose`")).all(|line| line.contains(&told)), "{lines:#?}");
     }
 }
 

@@ -46,10 +46,11 @@ impl Calm {
 
     /// The pairs of faces that can cross at `positions` [m], if that is known.
     pub fn close(&mut self, positions: &[Vec4]) -> Option<&[[u32; 2]]> {
+        let used = self.used?;
         if !self.is_near(positions) {
             return None;
         }
-        self.used = Some(self.used? + 1);
+        self.used = Some(used + 1);
         Some(&self.close)
     }
 

@@ -1,25 +1,30 @@
-//! What takes crossings apart is undone where it makes them much longer: cloth that is pressed from all sides, as in a knot, crosses more
-//! wherever it goes. It waits, as slow as it was made, until there is room, or for the last resorts.
+//! What takes crossings apart is undone where it makes them much longer than they ever were: cloth that is pressed from all sides, as in a
+//! knot, or that is pinned crossed, crosses more wherever it goes. It waits, as slow as it was made, until there is room. What gets shorter
+//! is never undone, so that a tangle that something else made longer comes apart all the same.
 
 use glam::Vec4;
 
 use crate::solver::detect::Surface;
 use crate::solver::resolve::Contour;
 
-/// Contours that get more than so many times as long (dimensionless), and more than so many mean edges longer, are much longer. On its way
-/// apart a tangle may get somewhat longer: less would stop what works; much more lets a knot get hopeless within a frame.
-const WORSE_TIMES: f32 = 2.0;
+/// Contours that get more than so many times as long as they were at least (dimensionless), and more than so many mean edges longer, are
+/// much longer. On its way apart a tangle may get somewhat longer: less would stop what works; much more lets it get hopeless.
+const WORSE_TIMES: f32 = 1.7;
 const WORSE_EDGES: f32 = 8.0;
 
-/// How everything was before a frame took crossings apart.
+/// How everything was before a frame took crossings apart, and how little of them there has been.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Undo {
     /// Where all particles were [m]; empty while nothing is undone.
     begun: Vec<Vec4>,
-    /// Length of the contours of each cloth, then and now [m]; of two that cross each other, of either.
+    /// Length of the contours of each cloth, then and now [m]; of two that cross each other, half for each.
     lengths: Vec<[f32; 2]>,
+    /// The least that was since it was clean, of those that are tangled with each other shared out by what each has [m].
+    least: Vec<f32>,
     /// Another cloth that each is tangled with, or itself: those that are tangled with each other are led to the same.
     tied: Vec<u16>,
+    /// Of each cloth to which others are led: lengths then and now, and the least, of all of them [m].
+    knots: Vec<[f32; 3]>,
     undone: Vec<bool>,
 }
 
@@ -27,6 +32,11 @@ impl Undo {
     /// Nothing will be undone.
     pub fn forget(&mut self) {
         self.begun.clear();
+    }
+
+    /// Nothing crosses any more: the next tangle is another.
+    pub fn forget_least(&mut self) {
+        self.least.clear();
     }
 
     /// Whether something may be undone.
@@ -49,6 +59,10 @@ impl Undo {
         self.lengths.clear();
         self.lengths.resize(parts, [0.0; 2]);
         self.take_in(0, contours);
+        self.least.resize(parts, 0.0);
+        for (least, [length, _]) in self.least.iter_mut().zip(&self.lengths) {
+            *least = if *least > 0.0 { *least } else { *length };
+        }
     }
 
     /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without a change of
@@ -61,20 +75,25 @@ impl Undo {
         previous: &mut [Vec4],
     ) -> bool {
         self.take_in(1, contours);
-        for part in (0..self.tied.len()).rev() {
-            let to = self.knot(part);
-            if to != part {
-                let lengths = core::mem::take(&mut self.lengths[part]);
-                self.lengths[to].iter_mut().zip(lengths).for_each(|(sum, length)| *sum += length);
-            }
+        let parts = self.tied.len();
+        self.knots.clear();
+        self.knots.resize(parts, [0.0; 3]);
+        for part in 0..parts {
+            let ([before, after], least, knot) = (self.lengths[part], self.least[part], self.knot(part));
+            self.knots[knot].iter_mut().zip([before, after, least]).for_each(|(sum, length)| *sum += length);
         }
         self.undone.clear();
-        for part in 0..self.tied.len() {
-            let [before, after] = self.lengths[self.knot(part)];
-            self.undone.push(after > (WORSE_TIMES * before).max(before + WORSE_EDGES * surface.mean_edge));
-        }
-        for part in (0..self.tied.len()).filter(|&part| self.undone[part]) {
-            self.put_back(surface, part, positions, previous);
+        for part in 0..parts {
+            let [before, after, least] = self.knots[self.knot(part)];
+            let least = least.min(before);
+            let most = (WORSE_TIMES * least).max(least + WORSE_EDGES * surface.mean_edge);
+            let is_worse = after > most.max(before);
+            let (time, length) = if is_worse { (0, before) } else { (1, after) };
+            self.least[part] = if length > 0.0 { self.lengths[part][time] * least.min(length) / length } else { 0.0 };
+            self.undone.push(is_worse);
+            if is_worse {
+                self.put_back(surface, part, positions, previous);
+            }
         }
         self.undone.contains(&true)
     }
@@ -117,7 +136,7 @@ impl Undo {
 
     fn take_in<'a>(&mut self, time: usize, contours: impl Iterator<Item = (&'a Contour, [u16; 2])>) {
         for (contour, [a, b]) in contours {
-            self.lengths[usize::from(a)][time] += contour.length;
+            [a, b].iter().for_each(|&part| self.lengths[usize::from(part)][time] += 0.5 * contour.length);
             let [a, b] = [a, b].map(|part| self.knot(usize::from(part)));
             self.tied[a.max(b)] = a.min(b) as u16;
         }
@@ -182,5 +201,23 @@ mod tests {
         assert!(!undo.follow(&surface, of_lengths(&crossing), &mut positions, &mut previous));
         undo.forget();
         assert!(!undo.is_due());
+    }
+
+    #[test]
+    fn what_grows_a_little_in_every_frame_is_put_back_too_and_what_gets_shorter_never_is() {
+        let surface = surface();
+        let mut undo = Undo::default();
+        // Whether a frame that begins and ends with such lengths [m] is undone.
+        let frame = |undo: &mut Undo, before: f32, after: f32| {
+            let of = |length: f32| [(Contour { length, ..Contour::default() }, [0u16, 1u16])];
+            let (mut positions, mut previous) = (vec![Vec4::ONE; 15], vec![Vec4::ONE; 15]);
+            undo.begin(&surface, &positions, of_lengths(&of(before)));
+            undo.end(&surface, of_lengths(&of(after)), &mut positions, &mut previous)
+        };
+        assert!(!frame(&mut undo, 100.0, 140.0) && frame(&mut undo, 140.0, 180.0), "1.4 times as long, then 1.8");
+        assert!(!frame(&mut undo, 300.0, 290.0), "made longer by something else, then shorter");
+        assert!(!frame(&mut undo, 290.0, 40.0) && frame(&mut undo, 40.0, 70.0), "the least counts");
+        undo.forget_least();
+        assert!(!frame(&mut undo, 100.0, 140.0), "another tangle");
     }
 }

@@ -13,8 +13,8 @@ use glam::{Vec3, Vec4};
 
 use super::contour::ContourGraph;
 use super::plan::Plans;
-use super::probe::{GRAZING, Member, Stray, nodes};
-use super::separate::{between, cloths};
+use super::probe::{GRAZING, Member, Stray};
+use super::separate::{ONE_WAY, between, cloths, facing, facing_at, mean};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
@@ -30,8 +30,8 @@ const REACH: [f32; 2] = [10.0, 4.0];
 /// Smallest cosine between the normals of two layers that lie on each other.
 const AGREE: f32 = 0.5;
 
-/// Length of a mean of unit normals above which they face one way.
-const ONE_WAY: f32 = 0.7;
+/// Which side of a contour the inner cloth is on: pairs are named the outer one first.
+const INNER: usize = 1;
 
 /// Share of the crossings that moving one way must undo.
 const UNDONE: f32 = 0.8;
@@ -161,30 +161,11 @@ fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
     }
 }
 
-fn mean(normals: impl Iterator<Item = Vec3>) -> Vec3 {
-    let (sum, count) = normals.fold((Vec3::ZERO, 0), |(sum, count), normal| (sum + normal, count + 1));
-    sum / f32::max(count as f32, 1.0)
-}
-
-/// Unit normal of a face, or zero.
-fn facing(view: View<'_>, face: u32) -> Vec3 {
-    let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
-    (b - a).cross(c - a).normalize_or_zero()
-}
-
-/// Where the inner cloth faces at some contours.
-fn facing_at<'a>(view: View<'a>, graph: &'a ContourGraph, set: &'a [Member]) -> impl Iterator<Item = Vec3> + 'a {
-    nodes(graph, set).map(move |(i, side)| {
-        let c = &view.crossings[i];
-        facing(view, if side == 0 { c.face } else { view.surface.topology.edge_faces[c.edge as usize][0] })
-    })
-}
-
 /// The direction in which the inner cloth faces where it meets the outer one, and whether it is the same all along; where it is not, that at
 /// one place after the other, by `turn`.
 fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], turn: u32) -> (Vec3, bool) {
     // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
-    let all = || facing_at(view, graph, set).chain(strays.iter().map(|s| facing(view, s.face)));
+    let all = || facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| facing(view, s.face)));
     let mean = mean(all());
     if mean.length() > ONE_WAY {
         (mean.normalize_or_zero(), true)
@@ -212,7 +193,7 @@ impl Resolver {
             let (out, one_way) = outward(view, graph, set, of_pair, *turn);
             if !one_way {
                 // What brings one flank of a tube in drives the other one out.
-                set.retain(|&m| mean(facing_at(view, graph, &[m])).dot(out) > AGREE);
+                set.retain(|&m| mean(facing_at(view, graph, &[m], INNER)).dot(out) > AGREE);
                 of_pair.retain(|s| facing(view, s.face).dot(out) > AGREE);
             }
             probe.look_from(view, graph, set, of_pair, out, if one_way { GRAZING } else { AGREE }, f32::INFINITY);

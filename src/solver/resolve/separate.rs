@@ -6,34 +6,41 @@
 use glam::Vec3;
 
 use super::contour::ContourGraph;
-use super::gradient::Terms;
 use super::latch::Strategy;
 use super::probe::{Member, nodes};
 use super::{Resolver, View};
 use crate::solver::evaluate::Resort;
-use crate::solver::rest::NONE;
 
 /// How much cheaper another direction must be than the one taken before.
 const HYSTERESIS: f32 = 0.25;
 
-/// Least length of the mean normal of a side along contours that one direction may undo (dimensionless): all around a tube it is none, and what brings one flank
-/// of it in drives the other one out.
-const ONE_WAY: f32 = 0.5;
+/// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of normals within 80° of
+/// it: all around a tube it is none, and what brings one flank of it in drives the other one out.
+pub(super) const ONE_WAY: f32 = 0.7;
 
-/// Sums of the unit normals of the two sides along some contours, and of how many.
-fn normals(view: View<'_>, graph: &ContourGraph, terms: &[Terms], set: &[Member]) -> ([Vec3; 2], f32) {
-    let (mut sum, mut count) = ([Vec3::ZERO; 2], 0.0);
-    for (i, side) in nodes(graph, set) {
-        count += 1.0;
-        sum[1 - side] += terms[i].normal.as_vec3();
-        for face in view.surface.topology.edge_faces[view.crossings[i].edge as usize] {
-            if face != NONE {
-                let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
-                sum[side] += 0.5 * (b - a).cross(c - a).normalize_or_zero();
-            }
-        }
-    }
-    (sum, count)
+/// Unit normal of a face, or zero.
+pub(super) fn facing(view: View<'_>, face: u32) -> Vec3 {
+    let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// Where a side faces at each crossing of some contours.
+pub(super) fn facing_at<'a>(
+    view: View<'a>,
+    graph: &'a ContourGraph,
+    set: &'a [Member],
+    side: usize,
+) -> impl Iterator<Item = Vec3> + 'a {
+    nodes(graph, set).map(move |(i, of_edge)| {
+        let c = &view.crossings[i];
+        facing(view, if of_edge == side { view.surface.topology.edge_faces[c.edge as usize][0] } else { c.face })
+    })
+}
+
+/// Mean of unit normals, shorter the less they agree; zero of none.
+pub(super) fn mean(normals: impl Iterator<Item = Vec3>) -> Vec3 {
+    let (sum, count) = normals.fold((Vec3::ZERO, 0), |(sum, count), normal| (sum + normal, count + 1));
+    sum / f32::max(count as f32, 1.0)
 }
 
 /// The cloths on the two sides of a contour.
@@ -61,26 +68,29 @@ impl Resolver {
         if let Some(pair) = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]) {
             set.extend(between(view, &self.graph, pair));
         }
-        let agree = |(sums, count): ([Vec3; 2], f32)| sums.iter().any(|n| n.length() > ONE_WAY * count);
-        let mut done =
-            set.len() > 1 && agree(normals(view, &self.graph, &self.terms, &set)) && self.separate_all(view, &set, step);
+        let face_one_way = |of: &Self, set: &[Member]| {
+            [0, 1].into_iter().any(|side| mean(facing_at(view, &of.graph, set, side)).length() > ONE_WAY)
+        };
+        let between_two = !set.is_empty();
+        let mut done = set.len() > 1 && face_one_way(self, &set) && self.separate_all(view, &set, step);
         if !done {
             set.clear();
             set.push(Member { contour, flip: 0 });
-            done = self.separate_all(view, &set, step);
+            // What a cloth crosses of itself may be short and bent.
+            done = (!between_two || face_one_way(self, &set)) && self.separate_all(view, &set, step);
         }
         self.set = set;
         done
     }
 
     fn separate_all(&mut self, view: View<'_>, set: &[Member], step: f32) -> bool {
-        let Self { graph, terms, plans, probe, latches, resort, .. } = self;
+        let Self { graph, plans, probe, latches, resort, .. } = self;
         let before = set.iter().fold(Vec3::ZERO, |sum, m| {
             let latch = &latches.now[m.contour];
             let weight = if latch.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
             sum + latch.heading * if m.flip == 0 { weight } else { -weight }
         });
-        let [n, m] = normals(view, graph, terms, set).0.map(Vec3::normalize_or_zero);
+        let [n, m] = [0, 1].map(|side| mean(facing_at(view, graph, set, side)).normalize_or_zero());
         let (mut best, mut least) = (None, f32::INFINITY);
         let mut look = |direction: Vec3, most: f32| probe.look(view, graph, set, direction, most).then_some(probe.cost);
         let across = n.cross(m).normalize_or_zero();

@@ -5,6 +5,7 @@
 //!    \             C = n · δ - t     n = ±δ/|δ|, t: thickness
 //!     |  δ        Δxᵢ = wᵢ mᵢ⁻¹ n (C* - C) / Σ wⱼ² mⱼ⁻¹
 //!  ---o-------     C* = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
+//!                  the sum is no less than mᵢ⁻¹ / 16, so that nothing goes farther than four times C
 //! ```
 //!
 //! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
@@ -23,8 +24,9 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 const RECOVERY_SPEED: f32 = 0.5;
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
 const SUPPORT: f32 = 0.1;
-/// No particle of a pair that is partly held goes farther than one over this times its push (dimensionless).
-const LEAST_SHARE: f32 = 0.25;
+/// No particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
+/// where the others are held.
+const MOST_PUSHES: f32 = 4.0;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
 
@@ -106,7 +108,7 @@ impl Contact {
         }
         // In touch to the last digit the direction is the last one.
         if distance.abs() > 1.0e-3 * self.thickness {
-            self.normal = delta / distance;
+            self.normal = delta.normalize() * distance.signum();
         }
         self.weights = near.weights;
         self.behind = distance < 0.0;
@@ -114,11 +116,10 @@ impl Contact {
         if gap < 0.0 {
             self.support(particles, &mut x);
         }
-        let mobility: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
-        // Beside what is held, the little that is free would have to go far to matter.
-        let held = x.iter().any(|x| x.w == 0.0);
-        let most = (0..4).map(|i| self.weights[i].abs() * x[i].w).fold(0.0, f32::max);
-        let mobility = if held { mobility.max(LEAST_SHARE * most) } else { mobility };
+        let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
+        let lightest = x.iter().map(|x| x.w).fold(0.0, f32::max);
+        // Momentum is kept whatever they are divided by.
+        let mobility = if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 };
         // NaN passes no comparison.
         let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
         if !(touches && mobility > 0.0) {

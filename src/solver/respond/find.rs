@@ -50,9 +50,16 @@ const MOST_PAIRS: usize = 32;
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
 const REST_SHARE: f32 = 0.7;
 
-/// Closer than so many thicknesses, primitives all but lie in the same place, and do so for all that can be told (dimensionless).
-const HARDLY_APART: f32 = 1.0e-3;
-const ROUNDING: f32 = 1.0e-5;
+/// Share of their thickness by which pairs are kept apart where how far they are is not up to them (dimensionless): where both sides are pinned
+/// somewhere, as cloth beside pins that are closer would have to stretch, and around a tangle if they are no farther apart.
+const LEAST_KEPT: f32 = 0.1;
+
+/// How much both sides of a pair belong to a tangle (0 to 1, dimensionless) from which on it is left to untangling. Where they do less, around
+/// it, a pair is kept about as far apart as it is: pushed to their thickness, sheets that cross at a small angle would buckle and cross more.
+const WITHIN_TANGLE: f32 = 0.9;
+
+/// Distances are not known better than to this share of the coordinates (dimensionless).
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
 /// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
 const SLACK: f32 = 0.1;
@@ -70,6 +77,8 @@ pub struct Moment<'a> {
     pub touch: &'a [Touch],
     /// Whether each cloth rests on cloths at all.
     pub takes_part: &'a [bool],
+    /// Whether nothing of a cloth is to be moved: what of it is held is not held by pins.
+    pub fixed: &'a [bool],
 }
 
 impl Moment<'_> {
@@ -254,14 +263,15 @@ impl Finder {
         self.flatness.forget();
     }
 
-    /// Finds the pairs that may touch within `dt` [s]. `tangled` says of a particle that it is part of a tangle, within which there is no right side.
+    /// Finds the pairs that may touch within `dt` [s]. `tangled` says how much a particle belongs to a tangle (0 to 1), within which there is no
+    /// right side.
     pub fn find(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,
         moment: &Moment<'_>,
         dt: f32,
-        tangled: impl Fn(u32) -> bool,
+        tangled: impl Fn(u32) -> f32,
         contacts: &mut Contacts,
     ) {
         self.begin(surface, moment, dt, contacts);
@@ -280,7 +290,7 @@ impl Finder {
         tree: &mut Tree,
         moment: &Moment<'_>,
         dt: f32,
-        tangled: impl Fn(u32) -> bool,
+        tangled: impl Fn(u32) -> f32,
         contacts: &mut Contacts,
     ) -> bool {
         // Where something lay in the same place, nobody knows yet on which side.
@@ -369,7 +379,7 @@ impl Finder {
         moment: &Moment<'_>,
         share: f32,
         dt: f32,
-        tangled: impl Fn(u32) -> bool,
+        tangled: impl Fn(u32) -> f32,
         contacts: &mut Contacts,
     ) {
         for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
@@ -414,11 +424,11 @@ impl Finder {
         &'a mut self,
         surface: &'a Surface,
         moment: &Moment<'a>,
-        tangled: impl Fn(u32) -> bool + 'a,
+        tangled: impl Fn(u32) -> f32 + 'a,
         contacts: &'a mut Contacts,
         anew: bool,
     ) -> impl FnMut(u32, u32) -> bool + 'a {
-        let &Moment { positions, touch, takes_part, .. } = moment;
+        let &Moment { positions, touch, takes_part, fixed, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
         let topology = &surface.topology;
         let Self { owns, ahead, longest, flatness, loose, .. } = self;
@@ -438,18 +448,24 @@ impl Finder {
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
             let mut thickness = 0.5 * (mine.thickness + other.thickness);
             let margin = MARGIN * thickness;
+            let is_pinned =
+                |part: u16, ids: &[u32]| !fixed[usize::from(part)] && ids.iter().any(|&v| positions[v as usize].w == 0.0);
+            if is_pinned(p, &ids[..first]) && is_pinned(q, &ids[first..]) {
+                thickness *= LEAST_KEPT;
+            }
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
-            // Of a distance that is little more than rounding only the direction is used, and between two cloths in one plane nothing.
-            let normal = match pair.distance / thickness {
-                HARDLY_APART.. => delta / pair.distance,
-                apart if apart >= ROUNDING || p == q => delta.normalize(),
-                _ => Vec3::NAN,
-            };
-            // Exactly in touch, there is no side to be on.
-            let in_tangle = |ids: &[u32]| ids.iter().any(|&v| tangled(v));
-            if !normal.is_finite() || (in_tangle(&ids[..first]) && in_tangle(&ids[first..])) {
+            // Closer than coordinates can tell, two cloths have no side to be on; what a cloth does to itself is taken back if it was wrong.
+            let size = ids.map(|v| at(v).abs()).into_iter().fold(Vec3::ZERO, Vec3::max).max_element();
+            let known = pair.distance > ROUNDING * size || p == q;
+            let normal = if known { delta.normalize() } else { Vec3::NAN };
+            let tangled = |ids: &[u32]| ids.iter().map(|&v| tangled(v)).fold(0.0, f32::max);
+            let tangled = tangled(&ids[..first]).min(tangled(&ids[first..]));
+            if !normal.is_finite() || tangled > WITHIN_TANGLE {
                 contacts.coincide |= !normal.is_finite();
                 return;
+            }
+            if tangled > 0.0 {
+                thickness = thickness.min(pair.distance.max(LEAST_KEPT * thickness));
             }
             let far = |thickness: f32| {
                 let reach = thickness + margin;

@@ -59,6 +59,9 @@ impl RestShape {
         if let Some(bad) = mesh.positions.iter().position(|p| !p.is_finite()) {
             return Err(RestError::NotFinite(bad));
         }
+        if let Some(bad) = mesh.positions.iter().position(|p| p.abs().max_element() > source::FARTHEST) {
+            return Err(RestError::TooFar(bad));
+        }
         let (low, high) = bounds(&mesh.positions);
         let diagonal = low.distance(high);
         let leader = weld::weld(&mesh.positions, weld::WELD_FRACTION * diagonal);

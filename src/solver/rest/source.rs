@@ -2,6 +2,9 @@
 
 use glam::Vec3;
 
+/// Farthest coordinate of a vertex [m]: areas of what is farther out would overflow.
+pub(super) const FARTHEST: f32 = 1.0e12;
+
 /// A triangle soup as an asset delivers it, already scaled to world units.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMesh {
@@ -51,4 +54,7 @@ pub enum RestError {
     /// A vertex position is not finite.
     #[error("vertex {0} has a position that is not finite")]
     NotFinite(usize),
+    /// A vertex is too far out for its distance to others to be a number.
+    #[error("vertex {0} is more than {FARTHEST:e} m from the origin of its mesh: correct it, or the scale of the mesh")]
+    TooFar(usize),
 }
