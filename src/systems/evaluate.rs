@@ -84,8 +84,8 @@ pub(crate) fn tell(
         if outcome.became_held {
             commands.trigger(ClothHeld { entity });
         }
-        // Where nothing is untangled there are no resorts.
-        if outcome.became_last_resort && untangle.enabled && untangle.iterations > 0 {
+        // What takes no part has no resorts.
+        if outcome.became_last_resort && untangle.enabled {
             commands.trigger(ClothLastResort { entity, crossings: report.crossings });
         }
         if outcome.became_clean {
