@@ -42,8 +42,8 @@ impl Notices {
             let entity = label(entity, name);
             match values {
                 Some([given, used]) => warn!(
-                    "{what} {entity} has `{field}` out of range: {used} is used in place of {given}; the documentation of the field has \
-                     the range"
+                    "{what} {entity} has `{field}` out of range: {used} is used in place of {given} (of a vector its length); the \
+                     documentation of the field has unit and range"
                 ),
                 None => {
                     warn!("{what} {entity} has a `{field}` that cannot be used: a number in it is not finite or not allowed");

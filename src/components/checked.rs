@@ -10,7 +10,7 @@ use bevy::math::Vec3;
 /// Clamps settings and remembers the names of those that were out of range.
 #[derive(Debug, Default)]
 pub(crate) struct Checked {
-    /// Names of the settings that were changed, in the order of the checks.
+    /// Names of the settings that were changed, in the order of the checks; only read elsewhere, as their values go with them.
     pub clamped: Vec<Cow<'static, str>>,
     /// Of each, what was given and what is used, in its own unit, if these are numbers; of a vector its length.
     values: Vec<Option<[f32; 2]>>,

@@ -112,6 +112,8 @@ pub struct Group {
     substep: Vec<f32>,
     /// Cloths that are not to be moved.
     fixed: Vec<bool>,
+    /// Particles that pins hold, whether or not their cloth is to be moved.
+    pinned: Vec<bool>,
     retreat: Retreat,
     /// Whether what comes to cross within a frame will be taken back at its end.
     takes_back: bool,
@@ -144,6 +146,7 @@ impl Group {
             finder: Finder::new(&surface),
             substep: vec![0.0; surface.parts.len()],
             fixed: vec![false; surface.parts.len()],
+            pinned: vec![false; n],
             positions: vec![Vec4::ZERO; n],
             previous: vec![Vec4::ZERO; n],
             verdicts: vec![Verdict::default(); surface.parts.len()],
@@ -161,8 +164,10 @@ impl Group {
         self.substep[part] = state.substep;
         self.fixed[part] = fixed;
         let offset = offset.extend(0.0);
-        for (to, from) in self.positions[range.clone()].iter_mut().zip(&state.positions) {
+        let all = self.positions[range.clone()].iter_mut().zip(&mut self.pinned[range.clone()]);
+        for ((to, pinned), from) in all.zip(&state.positions) {
             *to = *from + offset;
+            *pinned = from.w == 0.0;
             if fixed {
                 to.w = 0.0;
             }
@@ -213,12 +218,12 @@ impl Group {
             self.contacts.clear();
             return;
         }
-        let Self { surface, untangler, finder, contacts, weights, fixed, .. } = self;
+        let Self { surface, untangler, finder, contacts, weights, pinned, .. } = self;
         let clean = self.total.is_clean();
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let moment = Moment { positions, previous, substep, touch, takes_part, fixed };
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
@@ -465,8 +470,8 @@ impl Group {
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, fixed, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part, fixed };
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
         finder.begin(surface, &moment, self.horizon, contacts);
         untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
         let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
@@ -483,8 +488,8 @@ impl Group {
     /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
     /// is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, fixed, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part, fixed };
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
         let detector = &mut untangler.detector;
         if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts)) {
             return false;

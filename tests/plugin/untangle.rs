@@ -233,6 +233,10 @@ fn the_game_is_told_of_last_resorts() {
     app.insert_resource(ClothGravity(Vec3::ZERO));
     let idle = Untangle { iterations: 0, ..default() };
     let cloths = Tangle::DeepDent.meshes(13).map(|mesh| spawn(&mut app, mesh_of(&mesh), (Transform::default(), idle)));
+    let off = Untangle { enabled: false, ..default() };
+    for mesh in Tangle::DeepDent.meshes(13) {
+        spawn(&mut app, mesh_of(&mesh), (Transform::from_xyz(10.0, 0.0, 0.0), off));
+    }
     run(&mut app, 50);
     assert!(seen::<ClothLastResort>(&app).is_empty(), "not before a second");
     run(&mut app, 20);

@@ -1,6 +1,7 @@
-//! What takes crossings apart is undone where it makes them much longer than they ever were: cloth that is pressed from all sides, as in a
-//! knot, or that is pinned crossed, crosses more wherever it goes. It waits, as slow as it was made, until there is room. What gets shorter
-//! is never undone, so that a tangle that something else made longer comes apart all the same.
+//! What takes crossings apart is undone where it makes them much longer than they were at the least since nothing crossed: cloth that is
+//! pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes. It waits, as slow as it was made, until there
+//! is room, or for the shape at rest, the last resort. What gets shorter is never undone; what something else made much longer may only get
+//! shorter.
 
 use glam::Vec4;
 
@@ -217,7 +218,8 @@ mod tests {
         assert!(!frame(&mut undo, 100.0, 140.0) && frame(&mut undo, 140.0, 180.0), "1.4 times as long, then 1.8");
         assert!(!frame(&mut undo, 300.0, 290.0), "made longer by something else, then shorter");
         assert!(!frame(&mut undo, 290.0, 40.0) && frame(&mut undo, 40.0, 70.0), "the least counts");
+        assert!(!frame(&mut undo, 40.0, 0.0) && !frame(&mut undo, 100.0, 140.0), "apart, then another tangle");
         undo.forget_least();
-        assert!(!frame(&mut undo, 100.0, 140.0), "another tangle");
+        assert!(!frame(&mut undo, 300.0, 400.0), "another tangle after nothing crossed at all");
     }
 }

@@ -118,7 +118,7 @@ impl Contact {
         }
         let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
         let lightest = x.iter().map(|x| x.w).fold(0.0, f32::max);
-        // Momentum is kept whatever they are divided by.
+        // `|w| / max(w², 1/16) <= 4`. Momentum is kept whatever they are divided by; a push that is cut short goes on in the next substeps.
         let mobility = if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 };
         // NaN passes no comparison.
         let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);

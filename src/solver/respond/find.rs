@@ -50,8 +50,9 @@ const MOST_PAIRS: usize = 32;
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
 const REST_SHARE: f32 = 0.7;
 
-/// Share of their thickness by which pairs are kept apart where how far they are is not up to them (dimensionless): where both sides are pinned
-/// somewhere, as cloth beside pins that are closer would have to stretch, and around a tangle if they are no farther apart.
+/// Share of their thickness at which pairs are kept apart where how far they are is not up to them (dimensionless): where both sides are pinned
+/// somewhere, as cloth beside pins that are closer would have to stretch, and around a tangle if they are no farther apart. None lets cloth
+/// cross there; all of it is that stretch, and that buckling.
 const LEAST_KEPT: f32 = 0.1;
 
 /// How much both sides of a pair belong to a tangle (0 to 1, dimensionless) from which on it is left to untangling. Where they do less, around
@@ -77,8 +78,8 @@ pub struct Moment<'a> {
     pub touch: &'a [Touch],
     /// Whether each cloth rests on cloths at all.
     pub takes_part: &'a [bool],
-    /// Whether nothing of a cloth is to be moved: what of it is held is not held by pins.
-    pub fixed: &'a [bool],
+    /// Whether pins hold each particle; what is not to be moved has no inverse mass either.
+    pub pinned: &'a [bool],
 }
 
 impl Moment<'_> {
@@ -428,7 +429,7 @@ impl Finder {
         contacts: &'a mut Contacts,
         anew: bool,
     ) -> impl FnMut(u32, u32) -> bool + 'a {
-        let &Moment { positions, touch, takes_part, fixed, .. } = moment;
+        let &Moment { positions, touch, takes_part, pinned, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
         let topology = &surface.topology;
         let Self { owns, ahead, longest, flatness, loose, .. } = self;
@@ -446,26 +447,18 @@ impl Finder {
                 return;
             }
             let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
-            let mut thickness = 0.5 * (mine.thickness + other.thickness);
-            let margin = MARGIN * thickness;
-            let is_pinned =
-                |part: u16, ids: &[u32]| !fixed[usize::from(part)] && ids.iter().any(|&v| positions[v as usize].w == 0.0);
-            if is_pinned(p, &ids[..first]) && is_pinned(q, &ids[first..]) {
-                thickness *= LEAST_KEPT;
-            }
+            let whole = 0.5 * (mine.thickness + other.thickness);
+            let (mut thickness, margin) = (whole, MARGIN * whole);
             let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
             // Closer than coordinates can tell, two cloths have no side to be on; what a cloth does to itself is taken back if it was wrong.
             let size = ids.map(|v| at(v).abs()).into_iter().fold(Vec3::ZERO, Vec3::max).max_element();
             let known = pair.distance > ROUNDING * size || p == q;
-            let normal = if known { delta.normalize() } else { Vec3::NAN };
+            let normal = delta.try_normalize().filter(|_| known).unwrap_or(Vec3::NAN);
             let tangled = |ids: &[u32]| ids.iter().map(|&v| tangled(v)).fold(0.0, f32::max);
             let tangled = tangled(&ids[..first]).min(tangled(&ids[first..]));
             if !normal.is_finite() || tangled > WITHIN_TANGLE {
                 contacts.coincide |= !normal.is_finite();
                 return;
-            }
-            if tangled > 0.0 {
-                thickness = thickness.min(pair.distance.max(LEAST_KEPT * thickness));
             }
             let far = |thickness: f32| {
                 let reach = thickness + margin;
@@ -489,6 +482,13 @@ impl Finder {
             }
             if contacts.is_behind(pair.kind, ids) {
                 return;
+            }
+            // Looked for as far as any other, so that nothing meets unseen.
+            let is_pinned = |ids: &[u32]| ids.iter().any(|&v| pinned[v as usize]);
+            if is_pinned(&ids[..first]) && is_pinned(&ids[first..]) {
+                thickness = thickness.min(LEAST_KEPT * whole);
+            } else if tangled > 0.0 {
+                thickness = thickness.min(pair.distance.max(LEAST_KEPT * whole));
             }
             let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
             let friction = Friction::between(rub(mine), rub(other));

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// Farthest coordinate of a vertex [m]: areas of what is farther out would overflow.
-pub(super) const FARTHEST: f32 = 1.0e12;
+/// Farthest coordinate of a vertex [m]: squares of areas of what is farther out would overflow.
+pub(super) const FARTHEST: f32 = 1.0e9;
 
 /// A triangle soup as an asset delivers it, already scaled to world units.
 #[derive(Clone, Debug, Default)]
