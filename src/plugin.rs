@@ -178,7 +178,10 @@ impl Plugin for ClothPlugin {
                 (integrate::integrate, couple::give).chain().run_if(time_flows).in_set(ClothSystems::Integrate),
                 (detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
                 (resolve::resolve, resolve::scatter).chain().run_if(time_flows).in_set(ClothSystems::Resolve),
-                ((evaluate::look, evaluate::judge, evaluate::tell).chain().run_if(time_flows), evaluate::recoveries)
+                (
+                    (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time_flows),
+                    evaluate::recoveries,
+                )
                     .chain()
                     .in_set(ClothSystems::Evaluate),
                 (respond::respond, touch::touches, sleep::doze).chain().run_if(time_flows).in_set(ClothSystems::Respond),

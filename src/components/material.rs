@@ -50,6 +50,9 @@ pub struct ClothMaterial {
     pub static_friction: f32,
     /// Coulomb coefficient while it slides (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
+    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of two cloths that meet the
+    /// larger counts; bodies have none of their own. What meets at less than 0.25 m/s does not bounce.
+    pub restitution: f32,
     /// How far it may hang from a pin, over the distance along the cloth at rest (dimensionless). Default 1, range 0.1 to 10; infinite
     /// switches it off.
     pub tether_scale: f32,
@@ -77,6 +80,7 @@ impl ClothMaterial {
         thickness: 0.005,
         static_friction: 0.5,
         dynamic_friction: 0.4,
+        restitution: 0.0,
         tether_scale: 1.0,
         drag_coefficient: 1.2,
         lift_coefficient: 0.6,
@@ -196,6 +200,7 @@ impl ClothMaterial {
             "thickness" => &mut self.thickness,
             "static_friction" => &mut self.static_friction,
             "dynamic_friction" => &mut self.dynamic_friction,
+            "restitution" => &mut self.restitution,
             "tether_scale" => &mut self.tether_scale,
             "drag_coefficient" => &mut self.drag_coefficient,
             "lift_coefficient" => &mut self.lift_coefficient,
@@ -217,6 +222,7 @@ impl ClothMaterial {
             thickness: checked.within("thickness", self.thickness, base.thickness, 1.0e-4, 1.0),
             static_friction: checked.within("static_friction", self.static_friction, base.static_friction, 0.0, 10.0),
             dynamic_friction: checked.within("dynamic_friction", self.dynamic_friction, base.dynamic_friction, 0.0, 10.0),
+            restitution: checked.within("restitution", self.restitution, base.restitution, 0.0, 1.0),
             tether_scale: checked.within_or_off("tether_scale", self.tether_scale, base.tether_scale, 0.1, 10.0),
             drag_coefficient: checked.within("drag_coefficient", self.drag_coefficient, base.drag_coefficient, 0.0, 10.0),
             lift_coefficient: checked.within("lift_coefficient", self.lift_coefficient, base.lift_coefficient, 0.0, 10.0),

@@ -14,7 +14,7 @@ mod undo;
 
 use core::ops::Range;
 
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 use super::body::Touch;
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
@@ -163,6 +163,7 @@ impl Group {
         }
         self.substep[part] = state.substep;
         self.fixed[part] = fixed;
+        self.untangler.detector.set_moving(part, fixed && state.positions.iter().any(|x| x.w > 0.0));
         let offset = offset.extend(0.0);
         let all = self.positions[range.clone()].iter_mut().zip(&mut self.pinned[range.clone()]);
         for ((to, pinned), from) in all.zip(&state.positions) {
@@ -240,7 +241,7 @@ impl Group {
         let (mut count, mut longest) = (0, 0.0f32);
         for part in 0..parts {
             if let Some(m) = cloths.member(part) {
-                count = count.max(m.cloth.substeps(m.stepping, m.scratch));
+                count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
                 longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
             }
         }
@@ -289,16 +290,20 @@ impl Group {
         self.guard(cloths);
     }
 
-    /// Notes where everything is that may touch.
+    /// Notes where everything is that may touch, and how fast.
     fn note_start(&mut self, cloths: &mut impl Members) {
         if self.contacts.is_empty() {
             return;
         }
         self.contacts.begin_start();
         for part in 0..self.surface.parts.len() {
-            let Some(Member { state, offset, .. }) = cloths.member(part) else { continue };
+            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);
-            self.contacts.note_start(part, |i| state.positions.get(i).map_or(Vec4::NAN, |&x| x + offset));
+            let per_second = if moves && state.substep > 0.0 { state.substep.recip() } else { 0.0 };
+            self.contacts.note_start(part, |i| match (state.positions.get(i), state.previous.get(i)) {
+                (Some(&x), Some(&old)) => (x + offset, Vec3A::from_vec4(x - old) * per_second),
+                _ => (Vec4::NAN, Vec3A::ZERO),
+            });
         }
     }
 
@@ -445,6 +450,7 @@ impl Group {
     /// Says that cloth `part`, as gathered, stays where it is, whatever speed it had when it was stopped.
     pub fn hold(&mut self, part: usize) {
         self.substep[part] = 0.0;
+        self.untangler.detector.set_moving(part, false);
     }
 
     /// Looks for crossings in what was gathered.
@@ -508,10 +514,13 @@ impl Group {
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub fn resolve(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
         self.takes_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
+        self.undo.forget();
+        if !self.fixed.contains(&false) {
+            return;
+        }
         if settings.iterations > 0 {
             self.take_back();
         }
-        self.undo.forget();
         if self.total.is_clean() {
             self.undo.forget_least();
         }
@@ -583,7 +592,7 @@ impl Group {
         contacts.begin_start();
         contacts.begin_gather();
         for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
-            contacts.note_start(part, |i| start[range + i]);
+            contacts.note_start(part, |i| (start[range + i], Vec3A::ZERO));
             contacts.gather_end(part, |i| positions[range + i]);
         }
         // Weights of a tangle that was taken apart long ago say nothing.
@@ -818,6 +827,11 @@ impl Group {
     #[must_use]
     pub fn contours(&self) -> &[Contour] {
         &self.untangler.resolver.graph().contours
+    }
+
+    /// Cloths whose layers are in another order than pins hold them, the one with the higher layer first: nothing is done about their order.
+    pub fn overruled_layers(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.untangler.resolver.overruled_layers().map(|pair| pair.map(usize::from))
     }
 
     /// What was done last about each contour that was found then.

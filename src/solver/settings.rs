@@ -26,6 +26,9 @@ pub struct Fabric {
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
+    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of two cloths the larger
+    /// counts; what meets at less than 0.25 m/s does not bounce.
+    pub restitution: f32,
     /// Length of tethers over the geodesic rest distance to the pin (dimensionless). Default 1.0, range 0.1 to 10; infinite: off.
     pub tether_scale: f32,
     /// Aerodynamic drag coefficient across the surface (dimensionless). Default 1.2, range 0 to 10.
@@ -56,6 +59,7 @@ impl Default for Fabric {
             thickness: 0.005,
             static_friction: 0.5,
             dynamic_friction: 0.4,
+            restitution: 0.0,
             tether_scale: 1.0,
             drag_coefficient: 1.2,
             lift_coefficient: 0.6,

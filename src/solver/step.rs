@@ -91,6 +91,8 @@ pub struct Scratch {
     /// Whether the last frame took it for strained, and for taut.
     strained: bool,
     taut: bool,
+    /// How much longer than at rest tethers have to be for bodies to hold what they hold (dimensionless).
+    give: f32,
     /// For how long it was slow [s].
     slow_for: f32,
     /// Substeps between those in which the factors of bending are for.
@@ -209,6 +211,9 @@ const WILD: f32 = 8.0;
 /// do it every other frame.
 const EASED: f32 = 0.5;
 
+/// Most by which tethers give way, as a share of their length at rest (dimensionless).
+const MOST_GIVE: f32 = 0.25;
+
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
 
@@ -305,6 +310,8 @@ struct Frame {
     gusts: u32,
     strained: bool,
     taut: bool,
+    /// Whether a fast body is near.
+    driven: bool,
     calm: bool,
     /// Substeps between those with bending, and drag [1/s].
     bend_every: u64,
@@ -336,20 +343,30 @@ impl Stepped<'_> {
     /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that moves much
     /// faster than the pins may meet the cloth.
     #[must_use]
-    pub fn substeps(&self, stepping: &Stepping, scratch: &Scratch) -> u32 {
+    pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = substeps_of(stepping, input.dt);
-        if scratch.contacts.candidates() == 0 {
-            return count;
-        }
         // What hangs on a character that runs goes with it.
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
-        let driving = input.bodies.iter().filter(|body| body.rigid.is_none());
-        let ways = driving.map(|body| (body.to.translation - body.from.translation - mean).length());
+        let driving = || input.bodies.iter().filter(|body| body.rigid.is_none());
+        let ways = driving().map(|body| (body.to.translation - body.from.translation - mean).length());
         let farthest = ways.filter(|way| way.is_finite()).fold(0.0, f32::max);
         let times = (farthest / (count as f32 * DRIVEN * fabric.thickness)).ceil().clamp(1.0, MOST_DRIVEN);
-        count * times as u32
+        if times == 1.0 {
+            return count;
+        }
+        // What was near in the last frame, or comes in this one from afar.
+        let near = scratch.contacts.candidates() > 0 || {
+            let of = |state: &ClothState| {
+                state.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), x| {
+                    (low.min(x.truncate()), high.max(x.truncate()))
+                })
+            };
+            let (low, high) = of(state);
+            driving().any(|body| body.sweeps(low - fabric.thickness, high + fabric.thickness))
+        };
+        if near { count * times as u32 } else { count }
     }
 
     /// Prepares a frame of as many substeps as asked for, or as `stepping` says. None begins when no time passes or the
@@ -362,7 +379,7 @@ impl Stepped<'_> {
             return;
         }
         let dt = input.dt.min(stepping.max_frame);
-        let substeps = count.unwrap_or_else(|| self.substeps(stepping, scratch)).max(1);
+        let substeps = count.unwrap_or_else(|| self.substeps(stepping, state, scratch)).max(1);
         let h = dt / substeps as f32;
         if scratch.factors_for != h {
             scratch.springs.update(&rest.springs, fabric, &state.positions, h);
@@ -402,9 +419,12 @@ impl Stepped<'_> {
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
+        // What a fast body is about to strain is not yet.
+        let driven = substeps > substeps_of(stepping, input.dt);
+        let (strained, taut) = (strained || driven, taut || driven);
         if taut {
             // A calm cloth would feel a list that shrinks.
-            let all = scratch.strain() > WILD * fabric.strain_limit;
+            let all = driven || scratch.strain() > WILD * fabric.strain_limit;
             scratch.tight.find(&rest.springs, fabric.strain_limit, (all, calm), &state.positions);
         }
         if calm {
@@ -423,6 +443,7 @@ impl Stepped<'_> {
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
             strained,
             taut,
+            driven,
             calm,
             bend_every,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
@@ -468,7 +489,7 @@ impl Stepped<'_> {
             bend::solve(&rest.bends, &scratch.bends, x);
         }
         if frame.calm || !state.substeps.is_multiple_of(frame.bend_every) {
-            scratch.tethers.solve(fabric.tether_scale, x);
+            scratch.tethers.solve(fabric.tether_scale + scratch.give, x);
         }
         if frame.strained {
             scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
@@ -492,6 +513,9 @@ impl Stepped<'_> {
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
         frame.report.body_contacts = scratch.contacts.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        if frame.driven || s1 == 1.0 {
+            scratch.give = give(self.fabric, scratch, x);
+        }
     }
 
     /// Ends the frame; nothing when none was begun. `crowded`: whether it may touch cloth.
@@ -517,6 +541,13 @@ impl Stepped<'_> {
         scratch.slow_for = if mean_square_speed(state) <= bound * bound { (scratch.slow_for + frame.dt).min(1.0) } else { 0.0 };
         Some(report)
     }
+}
+
+/// By how much of their length at rest tethers have to give way for bodies to hold what they hold (dimensionless): cloth that is drawn over a body
+/// is longer all the way to its pins, within its strain limit, not only where the body is.
+fn give(fabric: &Fabric, scratch: &Scratch, positions: &[Vec4]) -> f32 {
+    let most = fabric.strain_limit.min(MOST_GIVE);
+    (scratch.tethers.longest(scratch.grounded(), positions) - fabric.tether_scale).clamp(0.0, most)
 }
 
 /// Gives particles that hardly moved [`STUCK`] since they were `before`, a substep being the `share` of that time, the speed with which they did.
@@ -564,7 +595,7 @@ fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: 
             *x = *before + way * (farthest / square.sqrt());
         }
     }
-    let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
+    let slip = Touch::frictionless(fabric);
     scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
@@ -593,7 +624,7 @@ pub fn displace(
     }
     let x = &mut state.positions;
     displaced.clone_from(x);
-    let slip = Touch { thickness: fabric.thickness, static_friction: 0.0, dynamic_friction: 0.0 };
+    let slip = Touch::frictionless(fabric);
     contacts.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
     faces.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
     let mut stopped = false;

@@ -95,6 +95,23 @@ pub(crate) fn tell(
     }
 }
 
+/// Says whose layers cannot come into order.
+pub(crate) fn overruled_layers(mut notices: ResMut<Notices>, groups: Res<ClothGroups>, names: Query<&Name>) {
+    for group in &groups.list {
+        for pair in group.group.overruled_layers() {
+            let [Some(outer), Some(inner)] = pair.map(|part| group.members.get(part)) else { continue };
+            if notices.first(outer.entity, format!("layer over {}", inner.entity)) {
+                let [over, under] = [outer, inner].map(|member| label(member.entity, names.get(member.entity).ok()));
+                warn!(
+                    "cloth {over} has `ClothCollision::layer` {}, to be worn over {under} with {}, but pins of both hold it under it: their \
+                     order is let be; swap the layers, or the pins",
+                    outer.collision.layer, inner.collision.layer
+                );
+            }
+        }
+    }
+}
+
 /// Events for recoveries, and an error for a cloth that was stopped.
 pub(crate) fn recoveries(
     mut commands: Commands,
@@ -106,6 +123,12 @@ pub(crate) fn recoveries(
         scratch.recovered = None;
         commands.trigger(ClothRecovered { entity, level, cause });
         if level != RecoveryLevel::Frozen {
+            if notices.first(entity, "recovered") {
+                warn!(
+                    "cloth {} blew up ({cause:?}) and was taken back ({level:?}); this is said once, `ClothReport` counts on",
+                    label(entity, name)
+                );
+            }
             continue;
         }
         *status = ClothStatus::Failed;

@@ -230,7 +230,7 @@ fn seen_with_contacts(rest: &RestShape, positions: &[Vec4]) -> usize {
     let (topology, rest) = (&rest.topology, &rest.positions);
     let part = PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 };
     let mut group = Group::new(&[part]).expect("one cloth");
-    let touch = Touch { thickness: 0.005, static_friction: 0.0, dynamic_friction: 0.0 };
+    let touch = Touch { thickness: 0.005, ..Touch::default() };
     let state =
         ClothState { positions: positions.to_vec(), previous: positions.to_vec(), substep: 0.01, ..ClothState::default() };
     group.expect(0.01, &[touch], |_| true);

@@ -207,6 +207,7 @@ fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
             thickness: bad,
             static_friction: bad,
             dynamic_friction: bad,
+            restitution: bad,
             tether_scale: bad,
             drag_coefficient: bad,
             lift_coefficient: bad,

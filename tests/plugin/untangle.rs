@@ -243,3 +243,30 @@ fn the_game_is_told_of_last_resorts() {
     let told: Vec<Entity> = seen::<ClothLastResort>(&app).iter().map(|e| e.entity).collect();
     assert!(cloths.iter().all(|c| told.contains(c)) && told.len() == 2, "{told:?}");
 }
+
+/// Two sheets that cross at a pinned edge: contacts that did not know of it would pull at the crossing from both sides.
+#[test]
+fn crossings_of_cloths_that_are_not_untangled_are_counted_and_left_alone() {
+    let mut app = app();
+    let off = Untangle { enabled: false, ..default() };
+    let turn = |angle: f32| Transform::from_rotation(Quat::from_rotation_y(angle));
+    let cloths = [0.0, 0.5].map(|angle| {
+        let stands = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+        spawn(&mut app, sheet(20), (turn(angle) * Transform::from_rotation(stands), border(), off))
+    });
+    run(&mut app, 300);
+    let fastest = |app: &App, cloth: Entity| {
+        let state = app.world().get::<ClothParticles>(cloth).expect("particles").state();
+        (0..state.positions.len()).map(|i| state.velocity(i).length()).fold(0.0, f32::max)
+    };
+    for cloth in cloths {
+        let report = report(&app, cloth);
+        let fastest = fastest(&app, cloth);
+        eprintln!("{} crossings, {fastest} m/s, worst edge {}", report.crossings, report.worst_edge);
+        assert!(
+            report.crossings > 10 && report.iterations == 0 && fastest < 0.1,
+            "{} crossings, {fastest} m/s",
+            report.crossings
+        );
+    }
+}

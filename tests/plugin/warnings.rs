@@ -158,3 +158,31 @@ fn pins_that_hold_nothing_are_named_once() {
     assert!(loose.len() == 1 && loose[0].contains("space of the mesh"), "{lines:#?}");
     assert!(of("`free`").is_empty(), "{lines:#?}");
 }
+
+#[test]
+fn layers_in_another_order_than_pins_are_named_once() {
+    let lines = warnings(app(), |app| {
+        for (name, layer, z) in [("coat", 1, 0.0), ("shirt", 0, 0.02)] {
+            let collision = ClothCollision { layer, ..default() };
+            spawn(app, sheet(9), (border(), collision, Transform::from_xyz(0.0, 0.0, z), Untangle::default(), Name::new(name)));
+        }
+        run(app, 60);
+    });
+    let lines: Vec<_> = lines.iter().filter(|line| line.contains("`shirt`")).collect();
+    assert!(lines.len() == 1 && lines[0].contains("`coat`") && lines[0].contains("layer"), "{lines:#?}");
+}
+
+#[test]
+fn a_recovery_is_one_warning() {
+    let lines = warnings(app(), |app| {
+        let cloth = spawn(app, sheet(5), (border(), Name::new("torn")));
+        for _ in 0..3 {
+            run(app, 20);
+            app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth").state_mut().positions[7].x = f32::NAN;
+        }
+        run(app, 20);
+        assert!(report(app, cloth).restores >= 2);
+    });
+    let lines: Vec<_> = lines.iter().filter(|line| line.contains("`torn`")).collect();
+    assert!(lines.len() == 1 && lines[0].contains("NotFinite"), "{lines:#?}");
+}

@@ -36,15 +36,23 @@ fn momentum(scene: &Scene) -> DVec3 {
 
 #[test]
 fn a_ball_at_30_m_per_s_does_not_pass_a_held_cloth() {
-    for radius in [0.05, 0.15] {
-        let mut scene = Scene::new(vec![sheet(24, 1.0, Quat::IDENTITY, Vec3::ZERO, true)]);
-        let at = |time: f32| Pose::from_translation(vec3(0.03, 0.3 - 30.0 * time, 0.02));
+    for (n, radius, speed) in [
+        (24, 0.05, 30.0),
+        (24, 0.15, 30.0),
+        (48, 0.05, 30.0),
+        (64, 0.05, 30.0),
+        (64, 0.05, 10.0),
+        (64, 0.05, 3.0),
+        (64, 0.15, 30.0),
+    ] {
+        let mut scene = Scene::new(vec![sheet(n, 1.0, Quat::IDENTITY, Vec3::ZERO, true)]);
+        let at = |time: f32| Pose::from_translation(vec3(0.03, 0.3 - speed * time, 0.02));
         // It stops 0.1 m below, where the cloth can follow within its strain limit.
-        let path = |time: f32| at(time.min(0.4 / 30.0));
+        let path = |time: f32| at(time.min(0.4 / speed));
         let ball = shape::ball(radius).expect("a ball");
         scene.bodies.push(Body::at_rest(ball, path(0.0)));
         let mut scene = untangled(scene);
-        for frame in 1..=30 {
+        for frame in 1..=60 {
             let body = &mut scene.bodies[0];
             (body.from, body.to) = (body.to, path(frame as f32 * FRAME));
             scene.step(FRAME);
@@ -54,8 +62,11 @@ fn a_ball_at_30_m_per_s_does_not_pass_a_held_cloth() {
                 let flat = vec3(x.x - centre.x, 0.0, x.z - centre.z).length();
                 flat < 0.5 * radius && x.y > centre.y
             });
-            assert_eq!(over.count(), 0, "radius {radius}, frame {frame}: particles above the ball");
+            assert_eq!(over.count(), 0, "{n}², radius {radius}, {speed} m/s, frame {frame}: particles above the ball");
         }
+        // All of the cloth is longer by what the ball asks for, not only what lies on it.
+        let longest = scene.cloths[0].report.worst_edge;
+        assert!(longest < 2.5, "{n}², radius {radius}, {speed} m/s: worst edge {longest}");
     }
 }
 
@@ -178,4 +189,64 @@ fn cloth_on_cloth_bears_its_weight() {
     let (force, weight) = borne();
     // What it has of its own speed is taken from it at the end of a frame, once of six times by nobody's force.
     assert!((force - weight).abs() < 0.2 * weight, "{force} N of {weight}");
+}
+
+/// Two free sheets of `mass` [kg/m²] that meet flat at 1 m/s, with restitutions: how fast they part, of the speed at which they met, and the worst
+/// edge (dimensionless).
+fn part(n: u32, turn: f32, masses: [f32; 2], restitution: [f32; 2]) -> (f64, f32) {
+    let first = sheet(n, 0.5, Quat::IDENTITY, Vec3::ZERO, false);
+    let second = sheet(n, 0.5, Quat::from_rotation_y(turn), vec3(0.013, 0.03, 0.007), false);
+    let mut scene = Scene { gravity: Vec3::ZERO, ..Scene::new(vec![first, second]) };
+    scene.wind.density = 0.0;
+    for (k, cloth) in scene.cloths.iter_mut().enumerate() {
+        (cloth.fabric.drag, cloth.fabric.restitution) = (0.0, restitution[k]);
+        cloth.fabric.density = masses[k];
+        cloth.prepare();
+    }
+    throw(&mut scene.cloths[1], vec3(0.0, -1.0, 0.0));
+    let mut scene = untangled(scene);
+    let mean = |cloth: &SceneCloth| {
+        let sum: DVec3 =
+            cloth.rest.areas.iter().enumerate().map(|(i, a)| f64::from(*a) * cloth.state.velocity(i).as_dvec3()).sum();
+        sum.y / f64::from(cloth.rest.areas.iter().sum::<f32>())
+    };
+    let mut worst = 0.0_f32;
+    for _ in 0..12 {
+        scene.step(FRAME);
+        assert_eq!(scene.crossings(), 0);
+        worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(worst, f32::max);
+    }
+    (mean(&scene.cloths[1]) - mean(&scene.cloths[0]), worst)
+}
+
+#[test]
+fn cloths_part_as_their_restitution_says() {
+    for (n, turn) in [(12, 0.0), (20, 0.0), (20, 0.05)] {
+        for masses in [[0.2, 0.2], [2.0, 0.2]] {
+            for (restitution, wanted) in [([0.0, 0.0], 0.0), ([0.5, 0.0], 0.5), ([0.3, 0.8], 0.8)] {
+                let (apart, worst) = part(n, turn, masses, restitution);
+                eprintln!(
+                    "{n}² turned by {turn}, {masses:?} kg/m², restitution {restitution:?}: {apart} m/s, worst edge {worst}"
+                );
+                assert!((apart - wanted).abs() < 0.15, "{n}, {turn}, {masses:?}, {restitution:?}: {apart} m/s");
+                assert!(worst < 1.15, "{worst}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cloth_leaves_a_floor_as_its_restitution_says() {
+    for restitution in [0.0, 0.3, 0.8] {
+        let mut scene = Scene::new(vec![sheet(16, 0.5, Quat::IDENTITY, vec3(0.0, 0.1, 0.0), false)]);
+        scene.bodies.push(Body::at_rest(shape::half_space(Vec3::Y).expect("a floor"), Pose::IDENTITY));
+        scene.gravity = Vec3::ZERO;
+        scene.wind.density = 0.0;
+        (scene.cloths[0].fabric.drag, scene.cloths[0].fabric.restitution) = (0.0, restitution);
+        throw(&mut scene.cloths[0], vec3(0.0, -2.0, 0.0));
+        (0..12).for_each(|_| scene.step(FRAME));
+        let cloth = &scene.cloths[0];
+        let speed = momentum(&scene).y / cloth.rest.areas.iter().map(|a| f64::from(a * cloth.fabric.density)).sum::<f64>();
+        assert!((speed - 2.0 * f64::from(restitution)).abs() < 0.02, "{restitution}: {speed} m/s");
+    }
 }

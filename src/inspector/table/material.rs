@@ -6,7 +6,7 @@ const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<
     Setting::new(Part::Material, name, unit, Kind::Number(scale, field), tips)
 }
 
-pub(super) const MATERIAL: [Setting; 13] = [
+pub(super) const MATERIAL: [Setting; 14] = [
     row(
         "density",
         "kg/m²",
@@ -107,6 +107,17 @@ pub(super) const MATERIAL: [Setting; 13] = [
             "Coulomb coefficient while it slides.",
             "Once it slides it does not stop.",
             "Above the static one it stops with a jerk.",
+        ],
+    ),
+    row(
+        "restitution",
+        "",
+        Scale::real(0.0, 1.0),
+        |s| Some(&mut s.material.restitution),
+        [
+            "Speed with which it leaves what it struck, over that with which it met it.",
+            "Lies where it falls, as fabrics do.",
+            "Bounces like a trampoline.",
         ],
     ),
     row(

@@ -9,7 +9,7 @@ use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
-use super::respond::{BAND, Friction, RECOVERY_SPEED, respond};
+use super::respond::{BAND, Bounce, Friction, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::{Swept, plane_at, sweep};
 use crate::solver::couple::Coupling;
@@ -45,14 +45,22 @@ pub struct Touch {
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless).
     pub dynamic_friction: f32,
+    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless).
+    pub restitution: f32,
 }
 
 impl Touch {
     /// As a fabric says.
     #[must_use]
     pub fn of(fabric: &Fabric) -> Self {
-        let Fabric { thickness, static_friction, dynamic_friction, .. } = *fabric;
-        Self { thickness, static_friction, dynamic_friction }
+        let Fabric { thickness, static_friction, dynamic_friction, restitution, .. } = *fabric;
+        Self { thickness, static_friction, dynamic_friction, restitution }
+    }
+
+    /// Neither rubs nor bounces.
+    #[must_use]
+    pub(crate) fn frictionless(fabric: &Fabric) -> Self {
+        Self { thickness: fabric.thickness, ..Self::default() }
     }
 }
 
@@ -298,6 +306,7 @@ impl BodyContacts {
                     (body.static_friction, body.dynamic_friction),
                     (touch.static_friction, touch.dynamic_friction),
                 ),
+                bounce: Bounce::of(touch.restitution, h),
             };
             let places = part.places.and_then(|first| self.places.get_mut(first as usize..)).unwrap_or_default();
             let mut state = Particles { positions, previous, places, rooms: &mut self.rooms };
@@ -397,6 +406,7 @@ struct Setting<'a> {
     /// Way that an overlap is recovered in the substep [m].
     recovery: f32,
     friction: Friction,
+    bounce: Bounce,
 }
 
 impl Setting<'_> {
@@ -525,7 +535,7 @@ impl Setting<'_> {
                 }
                 _ => self.friction,
             };
-            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, friction);
+            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, friction, self.bounce);
             if !response.end.is_finite() {
                 continue;
             }

@@ -29,11 +29,13 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
+use glam::Vec3;
+
 pub use contacts::{Approach, BodyContacts, Touch};
 pub use faces::{FaceContacts, Sheet};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
-pub(crate) use respond::{BAND, Friction, LOAD_SHARE, Plane, respond};
+pub(crate) use respond::{BAND, Bounce, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 pub use shape::ShapeError;
 
 /// A rigid body as one cloth sees it in one frame.
@@ -64,6 +66,13 @@ impl Body {
     #[must_use]
     pub fn new(shape: SharedShape, from: Pose, to: Pose) -> Self {
         Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None }
+    }
+
+    /// Whether the box around its way in the frame meets that between `low` and `high` [m]. False where a pose is not finite.
+    pub(crate) fn sweeps(&self, low: Vec3, high: Vec3) -> bool {
+        let (Some(from), Some(to)) = (motion::valid(self.from), motion::valid(self.to)) else { return false };
+        let (swept, bulge, _) = motion::swept_box(&*self.shape.0, &from, &to);
+        (swept.mins - bulge).cmple(high).all() && (swept.maxs + bulge).cmpge(low).all()
     }
 
     /// A body at rest.

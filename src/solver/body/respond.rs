@@ -1,4 +1,4 @@
-//! What a touched particle does: it is pushed out, it rubs, and it does not bounce.
+//! What a touched particle does: it is pushed out, it rubs, and it bounces only if its fabric does.
 //!
 //! ```text
 //!        n        gap   g(q) = n · q - c          (c: the plane at one thickness from the surface)
@@ -11,6 +11,10 @@
 //! a plastic impact. One that was inside already (`g0 < 0`: overlap at the start, a teleported body) is brought out at the speed
 //! `v = RECOVERY_SPEED` at most, and `q0` is moved out with it, so that the recovery itself leaves no velocity (the split
 //! impulses of Catto 2006, in position form).
+//!
+//! *Bounce.* With a restitution `e` above 0, one that was outside and comes in with more than [`IMPACT_SPEED`], by `a = g0 - g(q1)` in the substep,
+//! goes to `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in the push that moves bodies and
+//! bears friction. It turns where it was when the substep began.
 //!
 //! *Friction* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the normal load `λ`:
 //! `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed down by its springs from
@@ -51,6 +55,27 @@ impl Friction {
     }
 }
 
+/// Speed of approach up to which nothing bounces [m/s]: what rests is pulled in by its springs and by gravity in every substep.
+pub(crate) const IMPACT_SPEED: f32 = 0.25;
+
+/// How what is struck bounces in a substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounce {
+    /// Speed afterwards over speed before (dimensionless).
+    pub(crate) restitution: f32,
+    /// Way of an approach that does not bounce [m].
+    pub(crate) least: f32,
+}
+
+impl Bounce {
+    pub(crate) const NONE: Self = Self { restitution: 0.0, least: 0.0 };
+
+    /// With `restitution`, in a substep of `h` [s]; what is not a number counts as 0.
+    pub(crate) fn of(restitution: f32, h: f32) -> Self {
+        Self { restitution: if restitution > 0.0 && h > 0.0 { restitution.min(1.0) } else { 0.0 }, least: IMPACT_SPEED * h }
+    }
+}
+
 /// The contact plane `n · q = c`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
@@ -86,14 +111,28 @@ pub(crate) fn respond(
     recovery: f32,
     load: f32,
     friction: Friction,
+    bounce: Bounce,
 ) -> Response {
     let n = plane.normal;
     let gap_start = plane.gap(start);
-    let target = if gap_start < 0.0 { (gap_start + recovery).min(0.0) } else { 0.0 };
+    let approach = gap_start - plane.gap(wanted);
+    let target = if gap_start < 0.0 {
+        (gap_start + recovery).min(0.0)
+    } else if bounce.restitution > 0.0 && approach > bounce.least.max(gap_start) {
+        gap_start + bounce.restitution * approach
+    } else {
+        0.0
+    };
     let gap_end = plane.gap(end);
     // A sweep has put the end on the plane; without one it may be under it.
     let swept = plane.gap(wanted) < gap_end;
-    let out = if swept { gap_end.min(target) } else { gap_end.max(target) };
+    let out = if target > 0.0 {
+        target
+    } else if swept {
+        gap_end.min(target)
+    } else {
+        gap_end.max(target)
+    };
     let mut end = end + n * (out - gap_end);
     // Only what recovery lifted: a particle that its own cloth pulls out keeps its velocity.
     let pushed = n.dot(end - wanted).max(0.0);

@@ -16,7 +16,7 @@ const THICKNESS: f32 = 0.005;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 fn touch(friction: f32) -> Touch {
-    Touch { thickness: THICKNESS, static_friction: friction, dynamic_friction: friction }
+    Touch { thickness: THICKNESS, static_friction: friction, dynamic_friction: friction, restitution: 0.0 }
 }
 
 #[derive(Default)]

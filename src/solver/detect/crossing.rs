@@ -45,6 +45,8 @@ pub struct Detector {
     asks: Vec<u8>,
     /// Cloths without a single free particle; two of them are not asked.
     kinematic: Vec<bool>,
+    /// Cloths that move although nothing here moves them.
+    moving: Vec<bool>,
     ties: Ties,
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
@@ -65,6 +67,7 @@ impl Detector {
             tree: Tree::new(surface),
             asks: asks.collect(),
             kinematic: vec![false; surface.parts.len()],
+            moving: vec![false; surface.parts.len()],
             ties: Ties::default(),
             doubtful: Vec::new(),
             crossings: Vec::new(),
@@ -125,6 +128,13 @@ impl Detector {
         &self.crossings
     }
 
+    /// Says whether a cloth without an inverse mass moves all the same: of two that do not, crossings are not looked for.
+    pub fn set_moving(&mut self, part: usize, moving: bool) {
+        if let Some(of) = self.moving.get_mut(part) {
+            *of = moving;
+        }
+    }
+
     /// As [`Self::detect`], where only `pairs` of faces can cross.
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
         self.cross(surface, positions, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| true);
@@ -138,10 +148,13 @@ impl Detector {
         pairs: impl FnOnce(&mut Tree, &mut dyn FnMut(u32, u32)),
         mut also: F,
     ) {
-        let Self { tree, asks, kinematic, ties, doubtful, crossings, .. } = self;
+        let Self { tree, asks, kinematic, moving, ties, doubtful, crossings, .. } = self;
         for (part, out) in surface.parts.iter().zip(kinematic.iter_mut()) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = positions[range].iter().all(|p| p.w == 0.0);
+        }
+        for (still, moves) in kinematic.iter_mut().zip(&*moving) {
+            *still &= !moves;
         }
         ties.directions.clear();
         crossings.clear();

@@ -22,6 +22,8 @@ pub struct Tethers {
     pin: Vec<[u32; LANES]>,
     /// One over the squared geodesic distance at rest [1/m²].
     inverse_square: Vec<Vec4>,
+    /// How many lanes hold the shortest tethers, in the order of particles.
+    first_rank: usize,
 }
 
 impl Tethers {
@@ -52,6 +54,7 @@ impl Tethers {
                 found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
                 let Some(nearest) = found.get(rank).filter(|n| n.source != NONE) else { continue };
                 let weight = nearest.distance.powi(2).recip();
+                tethers.first_rank += usize::from(rank == 0);
                 if lane == 0 {
                     tethers.particle.push([p; LANES]);
                     tethers.pin.push([nearest.source; LANES]);
@@ -66,6 +69,20 @@ impl Tethers {
             }
         }
         tethers
+    }
+
+    /// Longest of the tethers of some particles over their length at rest (dimensionless), 0 of none; only the shortest of each counts.
+    #[must_use]
+    pub fn longest(&self, particles: impl Iterator<Item = u32>, positions: &[Vec4]) -> f32 {
+        let list = self.particle.as_flattened();
+        let mut longest = 0.0_f32;
+        for p in particles {
+            let Ok(i) = list[..self.first_rank].binary_search(&p) else { continue };
+            let (batch, lane) = (i / LANES, i % LANES);
+            let way = positions[p as usize] - positions[self.pin[batch][lane] as usize];
+            longest = longest.max(way.truncate().length_squared() * self.inverse_square[batch][lane]);
+        }
+        longest.sqrt()
     }
 
     /// Pulls every particle back within `scale` (dimensionless) times its tethers.

@@ -6,14 +6,15 @@
 //!        ● ── 1 ──────────────────┘
 //! ```
 //!
-//! Where cloths of different layers cross, their order decides, whatever would be shorter. Cloths that lie in the wrong order without crossing
-//! are found by looking along the normals of a few particles in every iteration.
+//! Where cloths of different layers cross, their order decides, whatever would be shorter: each particle goes along the normal of what it has to
+//! pass. Cloths that lie in the wrong order without crossing are found by looking along the normals of a few particles in every iteration. Where
+//! pins hold both on the wrong side of each other nothing could come of it, and the order is not asked for.
 
 use glam::{Vec3, Vec4};
 
 use super::contour::ContourGraph;
 use super::plan::Plans;
-use super::probe::{GRAZING, Member, Stray};
+use super::probe::{Course, Member, Stray};
 use super::separate::{ONE_WAY, between, cloths, facing, facing_at, mean};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
@@ -41,7 +42,10 @@ const UNDONE: f32 = 0.8;
 struct Pair {
     /// The outer and the inner cloth.
     cloths: [u16; 2],
+    /// What is being done; 0: nothing.
     plan: u32,
+    /// Whether pins hold them in another order.
+    held: bool,
 }
 
 /// What is being done about the order of layers. Buffers are reused.
@@ -75,6 +79,7 @@ impl Layers {
     /// of an edge.
     pub fn patrol(&mut self, surface: &Surface, tree: &mut Tree, positions: &[Vec4]) {
         self.strays.clear();
+        self.pairs.retain(|p| !p.held);
         let some = (surface.len() as u32 / SAMPLES).clamp(1, STRIDE);
         let stride = if core::mem::take(&mut self.thorough) { 1 } else { some };
         self.turn = self.turn.wrapping_add(1);
@@ -161,25 +166,17 @@ fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
     }
 }
 
-/// The direction in which the inner cloth faces where it meets the outer one, and whether it is the same all along; where it is not, that at
-/// one place after the other, by `turn`.
-fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], turn: u32) -> (Vec3, bool) {
+/// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own.
+fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray]) -> Course {
     // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
-    let all = || facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| facing(view, s.face)));
-    let mean = mean(all());
-    if mean.length() > ONE_WAY {
-        (mean.normalize_or_zero(), true)
-    } else {
-        // Multiples of a large odd number visit places far from each other.
-        let place = turn.wrapping_mul(0x9E37_79B1) as usize % all().count().max(1);
-        (all().nth(place).unwrap_or_default(), false)
-    }
+    let mean = mean(facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| facing(view, s.face))));
+    if mean.length() > ONE_WAY { Course::Along(mean.normalize_or_zero()) } else { Course::Facing([1.0, -1.0]) }
 }
 
 impl Resolver {
     /// Plans how cloths get into the order of their layers, in steps of at most `step` [m].
     pub(super) fn order(&mut self, view: View<'_>, step: f32) {
-        let Self { graph, layers: Layers { plans, pairs, strays, of_pair, turn, .. }, probe, set, .. } = self;
+        let Self { graph, layers: Layers { plans, pairs, strays, of_pair, .. }, probe, set, .. } = self;
         pairs.retain(|p| plans.is_live(p.plan));
         let at_contours = (0..graph.contours.len()).filter_map(|k| ordered(view.surface, cloths(view, graph, k)?));
         for cloths in at_contours.chain(strays.iter().map(|s| s.0)) {
@@ -190,17 +187,19 @@ impl Resolver {
             set.extend(between(view, graph, cloths));
             of_pair.clear();
             of_pair.extend(strays.iter().filter(|s| s.0 == cloths).map(|s| s.1));
-            let (out, one_way) = outward(view, graph, set, of_pair, *turn);
-            if !one_way {
-                // What brings one flank of a tube in drives the other one out.
-                set.retain(|&m| mean(facing_at(view, graph, &[m], INNER)).dot(out) > AGREE);
-                of_pair.retain(|s| facing(view, s.face).dot(out) > AGREE);
-            }
-            probe.look_from(view, graph, set, of_pair, out, if one_way { GRAZING } else { AGREE }, f32::INFINITY);
-            let undone = set.is_empty() || !one_way || probe.undone >= UNDONE;
-            let plan = if undone && probe.cost > 0.0 { plans.carry_out(view, graph, set, probe, step) } else { 0 };
-            pairs.push(Pair { cloths, plan });
+            probe.look_from(view, graph, set, of_pair, outward(view, graph, set, of_pair));
+            let undone = set.is_empty() || probe.undone >= UNDONE;
+            let plan =
+                if undone && probe.cost > 0.0 && !probe.held { plans.carry_out(view, graph, set, probe, step) } else { 0 };
+            pairs.push(Pair { cloths, plan, held: probe.held });
         }
+        // What nothing is done about is as good as in order.
+        strays.retain(|s| pairs.iter().any(|p| p.cloths == s.0 && p.plan != 0));
+    }
+
+    /// Cloths whose order of layers is not that of their pins, and is let be: the one that is to be outside first.
+    pub fn overruled_layers(&self) -> impl Iterator<Item = [u16; 2]> + '_ {
+        self.layers.pairs.iter().filter(|p| p.held).map(|p| p.cloths)
     }
 
     /// Whether the order of layers takes care of a contour.

@@ -215,6 +215,9 @@ impl Resolver {
         self.choose(view, settings);
         if layered {
             self.order(view, settings.pace * settings.step * surface.mean_edge);
+            if self.graph.contours.is_empty() && !self.layers.any() {
+                return false;
+            }
         }
         for k in 0..self.graph.contours.len() {
             let step = settings.step * self.graph.contours[k].edge;

@@ -15,6 +15,7 @@ use glam::Vec3;
 
 use super::View;
 use super::contour::ContourGraph;
+use super::separate::facing;
 use crate::solver::rest::NONE;
 
 /// Share of the crossings that a direction must undo.
@@ -22,7 +23,7 @@ const COVERED: f32 = 0.8;
 /// Steepest change of the way to go along a sheet, in metres per metre, beyond which another sheet was met.
 const STEEPEST: f32 = 3.0;
 /// Smallest cosine at which a face can be met.
-pub(super) const GRAZING: f32 = 0.01;
+const GRAZING: f32 = 0.01;
 /// Edges by which the way may be longer than the contour.
 const ABOUT: f32 = 4.0;
 /// Edges by which a contour may be longer than it is, in what it can cut off.
@@ -45,6 +46,31 @@ pub(super) struct Stray {
     pub face: u32,
     /// How far it may be behind it [m].
     pub near: f32,
+}
+
+/// Which way sides go apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Course {
+    /// Side 0 along a unit vector, side 1 against it.
+    Along(Vec3),
+    /// Each particle along the normal of what it meets: side 0 along that of side 1, times the first sign, side 1 along that of side 0, times the
+    /// second. Around a tube no one direction takes all of one side out.
+    Facing([f32; 2]),
+}
+
+impl Course {
+    fn is_facing(self) -> bool {
+        matches!(self, Self::Facing(_))
+    }
+
+    /// Unit vector along which a particle of a side goes that is to meet a face, or zero.
+    fn of(self, view: View<'_>, side: usize, face: u32) -> Vec3 {
+        match self {
+            Self::Along(direction) if side == 0 => direction,
+            Self::Along(direction) => -direction,
+            Self::Facing(signs) => signs[side] * facing(view, face),
+        }
+    }
 }
 
 /// The crossings of some contours, each with the side of its edge.
@@ -82,8 +108,6 @@ pub(super) struct Probe {
     pub behind: [Vec<u32>; 2],
     /// Face that each of them meets.
     pub meets: [Vec<u32>; 2],
-    /// Smallest cosine between the direction and the normals of what is met.
-    facing: f32,
     /// Mean length at rest of the edges that cross [m].
     pub edge: f32,
     /// Length of the contours [m].
@@ -97,33 +121,28 @@ pub(super) struct Probe {
     pub undone: f32,
     /// Area times squared way [m⁴].
     pub cost: f32,
+    /// Whether pins hold both sides somewhere where they have a way to go.
+    pub held: bool,
 }
 
 impl Probe {
     /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost of `most`.
     /// Returns whether the ways undo the contours.
-    pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], direction: Vec3, most: f32) -> bool {
+    pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], course: Course, most: f32) -> bool {
         self.begin(view, graph, set);
         self.largest = largest_area(self.length, self.edge, self.length + ABOUT * self.edge);
-        self.facing = GRAZING;
-        self.look_along(view, graph, set, &[], direction, most);
-        self.cost <= most && self.undone >= COVERED && self.area.iter().all(|&a| a <= self.largest)
+        self.look_along(view, graph, set, &[], course, most);
+        !(self.held && course.is_facing())
+            && self.cost <= most
+            && self.undone >= COVERED
+            && self.area.iter().all(|&a| a <= self.largest)
     }
 
-    /// The same from strays, too, and only at what faces the direction by a cosine of `facing`.
-    pub fn look_from(
-        &mut self,
-        view: View<'_>,
-        graph: &ContourGraph,
-        set: &[Member],
-        strays: &[Stray],
-        direction: Vec3,
-        facing: f32,
-        most: f32,
-    ) {
+    /// The same from strays, too, whatever it costs.
+    pub fn look_from(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], course: Course) {
         self.begin(view, graph, set);
-        (self.facing, self.largest) = (facing, f32::INFINITY);
-        self.look_along(view, graph, set, strays, direction, most);
+        self.largest = f32::INFINITY;
+        self.look_along(view, graph, set, strays, course, f32::INFINITY);
     }
 
     /// Measures the contours.
@@ -141,7 +160,7 @@ impl Probe {
         graph: &ContourGraph,
         set: &[Member],
         strays: &[Stray],
-        direction: Vec3,
+        course: Course,
         most: f32,
     ) {
         let strays_reach = strays.iter().map(|s| s.near).fold(0.0, f32::max);
@@ -152,14 +171,14 @@ impl Probe {
             self.seen.fill([Seen::default(); 2]);
             self.stamp = 1;
         }
-        (self.cost, self.undone, self.area) = (0.0, 0.0, [0.0; 2]);
-        for (side, along) in [direction, -direction].into_iter().enumerate() {
+        (self.cost, self.undone, self.area, self.held) = (0.0, 0.0, [0.0; 2], false);
+        for side in 0..2 {
             self.behind[side].clear();
             self.meets[side].clear();
             self.start(view, graph, set, side);
             let strays = strays.iter().filter(|s| s.side == side);
             self.queue.extend(strays.map(|s| (s.particle, s.face, s.near)));
-            if !self.flood(view, side, along, most) {
+            if !self.flood(view, side, course, most) {
                 return;
             }
         }
@@ -169,7 +188,7 @@ impl Probe {
             let moves = |side: usize, run: &[u32]| run.iter().any(|&v| self.way(side, v) > 0.0);
             let (edge, face) = (view.surface.topology.edges[c.edge as usize], view.surface.topology.faces[c.face as usize]);
             all += 1;
-            let along = if side == 0 { direction } else { -direction };
+            let along = course.of(view, side, c.face);
             let moves = moves(side, &edge) || moves(1 - side, &face) || self.lift(view, side, along, edge, c.face);
             undone += u32::from(moves);
         }
@@ -219,7 +238,7 @@ impl Probe {
     }
 
     /// Finds the particles of one side that have a way to go, outwards from those in the queue.
-    fn flood(&mut self, view: View<'_>, side: usize, along: Vec3, most: f32) -> bool {
+    fn flood(&mut self, view: View<'_>, side: usize, course: Course, most: f32) -> bool {
         let topology = &view.surface.topology;
         let at = |v: u32| view.positions[v as usize].truncate();
         let mut head = 0;
@@ -230,7 +249,8 @@ impl Probe {
             if seen.stamp == self.stamp {
                 continue;
             }
-            let Some((way, face)) = project(view, at(v), along, face, self.facing) else { continue };
+            let along = course.of(view, side, face);
+            let Some((way, face)) = project(view, at(v), along, face) else { continue };
             if !(way <= near.min(self.farthest)) {
                 continue;
             }
@@ -238,6 +258,8 @@ impl Probe {
             if way <= 0.0 {
                 continue;
             }
+            let is_pinned = |v: u32| view.positions[v as usize].w == 0.0;
+            self.held |= is_pinned(v) && topology.faces[face as usize].into_iter().any(is_pinned);
             self.behind[side].push(v);
             self.meets[side].push(face);
             self.cost += way * way * view.surface.areas[v as usize];
@@ -266,14 +288,14 @@ fn pass([p, q]: [Vec3; 2], [r, s]: [Vec3; 2], along: Vec3) -> Option<f32> {
 }
 
 /// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go [m], and the face.
-fn project(view: View<'_>, point: Vec3, along: Vec3, face: u32, facing: f32) -> Option<(f32, u32)> {
+fn project(view: View<'_>, point: Vec3, along: Vec3, face: u32) -> Option<(f32, u32)> {
     let topology = &view.surface.topology;
     let (mut face, mut before) = (face, NONE);
     for _ in 0..WALK {
         let corners = topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let slope = normal.dot(along);
-        if !(slope.abs() > facing * normal.length()) {
+        if !(slope.abs() > GRAZING * normal.length()) {
             return None;
         }
         let outside = [0, 1, 2].map(|k: usize| {

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::contour::ContourGraph;
 use super::latch::Strategy;
-use super::probe::{Member, nodes};
+use super::probe::{Course, Member, nodes};
 use super::{Resolver, View};
 use crate::solver::evaluate::Resort;
 
@@ -17,6 +17,9 @@ const HYSTERESIS: f32 = 0.25;
 /// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of normals within 80° of
 /// it: all around a tube it is none, and what brings one flank of it in drives the other one out.
 pub(super) const ONE_WAY: f32 = 0.7;
+
+/// Least of the [agreement] of sides that go apart each along the normals of the other (dimensionless).
+const AGREE: f32 = 0.5;
 
 /// Unit normal of a face, or zero.
 pub(super) fn facing(view: View<'_>, face: u32) -> Vec3 {
@@ -40,6 +43,13 @@ pub(super) fn facing_at<'a>(
 /// Mean of unit normals, shorter the less they agree; zero of none.
 pub(super) fn mean(normals: impl Iterator<Item = Vec3>) -> Vec3 {
     let (sum, count) = normals.fold((Vec3::ZERO, 0), |(sum, count), normal| (sum + normal, count + 1));
+    sum / f32::max(count as f32, 1.0)
+}
+
+/// How much the sides of some contours face the same way where they cross: 1, or the opposite way, -1 (dimensionless).
+fn agreement(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
+    let [mine, theirs] = [0, 1].map(|side| facing_at(view, graph, set, side));
+    let (sum, count) = mine.zip(theirs).fold((0.0, 0), |(sum, count), (n, m)| (sum + n.dot(m), count + 1));
     sum / f32::max(count as f32, 1.0)
 }
 
@@ -68,46 +78,49 @@ impl Resolver {
         if let Some(pair) = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]) {
             set.extend(between(view, &self.graph, pair));
         }
-        let face_one_way = |of: &Self, set: &[Member]| {
-            [0, 1].into_iter().any(|side| mean(facing_at(view, &of.graph, set, side)).length() > ONE_WAY)
-        };
         let between_two = !set.is_empty();
-        let mut done = set.len() > 1 && face_one_way(self, &set) && self.separate_all(view, &set, step);
+        let mut done = set.len() > 1 && self.separate_all(view, &set, between_two, step);
         if !done {
             set.clear();
             set.push(Member { contour, flip: 0 });
-            // What a cloth crosses of itself may be short and bent.
-            done = (!between_two || face_one_way(self, &set)) && self.separate_all(view, &set, step);
+            done = self.separate_all(view, &set, between_two, step);
         }
         self.set = set;
         done
     }
 
-    fn separate_all(&mut self, view: View<'_>, set: &[Member], step: f32) -> bool {
+    fn separate_all(&mut self, view: View<'_>, set: &[Member], between_two: bool, step: f32) -> bool {
         let Self { graph, plans, probe, latches, resort, .. } = self;
         let before = set.iter().fold(Vec3::ZERO, |sum, m| {
             let latch = &latches.now[m.contour];
             let weight = if latch.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
             sum + latch.heading * if m.flip == 0 { weight } else { -weight }
         });
-        let [n, m] = [0, 1].map(|side| mean(facing_at(view, graph, set, side)).normalize_or_zero());
+        let means = [0, 1].map(|side| mean(facing_at(view, graph, set, side)));
+        let [n, m] = means.map(Vec3::normalize_or_zero);
+        // What a cloth crosses of itself may be short and bent.
+        let one_way = !between_two || means.iter().any(|mean| mean.length() > ONE_WAY);
         let (mut best, mut least) = (None, f32::INFINITY);
-        let mut look = |direction: Vec3, most: f32| probe.look(view, graph, set, direction, most).then_some(probe.cost);
+        let mut look = |course: Course, most: f32| probe.look(view, graph, set, course, most).then_some(probe.cost);
         let across = n.cross(m).normalize_or_zero();
         let more = [across, n.cross(across), m.cross(across), Vec3::X, Vec3::Y, Vec3::Z].map(|d| [d, -d]).into_iter().flatten();
-        let candidates = [before.normalize_or_zero(), n, -n, m, -m].into_iter();
         let more = more.filter(|_| *resort >= Resort::Candidates);
-        for (k, direction) in candidates.chain(more).enumerate() {
-            if direction != Vec3::ZERO
-                && let Some(cost) = look(direction, least)
+        let directions = [before.normalize_or_zero(), n, -n, m, -m].into_iter().chain(more).filter(|_| one_way);
+        let agree = agreement(view, graph, set);
+        let signs = [1.0, -1.0].into_iter().filter(|_| !one_way && agree.abs() > AGREE);
+        let courses = directions.map(Course::Along).chain(signs.map(|sign| Course::Facing([sign, -sign * agree.signum()])));
+        for (k, course) in courses.enumerate() {
+            if course != Course::Along(Vec3::ZERO)
+                && let Some(cost) = look(course, least)
             {
-                (best, least) = (Some(direction), cost * if k == 0 { HYSTERESIS } else { 1.0 });
+                (best, least) = (Some(course), cost * if k == 0 && one_way { HYSTERESIS } else { 1.0 });
             }
         }
-        let Some(direction) = best else { return false };
-        look(direction, f32::INFINITY);
+        let Some(course) = best else { return false };
+        look(course, f32::INFINITY);
         let cost = probe.cost;
         let plan = plans.carry_out(view, graph, set, probe, step);
+        let direction = if let Course::Along(direction) = course { direction } else { Vec3::ZERO };
         for member in set {
             let latch = &mut latches.now[member.contour];
             if latch.strategy != Strategy::Separate {

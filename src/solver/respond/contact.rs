@@ -8,6 +8,9 @@
 //!                  the sum is no less than mᵢ⁻¹ / 16, so that nothing goes farther than four times C
 //! ```
 //!
+//! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
+//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", eq. 34), without one none.
+//!
 //! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
 //! difference. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
 
@@ -16,7 +19,7 @@ use core::cmp::Ordering;
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::FREE;
-use crate::solver::body::{BAND, Friction, LOAD_SHARE, Plane, respond};
+use crate::solver::body::{BAND, Bounce, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
@@ -45,6 +48,8 @@ pub(super) struct Contact {
     /// Distance kept [m].
     pub thickness: f32,
     pub friction: Friction,
+    /// Speed apart after an impact over that of approach before (dimensionless).
+    pub restitution: f32,
     /// Mean push [m].
     pub load: f32,
     /// Mean of what all pushes of a substep do: push over mobility [kg·m]; divided by the substep it is an impulse.
@@ -64,6 +69,8 @@ pub(super) struct Particles<'a> {
     pub up: Vec3,
     /// How often each pair is solved in a substep.
     pub passes: f32,
+    /// Whether a pair was pushed as far as only an [impact](Contact::impact) does.
+    pub impact: bool,
 }
 
 impl Contact {
@@ -116,10 +123,7 @@ impl Contact {
         if gap < 0.0 {
             self.support(particles, &mut x);
         }
-        let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
-        let lightest = x.iter().map(|x| x.w).fold(0.0, f32::max);
-        // `|w| / max(w², 1/16) <= 4`. Momentum is kept whatever they are divided by; a push that is cut short goes on in the next substeps.
-        let mobility = if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 };
+        let mobility = self.mobility(&x);
         // NaN passes no comparison.
         let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
         if !(touches && mobility > 0.0) {
@@ -129,7 +133,8 @@ impl Contact {
         // The vector between the closest points is pushed out as a particle is out of a body, and shared out by mass.
         let plane = Plane { normal: self.normal.into(), offset: self.thickness };
         let (start, end) = (Vec3A::from(sum(&self.weights, &was)), Vec3A::from(sum(&self.weights, &x)));
-        let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction);
+        let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction, Bounce::NONE);
+        particles.impact |= out.push > IMPACT_SPEED * h;
         let drive = particles.passes * out.push / mobility;
         self.drive = if self.load > 0.0 { self.drive + LOAD_SHARE * (drive - self.drive) } else { drive };
         self.load = out.load;
@@ -144,6 +149,44 @@ impl Contact {
             particles.old[slot as usize] += lift * (weight * x.w);
         }
         true
+    }
+
+    /// How fast a pair is to part that met fast [m/s]: what its restitution makes of the velocities with which the substep began. None of one that did
+    /// not, however hard springs press it together.
+    #[inline]
+    pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
+        if !(self.load > 0.0) || self.behind || self.was_behind {
+            return None;
+        }
+        let approach = -self.along(self.slots.map(|s| velocities[s as usize].into()));
+        (approach > IMPACT_SPEED).then_some(self.restitution * approach)
+    }
+
+    /// Gives a pair its way `apart` [m] in the substep, and moves nothing.
+    pub fn rebound(&self, apart: f32, particles: &mut Particles<'_>) {
+        let now = self.along(self.slots.map(|s| (particles.now[s as usize] - particles.old[s as usize]).truncate()));
+        let x = self.slots.map(|s| particles.now[s as usize]);
+        let by = self.normal * ((apart - now) / self.mobility(&x));
+        if !by.is_finite() {
+            return;
+        }
+        for ((&slot, weight), x) in self.slots.iter().zip(self.weights).zip(x) {
+            particles.old[slot as usize] -= (by * (weight * x.w)).extend(0.0);
+        }
+    }
+
+    /// How far apart four vectors are along the normal, the closest points of either side.
+    fn along(&self, of: [Vec3; 4]) -> f32 {
+        (0..4).map(|i| self.weights[i] * self.normal.dot(of[i])).sum()
+    }
+
+    /// How far a unit push moves the closest points apart [1/kg], or a share of that of the lightest particle; 0 where nothing moves.
+    #[inline]
+    fn mobility(&self, x: &[Vec4; 4]) -> f32 {
+        let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
+        let lightest = x.iter().map(|x| x.w).fold(0.0, f32::max);
+        // `|w| / max(w², 1/16) <= 4`. Momentum is kept whatever they are divided by; a push that is cut short goes on in the next substeps.
+        if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 }
     }
 
     /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that

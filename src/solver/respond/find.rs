@@ -501,6 +501,7 @@ impl Finder {
                 normal,
                 thickness,
                 friction,
+                restitution: mine.restitution.max(other.restitution),
                 load,
                 drive,
                 behind: false,

@@ -235,6 +235,7 @@ mod tests {
             normal,
             thickness: 0.01,
             friction,
+            restitution: 0.0,
             load: 0.0,
             drive: 0.0,
             behind: false,

@@ -18,7 +18,7 @@ mod find;
 mod guard;
 mod touching;
 
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 use crate::solver::body::Touch;
 use crate::solver::detect::{ProximityKind, Surface};
@@ -41,6 +41,10 @@ pub struct Contacts {
     /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
     now: Vec<Vec4>,
     old: Vec<Vec4>,
+    /// Velocities at the start of the substep [m/s]; by slot.
+    velocities: Vec<Vec3A>,
+    /// Pairs that met fast in the last [`Self::solve`], and how fast each is to part [m/s].
+    impacts: Vec<(u32, f32)>,
     /// Positions at the start of the substep, whatever was done to velocities since [m].
     start: Vec<Vec4>,
     /// Pass of the guard in which the particle was last stopped, by slot.
@@ -60,6 +64,10 @@ pub struct Contacts {
     /// Substep of the last [`Self::solve`] [s].
     substep: f32,
 }
+
+/// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
+/// one, at 0.003 after six; without any at 0.5.
+const REBOUNDS: u32 = 3;
 
 /// Level of a particle that lies on nothing.
 const FREE: u8 = u8::MAX;
@@ -226,13 +234,16 @@ impl Contacts {
     pub fn begin_start(&mut self) {
         self.start.clear();
         self.start.resize(self.particles.len(), Vec4::NAN);
+        self.velocities.clear();
+        self.velocities.resize(self.particles.len(), Vec3A::ZERO);
     }
 
-    /// Notes where the particles of pairs in cloth `part` are before a substep: `read` gives the position of its `i`-th [m].
-    pub fn note_start(&mut self, part: usize, read: impl Fn(usize) -> Vec4) {
+    /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its `i`-th [m] and its
+    /// velocity [m/s].
+    pub fn note_start(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec3A)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
-            self.start[s as usize] = read((self.particles[s as usize] - first) as usize);
+            (self.start[s as usize], self.velocities[s as usize]) = read((self.particles[s as usize] - first) as usize);
         }
     }
 
@@ -258,9 +269,9 @@ impl Contacts {
     pub fn solve(&mut self, h: f32, gravity: Vec3, calm: bool) {
         (self.touching, self.substep) = (0, h);
         let up = -gravity.normalize_or_zero();
-        let Self { particles: ids, now, old, levels, .. } = self;
+        let Self { particles: ids, now, old, velocities, impacts, levels, .. } = self;
         let passes = if calm { 2.0 } else { 1.0 };
-        let mut particles = Particles { ids, now, old, levels, up, passes };
+        let mut particles = Particles { ids, now, old, levels, up, passes, impact: false };
         if calm {
             // Twice, as what one pass leaves over keeps going around in folds that nothing else moves.
             self.pairs.iter_mut().for_each(|pair| {
@@ -271,6 +282,17 @@ impl Contacts {
         }
         for pair in &mut self.pairs {
             self.touching += u32::from(pair.solve(h, &mut particles));
+        }
+        if particles.impact {
+            impacts.clear();
+            let pairs = (0..).zip(&self.pairs);
+            impacts.extend(pairs.filter_map(|(i, pair)| Some((i, pair.impact(velocities)?))));
+            // There and back, as pairs share particles.
+            for _ in 0..REBOUNDS {
+                for &(i, apart) in impacts.iter().chain(impacts.iter().rev()) {
+                    self.pairs[i as usize].rebound(apart * h, &mut particles);
+                }
+            }
         }
     }
 
