@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
-use crate::components::checked::Checked;
+use crate::components::checked::{Checked, Values};
 
 /// Warnings per entity: one for each kind or field.
 #[derive(Resource, Default)]
@@ -41,10 +41,13 @@ impl Notices {
             }
             let entity = label(entity, name);
             match values {
-                Some([given, used]) => warn!(
-                    "{what} {entity} has `{field}` out of range: {used} is used in place of {given} (of a vector its length); the \
-                     documentation of the field has unit and range"
-                ),
+                Some(Values { given, used, of_length }) => {
+                    let length = if of_length { "a length of " } else { "" };
+                    warn!(
+                        "{what} {entity} has `{field}` out of range: {length}{used} is used in place of {given}; the documentation of the field \
+                         has unit and range"
+                    );
+                }
                 None => {
                     warn!("{what} {entity} has a `{field}` that cannot be used: a number in it is not finite or not allowed");
                 }

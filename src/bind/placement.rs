@@ -5,6 +5,8 @@ use bevy::prelude::*;
 
 /// Relative change of scale that makes a new rest shape (dimensionless). Rounding of a turning transform stays below.
 const SCALE_TOLERANCE: f32 = 1.0e-4;
+/// Farthest from the origin along an axis [m]: transforms there are rounded to a metre.
+const FARTHEST: f32 = 1.0e7;
 /// Scales are rounded to this many bits, so that equal transforms share one rest shape.
 const SCALE_BITS: i32 = 16;
 
@@ -24,10 +26,10 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// None if a number is not finite or an axis has no length.
+    /// None if a number is not finite, it is [too far](FARTHEST) from the origin, or an axis has no length.
     pub fn of(affine: &Affine3A) -> Option<Self> {
         let matrix = Mat3::from(affine.matrix3);
-        if !affine.is_finite() {
+        if !affine.is_finite() || affine.translation.abs().max_element() > FARTHEST {
             return None;
         }
         let lengths = Vec3::new(matrix.x_axis.length(), matrix.y_axis.length(), matrix.z_axis.length());

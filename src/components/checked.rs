@@ -7,13 +7,22 @@ use std::borrow::Cow;
 
 use bevy::math::Vec3;
 
+/// A number that was given, and that which is used in its place, in the unit of the setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Values {
+    pub given: f32,
+    pub used: f32,
+    /// Whether the setting is a vector, of which these are lengths.
+    pub of_length: bool,
+}
+
 /// Clamps settings and remembers the names of those that were out of range.
 #[derive(Debug, Default)]
 pub(crate) struct Checked {
     /// Names of the settings that were changed, in the order of the checks; only read elsewhere, as their values go with them.
     pub clamped: Vec<Cow<'static, str>>,
-    /// Of each, what was given and what is used, in its own unit, if these are numbers; of a vector its length.
-    values: Vec<Option<[f32; 2]>>,
+    /// Of each, what was given and what is used, in its own unit, if these are numbers.
+    values: Vec<Option<Values>>,
 }
 
 impl Checked {
@@ -31,11 +40,11 @@ impl Checked {
 
     fn note(&mut self, name: &'static str, given: f32, used: f32) {
         self.clamped.push(Cow::Borrowed(name));
-        self.values.push(Some([given, used]));
+        self.values.push(Some(Values { given, used, of_length: false }));
     }
 
     /// The settings that were changed, each with what was given and what is used.
-    pub fn changes(&self) -> impl Iterator<Item = (&Cow<'static, str>, Option<[f32; 2]>)> {
+    pub fn changes(&self) -> impl Iterator<Item = (&Cow<'static, str>, Option<Values>)> {
         self.clamped.iter().zip(self.values.iter().copied())
     }
 
@@ -72,7 +81,8 @@ impl Checked {
         let largest = value.abs().max_element();
         let shortened = value.is_finite() && largest > 0.0;
         let used = if shortened { (value / largest).normalize_or_zero() * longest } else { default };
-        self.note(name, value.length(), used.length());
+        self.clamped.push(Cow::Borrowed(name));
+        self.values.push(Some(Values { given: value.length(), used: used.length(), of_length: true }));
         used
     }
 }
@@ -94,8 +104,9 @@ mod tests {
         checked.refuse("g");
         assert_eq!(checked.clamped, ["b", "c", "d", "f", "g"]);
         let values: Vec<_> = checked.changes().map(|(_, values)| values).collect();
-        assert!(matches!(values[1], Some([given, 1.0]) if given.is_nan()), "{values:?}");
-        assert_eq!([values[0], values[3], values[4]], [Some([-2.0, 0.0]), Some([9.0, 4.0]), None]);
+        assert!(matches!(values[1], Some(Values { given, used: 1.0, .. }) if given.is_nan()), "{values:?}");
+        let of = |given: f32, used: f32| Some(Values { given, used, of_length: false });
+        assert_eq!([values[0], values[3], values[4]], [of(-2.0, 0.0), of(9.0, 4.0), None]);
     }
 
     #[test]

@@ -14,8 +14,8 @@ pub struct ClothCollision {
     /// each other and are untangled afterwards.
     pub contact: bool,
     /// Order of layers of clothing: of two cloths that cross, the one with the higher number is brought outside, which is where the front of
-    /// their triangles faces; cloth that lies there in another order is found, too. Default 0; equal numbers have no order. Pins must have the same
-    /// order: what they hold on the other side is pulled through again and again.
+    /// their triangles faces; cloth that lies there in another order is found, too. Default 0; equal numbers have no order. Where pins of both hold
+    /// them in another order, that of the pins counts, and a warning says so.
     pub layer: i32,
 }
 

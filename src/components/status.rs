@@ -30,7 +30,7 @@ pub enum WaitingFor {
     Mesh,
     /// The mesh asset to load.
     Asset,
-    /// A transform that is finite, in its translation too, and whose scale is not zero along any axis.
+    /// A transform that is finite, no farther than 1e7 m from the origin, and whose scale is not zero along any axis.
     Scale,
     /// The target of a pin set to be spawned.
     Target,
@@ -44,7 +44,8 @@ impl WaitingFor {
             Self::Mesh => "it has no `Mesh3d`: insert one",
             Self::Asset => "its mesh asset is not loaded: keep the handle's loader running, or check the path",
             Self::Scale => {
-                "a number of its transform is not finite, or its scale is zero along an axis: set finite numbers and a scale that is not zero"
+                "a number of its transform is not finite or beyond 1e7 m, or its scale is zero along an axis: set finite numbers, nearer to the \
+                 origin, and a scale that is not zero"
             }
             Self::Target => "the target of a pin set has no `GlobalTransform`: spawn it with a `Transform`",
             Self::Skin => {

@@ -15,8 +15,8 @@ use crate::solver::resolve::{Method, ResolveSettings};
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct Untangle {
-    /// Whether it takes part. Default true. A cloth that does not is left as it is, and others get off it. Contacts stay on, and crossings of
-    /// two cloths that do not are not looked for: where they cross, contacts pull at them. `iterations: 0` looks.
+    /// Whether it takes part. Default true. A cloth that does not is left as it is, and others get off it. Contacts stay on, but for where it
+    /// crosses; crossings are counted all the same.
     pub enabled: bool,
     /// The method. Default [`UntangleMethod::ByEndType`].
     pub method: UntangleMethod,

@@ -4,7 +4,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy::prelude::*;
 
-use crate::components::{Cloth, ClothCollider, ClothError, ClothStatus, WindZone};
+use crate::components::{Cloth, ClothCollider, ClothError, ClothReport, ClothStatus, WindZone};
 use crate::notices::Notices;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::systems::colliders::ColliderBody;
@@ -14,14 +14,17 @@ use crate::systems::sleep::Slumber;
 pub(crate) fn on_remove_cloth(
     removed: On<Remove, Cloth>,
     mut commands: Commands,
-    mut cloths: Query<(Option<&mut Mesh3d>, Option<&Binding>, Option<&mut ClothStatus>)>,
+    mut cloths: Query<(Option<&mut Mesh3d>, Option<&Binding>, Option<&mut ClothStatus>, Option<&mut ClothReport>)>,
     mut notices: ResMut<Notices>,
 ) {
     notices.forget(removed.entity);
-    let Ok((mesh, binding, status)) = cloths.get_mut(removed.entity) else { return };
+    let Ok((mesh, binding, status, report)) = cloths.get_mut(removed.entity) else { return };
     let Ok(mut entity) = commands.get_entity(removed.entity) else { return };
     if let Some(mut status) = status {
         *status = ClothStatus::New;
+    }
+    if let Some(mut report) = report {
+        *report = ClothReport::default();
     }
     if let (Some(mut mesh), Some(binding)) = (mesh, binding)
         && binding.instance.as_ref().is_some_and(|i| i.id() == mesh.0.id())

@@ -232,16 +232,20 @@ fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
 
 #[test]
 fn a_transform_that_is_not_a_number_waits_and_comes_back() {
-    let mut app = app();
-    let cloth = spawn(&mut app, sheet(6), border());
-    run(&mut app, 30);
-    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::NAN;
-    run(&mut app, 10);
-    assert!(finite(&app, cloth));
-    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::ZERO;
-    run(&mut app, 30);
-    assert_eq!(status(&app, cloth), ClothStatus::Active);
-    assert!(finite(&app, cloth) && report(&app, cloth).worst_edge < 1.1);
+    for bad in [f32::NAN, f32::INFINITY, 1.0e10] {
+        let mut app = app();
+        let cloth = spawn(&mut app, sheet(6), border());
+        run(&mut app, 30);
+        app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::splat(bad);
+        run(&mut app, 10);
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Scale), "{bad}");
+        assert!(finite(&app, cloth));
+        app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::ZERO;
+        run(&mut app, 30);
+        assert_eq!(status(&app, cloth), ClothStatus::Active, "{bad}");
+        let report = report(&app, cloth);
+        assert!(finite(&app, cloth) && report.worst_edge < 1.1 && report.restores == 0, "{bad}");
+    }
 }
 
 /// F30

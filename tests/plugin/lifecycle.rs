@@ -21,6 +21,7 @@ fn removing_cloth_gives_the_authored_mesh_back_and_leaves_nothing() {
     assert!(app.world().get::<ClothParticles>(cloth).is_none() && app.world().get::<NoAutoAabb>(cloth).is_none());
     assert!(!app.world().resource::<Assets<Mesh>>().contains(instance), "the instance mesh was left behind");
     assert_eq!(status(&app, cloth), ClothStatus::New);
+    assert_eq!(*report(&app, cloth), ClothReport::default());
     app.world_mut().entity_mut(cloth).insert(Cloth);
     run(&mut app, 10);
     assert_eq!(status(&app, cloth), ClothStatus::Active);

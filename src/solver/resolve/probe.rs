@@ -8,6 +8,8 @@
 //!             ●   side 0
 //! ```
 //!
+//! Or each particle goes along the normal of the face that it meets, where no one direction takes all of one side out ([`Course`]).
+//!
 //! No ray is cast through a tree: from the face that the contour crosses on, the projection of a particle is found by walking over neighbouring
 //! faces, so that another sheet in the way is not taken for this one.
 

@@ -1,7 +1,8 @@
 //! The cheapest way apart: of a few candidate directions, the one along which the least area has the least way to go.
 //!
 //! A capped version of *Type-Free Global Intersection Analysis* (2026): candidates are both normals of both sides at the contour, and the direction
-//! taken before. What is chosen is carried out over several iterations.
+//! taken before; between two cloths that face many ways along the contour, as tubes do, each particle goes along the normal of what it meets, in or
+//! out. What is chosen is carried out over several iterations.
 
 use glam::Vec3;
 
