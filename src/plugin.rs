@@ -176,7 +176,7 @@ impl Plugin for ClothPlugin {
                     .chain()
                     .in_set(ClothSystems::Prepare),
                 (integrate::integrate, couple::give).chain().run_if(time_flows).in_set(ClothSystems::Integrate),
-                (detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
+                (detect::leave, detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
                 (resolve::resolve, resolve::scatter).chain().run_if(time_flows).in_set(ClothSystems::Resolve),
                 (
                     (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time_flows),

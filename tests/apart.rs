@@ -271,7 +271,7 @@ struct Tube {
 }
 
 impl Tube {
-    fn cloth(self, n: u32, layer: i32) -> SceneCloth {
+    fn mesh(self, n: u32) -> SourceMesh {
         let Self { radii: [top, bottom], belly, oval, off } = self;
         let mut mesh = grid(n, n, |u, v| {
             let (sin, cos) = (core::f32::consts::TAU * u).sin_cos();
@@ -282,7 +282,11 @@ impl Tube {
         if (b - a).cross(c - a).dot((a + b + c).with_y(0.0)) < 0.0 {
             mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
-        SceneCloth { layer, ..pinned_above(&mesh) }
+        mesh
+    }
+
+    fn cloth(self, n: u32, layer: i32) -> SceneCloth {
+        SceneCloth { layer, ..pinned_above(&self.mesh(n)) }
     }
 }
 
@@ -328,6 +332,40 @@ fn tubes_that_poke_through_each_other_come_apart() {
                 assert!(frame < 20 || crossings == 0, "{name}, {n}, layers {layers:?}, frame {frame}: {crossings} crossings");
             }
         }
+    }
+}
+
+/// A skirt over a petticoat that is longer around its hem, with nobody inside: folds of both come to lie side by side, the inner one of one before the
+/// outer one of the next, as they should.
+#[test]
+fn layers_of_a_skirt_that_hangs_in_folds_stay_clean() {
+    for (n, hem) in [(24, 0.31), (32, 0.32)] {
+        let inner = Tube { radii: [0.145, hem], ..Tube::default() };
+        let outer = Tube { radii: [0.155, 0.3], ..Tube::default() };
+        let mut scene = untangled(Scene::new(vec![inner.cloth(n, 0), outer.cloth(n, 1)]), true);
+        for frame in 0..240 {
+            scene.step(FRAME);
+            assert!(frame < 5 || scene.crossings() == 0, "{n}, frame {frame}: {} crossings", scene.crossings());
+            let group = &scene.untangle.as_ref().expect("untangled").group;
+            assert_eq!(group.overruled_layers().count(), 0, "{n}, frame {frame}");
+        }
+        let fastest = fastest(&scene);
+        assert!(worst_edge(&scene) < 1.15 && fastest < 0.5, "{n}: {fastest} m/s");
+    }
+}
+
+/// An outer cloth that is inside out would drive the inner one, which lies right, out through it.
+#[test]
+fn layers_that_face_opposite_ways_are_not_driven_through_each_other() {
+    let inner = Tube { radii: [0.2, 0.26], oval: 0.15, ..Tube::default() }.cloth(24, 0);
+    let (mut mesh, layer) = (Tube { radii: [0.22, 0.286], ..Tube::default() }.mesh(24), 1);
+    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    let outer = SceneCloth { layer, ..pinned_above(&mesh) };
+    let mut scene = untangled(Scene::new(vec![inner, outer]), true);
+    for frame in 0..120 {
+        scene.step(FRAME);
+        let worst = worst_edge(&scene);
+        assert!(worst < 1.15 && (frame < 20 || scene.crossings() == 0), "frame {frame}: {}, {worst}", scene.crossings());
     }
 }
 

@@ -270,6 +270,7 @@ impl Group {
                     m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
                 }
             }
+            self.rebound(cloths);
             self.guard(cloths);
             self.share += each;
             if n < count {
@@ -313,16 +314,33 @@ impl Group {
             self.contacts.rest();
             return;
         }
-        let parts = self.surface.parts.len();
         let (mut h, mut gravity, mut calm) = (0.0f32, Vec3::ZERO, true);
-        self.contacts.begin_gather();
-        for part in 0..parts {
-            let Some(Member { cloth, state, scratch, offset, moves, .. }) = cloths.member(part) else { continue };
-            if moves {
+        for part in 0..self.surface.parts.len() {
+            if let Some(Member { cloth, state, scratch, moves: true, .. }) = cloths.member(part) {
                 calm &= scratch.is_calm();
                 gravity += cloth.input.gravity;
                 h = h.max(state.substep);
             }
+        }
+        self.gather_pairs(cloths);
+        self.contacts.solve(h, gravity, calm);
+        self.scatter_pairs(cloths);
+    }
+
+    /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the substep began.
+    fn rebound(&mut self, cloths: &mut impl Members) {
+        if self.contacts.has_impacts() {
+            self.gather_pairs(cloths);
+            self.contacts.rebound();
+            self.scatter_pairs(cloths);
+        }
+    }
+
+    /// Takes in where the particles of pairs are and where they were when the substep began.
+    fn gather_pairs(&mut self, cloths: &mut impl Members) {
+        self.contacts.begin_gather();
+        for part in 0..self.surface.parts.len() {
+            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);
             self.contacts.gather(part, |i| match (state.positions.get(i), state.previous.get(i)) {
                 (Some(&now), Some(&old)) if moves => (now + offset, old + offset),
@@ -331,8 +349,11 @@ impl Group {
                 _ => (Vec4::NAN, Vec4::NAN),
             });
         }
-        self.contacts.solve(h, gravity, calm);
-        for part in 0..parts {
+    }
+
+    /// Gives back where they are and where they were.
+    fn scatter_pairs(&mut self, cloths: &mut impl Members) {
+        for part in 0..self.surface.parts.len() {
             let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
             let offset = offset.extend(0.0);
             self.contacts.scatter(part, |i, now, old| {
@@ -796,7 +817,7 @@ impl Group {
     /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Self::evaluate`]; empty before the first tangle.
     #[must_use]
     pub fn weights(&self, part: usize) -> &[f32] {
-        self.weights.get(self.range(part)).unwrap_or(&[])
+        if part < self.surface.parts.len() { self.weights.get(self.range(part)).unwrap_or(&[]) } else { &[] }
     }
 
     /// Whether [`Self::resolve`] moved anything in this frame.

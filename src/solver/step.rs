@@ -85,6 +85,8 @@ pub struct Scratch {
     /// What particles did in the last substep [m], `w` their inverse mass [1/kg], while it is damped.
     motion: Vec<Vec4>,
     before: Vec<Vec4>,
+    /// Ways in the substep [m] before anything held the cloth together, if it bounces.
+    inbound: Vec<Vec4>,
     displaced: Vec<Vec4>,
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
@@ -93,6 +95,8 @@ pub struct Scratch {
     taut: bool,
     /// How much longer than at rest tethers have to be for bodies to hold what they hold (dimensionless).
     give: f32,
+    /// Whether a body that moves much faster than the pins may meet the cloth in the frame to come.
+    driven: bool,
     /// For how long it was slow [s].
     slow_for: f32,
     /// Substeps between those in which the factors of bending are for.
@@ -211,8 +215,11 @@ const WILD: f32 = 8.0;
 /// do it every other frame.
 const EASED: f32 = 0.5;
 
-/// Most by which tethers give way, as a share of their length at rest (dimensionless).
-const MOST_GIVE: f32 = 0.25;
+/// Most by which tethers give way, as a share of their length at rest (dimensionless), and how fast they do, and come back [1/s]: cloth that is let go
+/// from a body would be thrown.
+const MOST_GIVE: f32 = 0.05;
+const GIVE_WAY: f32 = 10.0;
+const GIVE_BACK: f32 = 0.5;
 
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
@@ -310,8 +317,6 @@ struct Frame {
     gusts: u32,
     strained: bool,
     taut: bool,
-    /// Whether a fast body is near.
-    driven: bool,
     calm: bool,
     /// Substeps between those with bending, and drag [1/s].
     bend_every: u64,
@@ -343,7 +348,7 @@ impl Stepped<'_> {
     /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that moves much
     /// faster than the pins may meet the cloth.
     #[must_use]
-    pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &Scratch) -> u32 {
+    pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = substeps_of(stepping, input.dt);
         // What hangs on a character that runs goes with it.
@@ -353,6 +358,7 @@ impl Stepped<'_> {
         let ways = driving().map(|body| (body.to.translation - body.from.translation - mean).length());
         let farthest = ways.filter(|way| way.is_finite()).fold(0.0, f32::max);
         let times = (farthest / (count as f32 * DRIVEN * fabric.thickness)).ceil().clamp(1.0, MOST_DRIVEN);
+        scratch.driven = false;
         if times == 1.0 {
             return count;
         }
@@ -366,6 +372,7 @@ impl Stepped<'_> {
             let (low, high) = of(state);
             driving().any(|body| body.sweeps(low - fabric.thickness, high + fabric.thickness))
         };
+        scratch.driven = near;
         if near { count * times as u32 } else { count }
     }
 
@@ -420,7 +427,7 @@ impl Stepped<'_> {
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
         // What a fast body is about to strain is not yet.
-        let driven = substeps > substeps_of(stepping, input.dt);
+        let driven = scratch.driven;
         let (strained, taut) = (strained || driven, taut || driven);
         if taut {
             // A calm cloth would feel a list that shrinks.
@@ -443,7 +450,6 @@ impl Stepped<'_> {
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
             strained,
             taut,
-            driven,
             calm,
             bend_every,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
@@ -479,6 +485,10 @@ impl Stepped<'_> {
             predict::predict_uniform(x, old, input.gravity.extend(0.0), carry, push);
         }
         state.substep = h;
+        scratch.inbound.clear();
+        if fabric.restitution > 0.0 {
+            scratch.inbound.extend(x.iter().zip(&*old).map(|(x, old)| *x - *old));
+        }
         let (_, s) = frame.span();
         anchor::solve(anchors, s, h, x);
         scratch.coupling.advance(h);
@@ -511,10 +521,13 @@ impl Stepped<'_> {
         let (s0, s1) = frame.span();
         let touch = Touch::of(self.fabric);
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
-        frame.report.body_contacts = scratch.contacts.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        frame.report.body_contacts =
+            scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
-        if frame.driven || s1 == 1.0 {
-            scratch.give = give(self.fabric, scratch, x);
+        // Without a fast body once a frame is enough.
+        if scratch.driven || s1 == 1.0 {
+            let since = if scratch.driven { frame.h } else { frame.dt };
+            scratch.give = give(self.fabric, scratch, x, since);
         }
     }
 
@@ -543,11 +556,12 @@ impl Stepped<'_> {
     }
 }
 
-/// By how much of their length at rest tethers have to give way for bodies to hold what they hold (dimensionless): cloth that is drawn over a body
-/// is longer all the way to its pins, within its strain limit, not only where the body is.
-fn give(fabric: &Fabric, scratch: &Scratch, positions: &[Vec4]) -> f32 {
-    let most = fabric.strain_limit.min(MOST_GIVE);
-    (scratch.tethers.longest(scratch.grounded(), positions) - fabric.tether_scale).clamp(0.0, most)
+/// How far tethers are to give way, as a share of their length at rest (dimensionless), that `was` a time of `dt` [s] ago. Cloth that a body holds
+/// farther from its pins than they are long is longer all the way to them, within its strain limit, not only where the body is.
+fn give(fabric: &Fabric, scratch: &Scratch, positions: &[Vec4], dt: f32) -> f32 {
+    let excess = scratch.tethers.excess(scratch.grounded(), fabric.tether_scale, fabric.thickness, positions);
+    let most = fabric.strain_limit.clamp(0.0, MOST_GIVE);
+    scratch.give + (excess.min(most) - scratch.give).clamp(-GIVE_BACK * dt, GIVE_WAY * dt)
 }
 
 /// Gives particles that hardly moved [`STUCK`] since they were `before`, a substep being the `share` of that time, the speed with which they did.
@@ -596,7 +610,7 @@ fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: 
         }
     }
     let slip = Touch::frictionless(fabric);
-    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
+    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, &mut scratch.coupling);
     scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
@@ -625,7 +639,7 @@ pub fn displace(
     let x = &mut state.positions;
     displaced.clone_from(x);
     let slip = Touch::frictionless(fabric);
-    contacts.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
+    contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, coupling);
     faces.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
     let mut stopped = false;
     for ((x, old), displaced) in x.iter().zip(&mut state.previous).zip(displaced) {

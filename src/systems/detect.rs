@@ -10,6 +10,17 @@ use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::body::Touch;
 
+/// Takes cloths out of their groups from which a component was removed that meeting others takes.
+pub(crate) fn leave(
+    mut cloths: Query<(&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<Untangle>, Has<Slumber>), With<Cloth>>,
+) {
+    for (mut scratch, rest, collision, untangle, slumber) in &mut cloths {
+        if scratch.group.is_some() && !(rest && collision && untangle && slumber) {
+            (scratch.group, scratch.bounds) = (None, None);
+        }
+    }
+}
+
 /// Groups cloths that can meet.
 pub(crate) fn group(
     mut groups: ResMut<ClothGroups>,

@@ -146,3 +146,34 @@ fn a_cloth_that_failed_and_waits_has_no_error_until_it_fails_again() {
     run(&mut app, 3);
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Active, false));
 }
+
+#[test]
+fn what_is_removed_from_one_of_two_cloths_that_touch_stops_nothing() {
+    fn without<C: Component>() {
+        let mut app = app();
+        app.world_mut().spawn(ClothCollider::ball(0.2));
+        let cloths = [0.25, 0.27].map(|y| spawn(&mut app, sheet(8), Transform::from_xyz(0.0, y, 0.0)));
+        run(&mut app, 60);
+        assert!(report(&app, cloths[0]).contacts > 0, "they touch");
+        for cloth in cloths {
+            app.world_mut().entity_mut(cloth).remove::<C>();
+            run(&mut app, 30);
+        }
+        let other = spawn(&mut app, sheet(8), Transform::from_xyz(0.0, 0.4, 0.0));
+        run(&mut app, 30);
+        assert!(report(&app, other).time > 0.3 && finite(&app, other), "{}", core::any::type_name::<C>());
+    }
+    without::<Untangle>();
+    without::<ClothCollision>();
+    without::<ClothRest>();
+    without::<ClothMaterial>();
+    without::<ClothSolver>();
+    without::<ClothPins>();
+    without::<ClothSleep>();
+    without::<SkipFrame>();
+    without::<ClothReport>();
+    without::<ClothStatus>();
+    without::<ClothParticles>();
+    without::<GlobalTransform>();
+    without::<Mesh3d>();
+}

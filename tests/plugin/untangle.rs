@@ -262,7 +262,6 @@ fn crossings_of_cloths_that_are_not_untangled_are_counted_and_left_alone() {
     for cloth in cloths {
         let report = report(&app, cloth);
         let fastest = fastest(&app, cloth);
-        eprintln!("{} crossings, {fastest} m/s, worst edge {}", report.crossings, report.worst_edge);
         assert!(
             report.crossings > 10 && report.iterations == 0 && fastest < 0.1,
             "{} crossings, {fastest} m/s",

@@ -250,3 +250,47 @@ fn a_cloth_leaves_a_floor_as_its_restitution_says() {
         assert!((speed - 2.0 * f64::from(restitution)).abs() < 0.02, "{restitution}: {speed} m/s");
     }
 }
+
+/// What springs press on a body does not come in with any speed.
+#[test]
+fn a_cloth_that_is_drawn_over_a_ball_does_not_bounce() {
+    for restitution in [0.0, 0.5, 1.0] {
+        let n = 32;
+        let mesh = grid(n, n, |u, v| vec3(u - 0.5, 0.0, v - 0.5));
+        let border: Vec<u32> = (0..n).flat_map(|i| [i, (n - 1) * n + i, i * n, i * n + n - 1]).collect();
+        let (rest, _) = RestShape::build(&mesh).expect("a sheet");
+        let mut scene = Scene::new(vec![SceneCloth::new(Arc::new(rest), fabric(), vec3(0.0, 0.31, 0.0), &border)]);
+        scene.cloths[0].fabric.restitution = restitution;
+        scene.bodies.push(Body::at_rest(shape::ball(0.3).expect("a ball"), Pose::IDENTITY));
+        for frame in 1..=240 {
+            let down = 0.1 * (frame as f32 * FRAME).min(1.0);
+            scene.cloths[0].anchors.to.iter_mut().for_each(|to| to.y = 0.31 - down);
+            scene.step(FRAME);
+            let worst = scene.cloths[0].report.worst_edge;
+            assert!(worst < 1.1, "restitution {restitution}, frame {frame}: worst edge {worst}");
+        }
+        let state = &scene.cloths[0].state;
+        let fastest = (0..state.positions.len()).map(|i| state.velocity(i).length()).fold(0.0, f32::max);
+        assert!(fastest < 0.01, "restitution {restitution}: {fastest} m/s");
+    }
+}
+
+/// Tethers give way to a body that draws cloth taut, not to a wall that a curtain leans on.
+#[test]
+fn a_curtain_that_leans_on_a_wall_hangs_as_long_as_it_is() {
+    for (degrees, limit) in [(0.0, 0.05), (2.0, 0.05), (20.0, f32::INFINITY)] {
+        let n = 40;
+        let mesh = grid(n, n, |u, v| vec3(u - 0.5, -v, 0.0));
+        let top: Vec<u32> = (0..).zip(&mesh.positions).filter(|(_, x)| x.y > -1.0e-4).map(|(i, _)| i).collect();
+        let (rest, _) = RestShape::build(&mesh).expect("a curtain");
+        let mut scene = Scene::new(vec![SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &top)]);
+        scene.cloths[0].fabric.strain_limit = limit;
+        let normal = Quat::from_rotation_x(-f32::to_radians(degrees)) * Vec3::Z;
+        let wall = Pose::from_translation(-0.004 * normal);
+        scene.bodies.push(Body::at_rest(shape::half_space(normal).expect("a wall"), wall));
+        (0..300).for_each(|_| scene.step(FRAME));
+        let ends = scene.cloths[0].state.positions.iter().map(|x| x.truncate().length()).fold(0.0, f32::max);
+        let longest = vec3(0.5, 1.0, 0.0).length();
+        assert!(scene.cloths[0].report.body_contacts > 100 && ends < 1.01 * longest, "{degrees}°: {ends} m of {longest}");
+    }
+}

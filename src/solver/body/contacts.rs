@@ -9,7 +9,7 @@ use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
-use super::respond::{BAND, Bounce, Friction, RECOVERY_SPEED, respond};
+use super::respond::{BAND, Friction, IMPACT_SPEED, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::{Swept, plane_at, sweep};
 use crate::solver::couple::Coupling;
@@ -261,7 +261,8 @@ impl BodyContacts {
     ///
     /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the
     /// substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling`
-    /// are moved by what they do to the cloth, unless no time passes. Returns the number of contacts.
+    /// are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles in the substep [m] as their speeds at its start
+    /// and gravity have them; empty: nothing bounces. Returns the number of contacts.
     pub fn project(
         &mut self,
         bodies: &[Body],
@@ -269,6 +270,7 @@ impl BodyContacts {
         s1: f32,
         positions: &mut [Vec4],
         previous: &mut [Vec4],
+        inbound: &[Vec4],
         touch: &Touch,
         coupling: &mut Coupling,
     ) -> u32 {
@@ -306,7 +308,9 @@ impl BodyContacts {
                     (body.static_friction, body.dynamic_friction),
                     (touch.static_friction, touch.dynamic_friction),
                 ),
-                bounce: Bounce::of(touch.restitution, h),
+                restitution: if touch.restitution > 0.0 { touch.restitution.min(1.0) } else { 0.0 },
+                impact: IMPACT_SPEED * h,
+                inbound,
             };
             let places = part.places.and_then(|first| self.places.get_mut(first as usize..)).unwrap_or_default();
             let mut state = Particles { positions, previous, places, rooms: &mut self.rooms };
@@ -406,7 +410,11 @@ struct Setting<'a> {
     /// Way that an overlap is recovered in the substep [m].
     recovery: f32,
     friction: Friction,
-    bounce: Bounce,
+    restitution: f32,
+    /// Way of an approach from which on it bounces [m].
+    impact: f32,
+    /// Ways in the substep [m] if nothing held the cloth together; empty: nothing bounces.
+    inbound: &'a [Vec4],
 }
 
 impl Setting<'_> {
@@ -535,7 +543,12 @@ impl Setting<'_> {
                 }
                 _ => self.friction,
             };
-            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, friction, self.bounce);
+            let rise = self.inbound.get(i).map_or(0.0, |way| {
+                let foreseen = to_body1 * (x0 + Vec3A::from_vec4(*way) - self.motion.translation1);
+                let approach = plane.normal.dot(q0 - foreseen).min(plane.normal.dot(q0 - q1));
+                if approach > self.impact { self.restitution * approach } else { 0.0 }
+            });
+            let response = respond(plane, q0, q1, end, self.recovery, candidate.load, friction, rise);
             if !response.end.is_finite() {
                 continue;
             }

@@ -38,7 +38,7 @@ use super::distance::Sample;
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::nearest::{Convex, Face, Near, at, to_point};
-use super::respond::{BAND, Bounce, Friction, Plane, RECOVERY_SPEED, respond};
+use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::{SLIDES, plane_at};
 use crate::solver::couple::Coupling;
@@ -342,7 +342,6 @@ impl FaceContacts {
                     (body.static_friction, body.dynamic_friction),
                     (touch.static_friction, touch.dynamic_friction),
                 ),
-                bounce: Bounce::of(touch.restitution, h),
             };
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
             for candidate in candidates.iter_mut().filter(|candidate| !candidate.left_out) {
@@ -479,7 +478,6 @@ struct Setting<'a> {
     /// Way that an overlap is recovered in the substep [m].
     recovery: f32,
     friction: Friction,
-    bounce: Bounce,
 }
 
 impl Setting<'_> {
@@ -682,7 +680,7 @@ impl Setting<'_> {
             }
             _ => self.friction,
         };
-        let response = respond(plane, start, end, end, self.recovery, candidate.load, friction, self.bounce);
+        let response = respond(plane, start, end, end, self.recovery, candidate.load, friction, 0.0);
         let mut by = self.motion.rotation1 * (response.end - end);
         let mut silent = self.motion.rotation0 * response.shift;
         if !(by.is_finite() && silent.is_finite()) {

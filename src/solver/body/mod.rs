@@ -35,7 +35,7 @@ pub use contacts::{Approach, BodyContacts, Touch};
 pub use faces::{FaceContacts, Sheet};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
-pub(crate) use respond::{BAND, Bounce, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
+pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 pub use shape::ShapeError;
 
 /// A rigid body as one cloth sees it in one frame.

@@ -12,9 +12,9 @@
 //! `v = RECOVERY_SPEED` at most, and `q0` is moved out with it, so that the recovery itself leaves no velocity (the split
 //! impulses of Catto 2006, in position form).
 //!
-//! *Bounce.* With a restitution `e` above 0, one that was outside and comes in with more than [`IMPACT_SPEED`], by `a = g0 - g(q1)` in the substep,
-//! goes to `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in the push that moves bodies and
-//! bears friction. It turns where it was when the substep began.
+//! *Bounce.* With a restitution `e` above 0, one that was outside and comes in with more than [`IMPACT_SPEED`], by `a` in the substep, goes to
+//! `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in the push that moves bodies and bears
+//! friction. It turns where it was when the substep began. Only what its speed brings in counts: what springs press on a body does not bounce.
 //!
 //! *Friction* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the normal load `λ`:
 //! `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed down by its springs from
@@ -58,24 +58,6 @@ impl Friction {
 /// Speed of approach up to which nothing bounces [m/s]: what rests is pulled in by its springs and by gravity in every substep.
 pub(crate) const IMPACT_SPEED: f32 = 0.25;
 
-/// How what is struck bounces in a substep.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounce {
-    /// Speed afterwards over speed before (dimensionless).
-    pub(crate) restitution: f32,
-    /// Way of an approach that does not bounce [m].
-    pub(crate) least: f32,
-}
-
-impl Bounce {
-    pub(crate) const NONE: Self = Self { restitution: 0.0, least: 0.0 };
-
-    /// With `restitution`, in a substep of `h` [s]; what is not a number counts as 0.
-    pub(crate) fn of(restitution: f32, h: f32) -> Self {
-        Self { restitution: if restitution > 0.0 && h > 0.0 { restitution.min(1.0) } else { 0.0 }, least: IMPACT_SPEED * h }
-    }
-}
-
 /// The contact plane `n · q = c`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
@@ -101,7 +83,8 @@ pub(crate) struct Response {
     pub(crate) push: f32,
 }
 
-/// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one).
+/// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one); `rise`: how far over where it began
+/// what bounces ends [m], 0: it does not.
 #[inline]
 pub(crate) fn respond(
     plane: Plane,
@@ -111,15 +94,14 @@ pub(crate) fn respond(
     recovery: f32,
     load: f32,
     friction: Friction,
-    bounce: Bounce,
+    rise: f32,
 ) -> Response {
     let n = plane.normal;
     let gap_start = plane.gap(start);
-    let approach = gap_start - plane.gap(wanted);
     let target = if gap_start < 0.0 {
         (gap_start + recovery).min(0.0)
-    } else if bounce.restitution > 0.0 && approach > bounce.least.max(gap_start) {
-        gap_start + bounce.restitution * approach
+    } else if rise > 0.0 && plane.gap(wanted) < 0.0 {
+        gap_start + rise
     } else {
         0.0
     };

@@ -93,6 +93,7 @@ impl Scene {
                 s1,
                 &mut self.positions,
                 &mut self.previous,
+                &[],
                 &touch(self.friction),
                 &mut Coupling::default(),
             );

@@ -71,18 +71,23 @@ impl Tethers {
         tethers
     }
 
-    /// Longest of the tethers of some particles over their length at rest (dimensionless), 0 of none; only the shortest of each counts.
+    /// By how much the tethers of some particles are longer than `scale` (dimensionless), the most, over their length at rest; of those that are so by
+    /// more than `least` [m]. 0 of none. Only the shortest tether of each particle counts, to whose pins it is drawn hardest.
     #[must_use]
-    pub fn longest(&self, particles: impl Iterator<Item = u32>, positions: &[Vec4]) -> f32 {
+    pub fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
         let list = self.particle.as_flattened();
-        let mut longest = 0.0_f32;
+        let mut most = 0.0_f32;
         for p in particles {
             let Ok(i) = list[..self.first_rank].binary_search(&p) else { continue };
             let (batch, lane) = (i / LANES, i % LANES);
-            let way = positions[p as usize] - positions[self.pin[batch][lane] as usize];
-            longest = longest.max(way.truncate().length_squared() * self.inverse_square[batch][lane]);
+            let way = (positions[p as usize] - positions[self.pin[batch][lane] as usize]).truncate().length();
+            let excess = way * self.inverse_square[batch][lane].sqrt() - scale;
+            // `excess L > least`
+            if excess * excess > least * least * self.inverse_square[batch][lane] {
+                most = most.max(excess);
+            }
         }
-        longest.sqrt()
+        most
     }
 
     /// Pulls every particle back within `scale` (dimensionless) times its tethers.

@@ -15,7 +15,7 @@ use glam::{Vec3, Vec4};
 use super::contour::ContourGraph;
 use super::plan::Plans;
 use super::probe::{Course, Member, Stray};
-use super::separate::{ONE_WAY, between, cloths, facing, facing_at, mean};
+use super::separate::{ONE_WAY, agreement, between, cloths, facing, facing_at, mean};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
@@ -33,6 +33,9 @@ const AGREE: f32 = 0.5;
 
 /// Which side of a contour the inner cloth is on: pairs are named the outer one first.
 const INNER: usize = 1;
+
+/// Share of the pins met on the way that must hold both cloths in another order for it to be theirs.
+const HELD: f32 = 0.5;
 
 /// Share of the crossings that moving one way must undo.
 const UNDONE: f32 = 0.8;
@@ -79,6 +82,7 @@ impl Layers {
     /// of an edge.
     pub fn patrol(&mut self, surface: &Surface, tree: &mut Tree, positions: &[Vec4]) {
         self.strays.clear();
+        // Pins may have changed.
         self.pairs.retain(|p| !p.held);
         let some = (surface.len() as u32 / SAMPLES).clamp(1, STRIDE);
         let stride = if core::mem::take(&mut self.thorough) { 1 } else { some };
@@ -96,17 +100,21 @@ impl Layers {
                 let path = if side == 0 { reach * normal } else { -reach * normal };
                 let mut nearest = (1.0, NONE);
                 tree.along(at, path, |face| {
-                    let layer = surface.parts[usize::from(surface.part_of_face(face))].layer;
-                    if (if side == 0 { layer < mine.layer } else { layer > mine.layer })
-                        && let Some(share) = hit(surface, positions, at, path, face, normal)
+                    if !surface.topology.faces[face as usize].contains(&v)
+                        && let Some(share) = hit(surface, positions, at, path, face)
                         && (share, face) < nearest
                     {
                         nearest = (share, face);
                     }
                 });
                 let (share, face) = nearest;
-                if face != NONE {
-                    let other = surface.part_of_face(face);
+                if face == NONE || !faces_as(surface, positions, face, normal) {
+                    // What lies beyond another fold belongs there.
+                    continue;
+                }
+                let other = surface.part_of_face(face);
+                let layer = surface.parts[usize::from(other)].layer;
+                if if side == 0 { layer < mine.layer } else { layer > mine.layer } {
                     let pair = if side == 0 { [part, other] } else { [other, part] };
                     // Projected along the normal of the face, the way may be a little longer.
                     let near = share * reach / AGREE + surface.mean_edge;
@@ -143,13 +151,17 @@ fn normal(surface: &Surface, positions: &[Vec4], particle: u32) -> Vec3 {
     if sum.is_finite() { sum.normalize_or_zero() } else { Vec3::ZERO }
 }
 
-/// Where along `path` a face is met that faces the same way, as a fraction.
-fn hit(surface: &Surface, positions: &[Vec4], from: Vec3, path: Vec3, face: u32, facing: Vec3) -> Option<f32> {
+/// Whether a face faces about the way `normal` does.
+fn faces_as(surface: &Surface, positions: &[Vec4], face: u32, normal: Vec3) -> bool {
+    let [a, b, c] = surface.topology.faces[face as usize].map(|v| positions[v as usize].truncate());
+    let mine = (b - a).cross(c - a);
+    mine.dot(normal) >= AGREE * mine.length()
+}
+
+/// Where along `path` a face is met, as a fraction.
+fn hit(surface: &Surface, positions: &[Vec4], from: Vec3, path: Vec3, face: u32) -> Option<f32> {
     let [a, b, c] = surface.topology.faces[face as usize].map(|v| positions[v as usize].truncate());
     let normal = (b - a).cross(c - a);
-    if normal.dot(facing) < AGREE * normal.length() {
-        return None;
-    }
     let share = (a - from).dot(normal) / path.dot(normal);
     let x = from + share * path;
     let inside = [(a, b), (b, c), (c, a)].into_iter().all(|(p, q)| (q - p).cross(x - p).dot(normal) >= 0.0);
@@ -166,11 +178,15 @@ fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
     }
 }
 
-/// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own.
-fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray]) -> Course {
+/// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own. None where the cloths
+/// face opposite ways: what one goes by would drive the other out, too.
+fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray]) -> Option<Course> {
     // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
     let mean = mean(facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| facing(view, s.face))));
-    if mean.length() > ONE_WAY { Course::Along(mean.normalize_or_zero()) } else { Course::Facing([1.0, -1.0]) }
+    if mean.length() > ONE_WAY {
+        return Some(Course::Along(mean.normalize_or_zero()));
+    }
+    (agreement(view, graph, set) > -AGREE).then_some(Course::Facing([1.0, -1.0]))
 }
 
 impl Resolver {
@@ -187,11 +203,15 @@ impl Resolver {
             set.extend(between(view, graph, cloths));
             of_pair.clear();
             of_pair.extend(strays.iter().filter(|s| s.0 == cloths).map(|s| s.1));
-            probe.look_from(view, graph, set, of_pair, outward(view, graph, set, of_pair));
-            let undone = set.is_empty() || probe.undone >= UNDONE;
-            let plan =
-                if undone && probe.cost > 0.0 && !probe.held { plans.carry_out(view, graph, set, probe, step) } else { 0 };
-            pairs.push(Pair { cloths, plan, held: probe.held });
+            let (mut plan, mut held) = (0, false);
+            if let Some(course) = outward(view, graph, set, of_pair) {
+                probe.look_from(view, graph, set, of_pair, course);
+                held = probe.pins[1] as f32 >= HELD * (probe.pins[0].max(1)) as f32;
+                if !held && probe.cost > 0.0 && (set.is_empty() || probe.undone >= UNDONE) {
+                    plan = plans.carry_out(view, graph, set, probe, step);
+                }
+            }
+            pairs.push(Pair { cloths, plan, held });
         }
         // What nothing is done about is as good as in order.
         strays.retain(|s| pairs.iter().any(|p| p.cloths == s.0 && p.plan != 0));

@@ -55,7 +55,7 @@ pub(super) struct Stray {
 pub(super) enum Course {
     /// Side 0 along a unit vector, side 1 against it.
     Along(Vec3),
-    /// Each particle along the normal of what it meets: side 0 along that of side 1, times the first sign, side 1 along that of side 0, times the
+    /// Each particle along the normal of the face beside what it meets: side 0 along that of side 1, times the first sign, side 1 along that of side 0, times the
     /// second. Around a tube no one direction takes all of one side out.
     Facing([f32; 2]),
 }
@@ -123,8 +123,8 @@ pub(super) struct Probe {
     pub undone: f32,
     /// Area times squared way [m⁴].
     pub cost: f32,
-    /// Whether pins hold both sides somewhere where they have a way to go.
-    pub held: bool,
+    /// Pinned particles that were looked at and meet faces that are pinned, too, and those of them that have a way to go.
+    pub pins: [u32; 2],
 }
 
 impl Probe {
@@ -134,7 +134,7 @@ impl Probe {
         self.begin(view, graph, set);
         self.largest = largest_area(self.length, self.edge, self.length + ABOUT * self.edge);
         self.look_along(view, graph, set, &[], course, most);
-        !(self.held && course.is_facing())
+        !(self.pins[1] > 0 && course.is_facing())
             && self.cost <= most
             && self.undone >= COVERED
             && self.area.iter().all(|&a| a <= self.largest)
@@ -173,7 +173,7 @@ impl Probe {
             self.seen.fill([Seen::default(); 2]);
             self.stamp = 1;
         }
-        (self.cost, self.undone, self.area, self.held) = (0.0, 0.0, [0.0; 2], false);
+        (self.cost, self.undone, self.area, self.pins) = (0.0, 0.0, [0.0; 2], [0; 2]);
         for side in 0..2 {
             self.behind[side].clear();
             self.meets[side].clear();
@@ -257,11 +257,14 @@ impl Probe {
                 continue;
             }
             *seen = Seen { stamp: self.stamp, way, along };
+            let is_pinned = |v: u32| view.positions[v as usize].w == 0.0;
+            if is_pinned(v) && topology.faces[face as usize].into_iter().any(is_pinned) {
+                self.pins[0] += 1;
+                self.pins[1] += u32::from(way > 0.0);
+            }
             if way <= 0.0 {
                 continue;
             }
-            let is_pinned = |v: u32| view.positions[v as usize].w == 0.0;
-            self.held |= is_pinned(v) && topology.faces[face as usize].into_iter().any(is_pinned);
             self.behind[side].push(v);
             self.meets[side].push(face);
             self.cost += way * way * view.surface.areas[v as usize];

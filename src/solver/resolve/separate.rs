@@ -48,7 +48,7 @@ pub(super) fn mean(normals: impl Iterator<Item = Vec3>) -> Vec3 {
 }
 
 /// How much the sides of some contours face the same way where they cross: 1, or the opposite way, -1 (dimensionless).
-fn agreement(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
+pub(super) fn agreement(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
     let [mine, theirs] = [0, 1].map(|side| facing_at(view, graph, set, side));
     let (sum, count) = mine.zip(theirs).fold((0.0, 0), |(sum, count), (n, m)| (sum + n.dot(m), count + 1));
     sum / f32::max(count as f32, 1.0)

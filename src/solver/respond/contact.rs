@@ -19,7 +19,7 @@ use core::cmp::Ordering;
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::FREE;
-use crate::solver::body::{BAND, Bounce, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
+use crate::solver::body::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
@@ -133,7 +133,7 @@ impl Contact {
         // The vector between the closest points is pushed out as a particle is out of a body, and shared out by mass.
         let plane = Plane { normal: self.normal.into(), offset: self.thickness };
         let (start, end) = (Vec3A::from(sum(&self.weights, &was)), Vec3A::from(sum(&self.weights, &x)));
-        let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction, Bounce::NONE);
+        let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction, 0.0);
         particles.impact |= out.push > IMPACT_SPEED * h;
         let drive = particles.passes * out.push / mobility;
         self.drive = if self.load > 0.0 { self.drive + LOAD_SHARE * (drive - self.drive) } else { drive };
@@ -163,15 +163,15 @@ impl Contact {
     }
 
     /// Gives a pair its way `apart` [m] in the substep, and moves nothing.
-    pub fn rebound(&self, apart: f32, particles: &mut Particles<'_>) {
-        let now = self.along(self.slots.map(|s| (particles.now[s as usize] - particles.old[s as usize]).truncate()));
-        let x = self.slots.map(|s| particles.now[s as usize]);
+    pub fn rebound(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+        let now = self.along(self.slots.map(|s| (positions[s as usize] - previous[s as usize]).truncate()));
+        let x = self.slots.map(|s| positions[s as usize]);
         let by = self.normal * ((apart - now) / self.mobility(&x));
         if !by.is_finite() {
             return;
         }
         for ((&slot, weight), x) in self.slots.iter().zip(self.weights).zip(x) {
-            particles.old[slot as usize] -= (by * (weight * x.w)).extend(0.0);
+            previous[slot as usize] -= (by * (weight * x.w)).extend(0.0);
         }
     }
 

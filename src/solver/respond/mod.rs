@@ -107,6 +107,7 @@ impl Contacts {
         self.pairs.reserve(listed + listed / 2);
         self.particles.reserve(listed);
         self.loads.reserve(listed / 2);
+        self.impacts.reserve(listed.saturating_sub(self.impacts.len()));
     }
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
@@ -164,6 +165,7 @@ impl Contacts {
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
         self.particles.reserve(particles.saturating_sub(self.particles.len()));
         self.loads.reserve(particles.saturating_sub(self.loads.len()));
+        self.impacts.reserve(particles.saturating_sub(self.impacts.len()));
         self.behind.reserve((particles / 8).saturating_sub(self.behind.len()));
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
@@ -203,6 +205,7 @@ impl Contacts {
     /// Says that nothing touches.
     pub(crate) fn rest(&mut self) {
         self.touching = 0;
+        self.impacts.clear();
     }
 
     /// Lets particles that lie on nothing any more rise; once a frame.
@@ -270,6 +273,7 @@ impl Contacts {
         (self.touching, self.substep) = (0, h);
         let up = -gravity.normalize_or_zero();
         let Self { particles: ids, now, old, velocities, impacts, levels, .. } = self;
+        impacts.clear();
         let passes = if calm { 2.0 } else { 1.0 };
         let mut particles = Particles { ids, now, old, levels, up, passes, impact: false };
         if calm {
@@ -284,16 +288,26 @@ impl Contacts {
             self.touching += u32::from(pair.solve(h, &mut particles));
         }
         if particles.impact {
-            impacts.clear();
             let pairs = (0..).zip(&self.pairs);
             impacts.extend(pairs.filter_map(|(i, pair)| Some((i, pair.impact(velocities)?))));
-            // There and back, as pairs share particles.
-            for _ in 0..REBOUNDS {
-                for &(i, apart) in impacts.iter().chain(impacts.iter().rev()) {
-                    self.pairs[i as usize].rebound(apart * h, &mut particles);
-                }
+        }
+    }
+
+    /// Whether pairs met fast in the last [`Self::solve`].
+    pub(crate) fn has_impacts(&self) -> bool {
+        !self.impacts.is_empty()
+    }
+
+    /// Gives pairs that met fast in the last [`Self::solve`] their speed apart; nothing moves.
+    pub(crate) fn rebound(&mut self) {
+        let Self { pairs, impacts, now, old, .. } = self;
+        // There and back, as pairs share particles.
+        for _ in 0..REBOUNDS {
+            for &(i, apart) in impacts.iter().chain(impacts.iter().rev()) {
+                pairs[i as usize].rebound(apart * self.substep, now, old);
             }
         }
+        impacts.clear();
     }
 
     /// Gives back what [`Self::gather`] took.
