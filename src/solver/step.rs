@@ -426,12 +426,9 @@ impl Stepped<'_> {
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
-        // What a fast body is about to strain is not yet.
-        let driven = scratch.driven;
-        let (strained, taut) = (strained || driven, taut || driven);
         if taut {
             // A calm cloth would feel a list that shrinks.
-            let all = driven || scratch.strain() > WILD * fabric.strain_limit;
+            let all = scratch.strain() > WILD * fabric.strain_limit;
             scratch.tight.find(&rest.springs, fabric.strain_limit, (all, calm), &state.positions);
         }
         if calm {
