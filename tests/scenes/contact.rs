@@ -225,9 +225,6 @@ fn cloths_part_as_their_restitution_says() {
         for masses in [[0.2, 0.2], [2.0, 0.2]] {
             for (restitution, wanted) in [([0.0, 0.0], 0.0), ([0.5, 0.0], 0.5), ([0.3, 0.8], 0.8)] {
                 let (apart, worst) = part(n, turn, masses, restitution);
-                eprintln!(
-                    "{n}² turned by {turn}, {masses:?} kg/m², restitution {restitution:?}: {apart} m/s, worst edge {worst}"
-                );
                 assert!((apart - wanted).abs() < 0.15, "{n}, {turn}, {masses:?}, {restitution:?}: {apart} m/s");
                 assert!(worst < 1.15, "{worst}");
             }
