@@ -312,24 +312,28 @@ fn worst_edge(scene: &Scene) -> f32 {
 fn tubes_that_poke_through_each_other_come_apart() {
     let plain = Tube { radii: [0.22, 0.26], ..Tube::default() };
     let oval = Tube { radii: [0.2, 0.26], oval: 0.15, ..Tube::default() };
+    // Frames until they are clean, and the worst edge.
     let tubes = [
-        ("two flanks", oval, Tube { radii: [0.22, 0.286], ..plain }),
-        ("unequal flanks", Tube { off: 0.012, ..oval }, Tube { radii: [0.22, 0.286], ..plain }),
-        ("hem 3 cm wider", Tube { radii: [0.2, 0.29], ..plain }, plain),
-        ("hem 8 mm wider", Tube { radii: [0.2, 0.268], ..plain }, plain),
-        ("hem 8 mm wider and off", Tube { radii: [0.2, 0.268], off: 0.008, ..plain }, plain),
-        ("belly", Tube { radii: [0.2, 0.22], belly: 0.033, ..plain }, Tube { radii: [0.22, 0.25], ..plain }),
-        ("hem 2 cm too narrow", Tube { radii: [0.2, 0.2], ..plain }, Tube { radii: [0.22, 0.18], ..plain }),
+        ("two flanks", oval, Tube { radii: [0.22, 0.286], ..plain }, 5, 1.15),
+        ("unequal flanks", Tube { off: 0.012, ..oval }, Tube { radii: [0.22, 0.286], ..plain }, 20, 1.15),
+        ("hem 3 cm wider", Tube { radii: [0.2, 0.29], ..plain }, plain, 5, 1.4),
+        ("hem 8 mm wider", Tube { radii: [0.2, 0.268], ..plain }, plain, 5, 1.15),
+        ("hem 8 mm wider and off", Tube { radii: [0.2, 0.268], off: 0.008, ..plain }, plain, 5, 1.15),
+        ("belly", Tube { radii: [0.2, 0.22], belly: 0.033, ..plain }, Tube { radii: [0.22, 0.25], ..plain }, 5, 1.15),
+        ("hem 2 cm too narrow", Tube { radii: [0.2, 0.2], ..plain }, Tube { radii: [0.22, 0.18], ..plain }, 20, 1.4),
     ];
-    for (name, inner, outer) in tubes {
-        for (n, layers) in [(24, [0, 0]), (24, [0, 1]), (32, [0, 1])] {
+    for (name, inner, outer, frames, longest) in tubes {
+        for (n, layers) in [(24, [0, 0]), (24, [0, 1]), (32, [0, 0]), (32, [0, 1])] {
             let mut scene = untangled(Scene::new(vec![inner.cloth(n, layers[0]), outer.cloth(n, layers[1])]), true);
             assert!(scene.look().crossings > 20, "{name}");
             for frame in 0..120 {
                 scene.step(FRAME);
                 let (crossings, worst) = (scene.crossings(), worst_edge(&scene));
-                assert!(worst < 1.4, "{name}, {n}, layers {layers:?}, frame {frame}: worst edge {worst}");
-                assert!(frame < 20 || crossings == 0, "{name}, {n}, layers {layers:?}, frame {frame}: {crossings} crossings");
+                assert!(worst < longest, "{name}, {n}, layers {layers:?}, frame {frame}: worst edge {worst}");
+                assert!(
+                    frame < frames || crossings == 0,
+                    "{name}, {n}, layers {layers:?}, frame {frame}: {crossings} crossings"
+                );
             }
         }
     }
