@@ -38,9 +38,9 @@ impl Checked {
         self.values.push(None);
     }
 
-    fn note(&mut self, name: &'static str, given: f32, used: f32) {
+    fn note(&mut self, name: &'static str, given: f32, used: f32, of_length: bool) {
         self.clamped.push(Cow::Borrowed(name));
-        self.values.push(Some(Values { given, used, of_length: false }));
+        self.values.push(Some(Values { given, used, of_length }));
     }
 
     /// The settings that were changed, each with what was given and what is used.
@@ -54,7 +54,7 @@ impl Checked {
             return value;
         }
         let used = if value.is_nan() { default } else { value.clamp(low, high) };
-        self.note(name, value, used);
+        self.note(name, value, used, false);
         used
     }
 
@@ -62,7 +62,7 @@ impl Checked {
     pub fn count(&mut self, name: &'static str, value: u32, low: u32, high: u32) -> u32 {
         let used = value.clamp(low, high);
         if used != value {
-            self.note(name, value as f32, used as f32);
+            self.note(name, value as f32, used as f32, false);
         }
         used
     }
@@ -81,8 +81,7 @@ impl Checked {
         let largest = value.abs().max_element();
         let shortened = value.is_finite() && largest > 0.0;
         let used = if shortened { (value / largest).normalize_or_zero() * longest } else { default };
-        self.clamped.push(Cow::Borrowed(name));
-        self.values.push(Some(Values { given: value.length(), used: used.length(), of_length: true }));
+        self.note(name, value.length(), used.length(), true);
         used
     }
 }

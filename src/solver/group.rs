@@ -1,7 +1,7 @@
 //! Cloths that can meet, untangled together as one surface.
 //!
 //! ```text
-//! step: (constrain ─► keep apart ─► bodies ─► guard)* ─► finish ─► guard
+//! step: (constrain ─► keep apart ─► bodies ─► rebound ─► guard)* ─► finish ─► guard
 //! gather ─► detect ─► resolve: take back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► scatter what moved
 //!     ─► bodies ─► stay: put back what they pushed ─► evaluate: look again, one verdict per cloth
 //! ```

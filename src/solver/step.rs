@@ -93,7 +93,7 @@ pub struct Scratch {
     /// Whether the last frame took it for strained, and for taut.
     strained: bool,
     taut: bool,
-    /// How much longer than at rest tethers have to be for bodies to hold what they hold (dimensionless).
+    /// By how much of their length at rest tethers give way to bodies (dimensionless).
     give: f32,
     /// Whether a body that moves much faster than the pins may meet the cloth in the frame to come.
     driven: bool,
@@ -351,6 +351,10 @@ impl Stepped<'_> {
     pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = substeps_of(stepping, input.dt);
+        scratch.driven = false;
+        if input.bodies.is_empty() {
+            return count;
+        }
         // What hangs on a character that runs goes with it.
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
@@ -358,18 +362,14 @@ impl Stepped<'_> {
         let ways = driving().map(|body| (body.to.translation - body.from.translation - mean).length());
         let farthest = ways.filter(|way| way.is_finite()).fold(0.0, f32::max);
         let times = (farthest / (count as f32 * DRIVEN * fabric.thickness)).ceil().clamp(1.0, MOST_DRIVEN);
-        scratch.driven = false;
         if times == 1.0 {
             return count;
         }
         // What was near in the last frame, or comes in this one from afar.
         let near = scratch.contacts.candidates() > 0 || {
-            let of = |state: &ClothState| {
-                state.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), x| {
-                    (low.min(x.truncate()), high.max(x.truncate()))
-                })
-            };
-            let (low, high) = of(state);
+            let points = state.positions.iter().map(|x| x.truncate());
+            let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            let (low, high) = points.fold(none, |(low, high), x| (low.min(x), high.max(x)));
             driving().any(|body| body.sweeps(low - fabric.thickness, high + fabric.thickness))
         };
         scratch.driven = near;
@@ -553,8 +553,9 @@ impl Stepped<'_> {
     }
 }
 
-/// How far tethers are to give way, as a share of their length at rest (dimensionless), that `was` a time of `dt` [s] ago. Cloth that a body holds
-/// farther from its pins than they are long is longer all the way to them, within its strain limit, not only where the body is.
+/// How far tethers give way now, as a share of their length at rest (dimensionless), a time of `dt` [s] after they gave `scratch.give`. Cloth that a
+/// body holds farther from its pins than they are long, by more than its thickness, is longer all the way to them, within its strain limit, not
+/// only where the body is.
 fn give(fabric: &Fabric, scratch: &Scratch, positions: &[Vec4], dt: f32) -> f32 {
     let excess = scratch.tethers.excess(scratch.grounded(), fabric.tether_scale, fabric.thickness, positions);
     let most = fabric.strain_limit.clamp(0.0, MOST_GIVE);

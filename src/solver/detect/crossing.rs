@@ -149,12 +149,9 @@ impl Detector {
         mut also: F,
     ) {
         let Self { tree, asks, kinematic, moving, ties, doubtful, crossings, .. } = self;
-        for (part, out) in surface.parts.iter().zip(kinematic.iter_mut()) {
+        for ((part, out), moves) in surface.parts.iter().zip(kinematic.iter_mut()).zip(&*moving) {
             let range = part.particles.start as usize..part.particles.end as usize;
-            *out = positions[range].iter().all(|p| p.w == 0.0);
-        }
-        for (still, moves) in kinematic.iter_mut().zip(&*moving) {
-            *still &= !moves;
+            *out = !moves && positions[range].iter().all(|p| p.w == 0.0);
         }
         ties.directions.clear();
         crossings.clear();

@@ -15,7 +15,7 @@ use glam::{Vec3, Vec4};
 use super::contour::ContourGraph;
 use super::plan::Plans;
 use super::probe::{Course, Member, Stray};
-use super::separate::{ONE_WAY, agreement, between, cloths, facing, facing_at, mean};
+use super::separate::{AGREE, ONE_WAY, agreement, between, cloths, facing, facing_at, mean};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
@@ -28,8 +28,6 @@ const STRIDE: u32 = 61;
 const MANY: f32 = 0.1;
 /// How far is looked for a cloth on the wrong side, in thicknesses and in edges; the larger counts.
 const REACH: [f32; 2] = [10.0, 4.0];
-/// Smallest cosine between the normals of two layers that lie on each other.
-const AGREE: f32 = 0.5;
 
 /// Which side of a contour the inner cloth is on: pairs are named the outer one first.
 const INNER: usize = 1;
@@ -114,7 +112,8 @@ impl Layers {
                 }
                 let other = surface.part_of_face(face);
                 let layer = surface.parts[usize::from(other)].layer;
-                if if side == 0 { layer < mine.layer } else { layer > mine.layer } {
+                let is_wrong = if side == 0 { layer < mine.layer } else { layer > mine.layer };
+                if is_wrong {
                     let pair = if side == 0 { [part, other] } else { [other, part] };
                     // Projected along the normal of the face, the way may be a little longer.
                     let near = share * reach / AGREE + surface.mean_edge;

@@ -55,8 +55,8 @@ pub(super) struct Stray {
 pub(super) enum Course {
     /// Side 0 along a unit vector, side 1 against it.
     Along(Vec3),
-    /// Each particle along the normal of the face beside what it meets: side 0 along that of side 1, times the first sign, side 1 along that of side 0, times the
-    /// second. Around a tube no one direction takes all of one side out.
+    /// Each particle along the normal of the face beside what it meets: side 0 along that of side 1, times the first sign, side 1 along that of
+    /// side 0, times the second. Around a tube no one direction takes all of one side out.
     Facing([f32; 2]),
 }
 

@@ -19,8 +19,9 @@ const HYSTERESIS: f32 = 0.25;
 /// it: all around a tube it is none, and what brings one flank of it in drives the other one out.
 pub(super) const ONE_WAY: f32 = 0.7;
 
-/// Least of the [agreement] of sides that go apart each along the normals of the other (dimensionless).
-const AGREE: f32 = 0.5;
+/// Smallest cosine between normals that face the same way (dimensionless): of layers that lie on each other, and on the mean, as [`agreement`], of
+/// sides that go apart each along the normals of the other.
+pub(super) const AGREE: f32 = 0.5;
 
 /// Unit normal of a face, or zero.
 pub(super) fn facing(view: View<'_>, face: u32) -> Vec3 {

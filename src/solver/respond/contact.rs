@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
-//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", eq. 34), without one none.
+//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6), without one none.
 //!
 //! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
 //! difference. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
