@@ -260,6 +260,10 @@ impl Group {
             for part in 0..parts {
                 if let Some(m) = cloths.member(part) {
                     m.cloth.constrain(m.state, m.scratch);
+                    // Folds of one cloth that move are as good without.
+                    if !self.contacts.is_empty() && (parts > 1 || m.scratch.is_calm()) {
+                        m.cloth.hold(m.state, m.scratch);
+                    }
                 }
             }
             self.keep_apart(cloths);
@@ -644,6 +648,7 @@ impl Group {
         self.put_back(MOST_RETREATS, Retreat::take);
         // What touched before may cross by rounding.
         self.put_back(MOST_RETREATS, Retreat::take_there);
+        self.put_back(MOST_RETREATS, Retreat::take_along);
     }
 
     /// Puts back what crosses and looks again, some `rounds` at most, until nothing is left to put; whether there was any.

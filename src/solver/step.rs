@@ -512,6 +512,13 @@ impl Stepped<'_> {
         true
     }
 
+    /// Puts what lies on bodies where [`Self::project`] will put it; for what is done in between.
+    pub fn hold(&self, state: &mut ClothState, scratch: &mut Scratch) {
+        let Some((_, s)) = scratch.frame.as_ref().map(Frame::span) else { return };
+        let Scratch { contacts, coupling, .. } = scratch;
+        contacts.hold(self.input.bodies, s, &mut state.positions, &Touch::of(self.fabric), coupling);
+    }
+
     /// Ends the substep: keeps the cloth out of bodies.
     pub fn project(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(frame) = &mut scratch.frame else { return };

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, grid};
+use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, grid, sheets};
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::rest::RestShape;
 use glam::{DVec3, Quat, Vec3, vec3};
@@ -269,6 +269,19 @@ fn a_cloth_that_is_drawn_over_a_ball_does_not_bounce() {
         let state = &scene.cloths[0].state;
         let fastest = (0..state.positions.len()).map(|i| state.velocity(i).length()).fold(0.0, f32::max);
         assert!(fastest < 0.01, "restitution {restitution}: {fastest} m/s");
+    }
+}
+
+/// What lies between is pressed into the ball in every substep, and not the one above after it.
+#[test]
+fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
+    let mut scene = untangled(sheets(20));
+    (0..300).for_each(|_| scene.step(FRAME));
+    for cloth in &scene.cloths {
+        let count = cloth.state.positions.len();
+        let square: f32 = (0..count).map(|i| cloth.state.velocity(i).length_squared()).sum();
+        let speed = (square / count as f32).sqrt();
+        assert!(speed < 0.01 && cloth.scratch.is_calm(), "{speed} m/s");
     }
 }
 

@@ -9,7 +9,7 @@ use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
-use super::respond::{BAND, Friction, IMPACT_SPEED, RECOVERY_SPEED, respond};
+use super::respond::{BAND, Friction, IMPACT_SPEED, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::{Swept, plane_at, sweep};
 use crate::solver::couple::Coupling;
@@ -70,6 +70,8 @@ struct Candidate {
     particle: u32,
     /// Running mean of the push per substep [m]; 0 out of contact.
     load: f32,
+    /// The plane it was put on when it last touched, in the space of the part: unit normal, offset [m]; zero: not known.
+    plane: Vec4,
     /// A point of body space and a radius without any surface around it [m]: no query while the path stays inside.
     clear_at: Vec3,
     clear: f32,
@@ -104,6 +106,8 @@ pub struct BodyContacts {
     places: Vec<Vec3>,
     places_before: Vec<Vec3>,
     rooms: Rooms,
+    /// Particles that are where bodies will put them, and how far they were moved for it [m].
+    held: Vec<(u32, Vec4)>,
     /// Length of the frame [s].
     dt: f32,
     /// How far a particle can get in it by itself [m].
@@ -257,6 +261,36 @@ impl BodyContacts {
         }
     }
 
+    /// Puts what touched a body in the last substep where that will put it at the share `s` of the frame, for all that looks at the cloth until
+    /// [`Self::project`], which first takes that back: cloth on cloth that springs and gravity drew into a body would follow it in there.
+    pub fn hold(&mut self, bodies: &[Body], s: f32, positions: &mut [Vec4], touch: &Touch, coupling: &mut Coupling) {
+        let Self { parts, candidates, held, .. } = self;
+        for part in parts {
+            let (first, end) = part.candidates;
+            let (Some(body), Some(candidates)) = (bodies.get(part.body as usize), candidates.get(first as usize..end as usize))
+            else {
+                continue;
+            };
+            let mut motion = Motion::new(body, part.local, part.radius, s, s);
+            if let Some(slot) = body.rigid.and_then(|slot| coupling.slot_mut(slot)) {
+                motion.follow(slot, part.radius);
+            }
+            let to_body = motion.rotation1.transpose();
+            // What is deeper in is not where it was when it touched.
+            let deepest = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
+            for candidate in candidates.iter().filter(|c| c.load > 0.0 && !c.left_out) {
+                let Some(x) = positions.get_mut(candidate.particle as usize) else { continue };
+                let plane = Plane { normal: Vec3A::from_vec4(candidate.plane), offset: candidate.plane.w };
+                let gap = plane.gap(to_body * (Vec3A::from_vec4(*x) - motion.translation1));
+                if gap < 0.0 && gap > -deepest {
+                    let by = (motion.rotation1 * plane.normal * -gap).extend(0.0);
+                    *x += by;
+                    held.push((candidate.particle, by));
+                }
+            }
+        }
+    }
+
     /// Once per substep, after every other constraint: resolves contacts.
     ///
     /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the
@@ -277,6 +311,11 @@ impl BodyContacts {
         let h = (s1 - s0).max(0.0) * self.dt;
         let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
+        for (particle, by) in self.held.drain(..) {
+            if let Some(x) = positions.get_mut(particle as usize) {
+                *x -= by;
+            }
+        }
         self.rooms.advance();
         for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
@@ -350,7 +389,7 @@ impl BodyContacts {
 
 impl Candidate {
     fn new(particle: u32) -> Self {
-        Self { particle, load: 0.0, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, left_out: false }
+        Self { particle, load: 0.0, plane: Vec4::ZERO, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, left_out: false }
     }
 }
 
@@ -360,7 +399,7 @@ fn keep_loads(before: &[Candidate], (first, end): (u32, u32), now: &mut [Candida
     for candidate in now {
         while before.next_if(|old| old.particle < candidate.particle).is_some() {}
         if let Some(old) = before.next_if(|old| old.particle == candidate.particle) {
-            candidate.load = old.load;
+            (candidate.load, candidate.plane) = (old.load, old.plane);
         }
     }
 }
@@ -553,6 +592,7 @@ impl Setting<'_> {
                 continue;
             }
             candidate.load = response.load;
+            candidate.plane = Vec3::from(plane.normal).extend(plane.offset);
             contacts += 1;
             // As differences: a particle that stays keeps its bits.
             let mut by = self.motion.rotation1 * (response.end - q1);

@@ -4,17 +4,21 @@
 //!   x ─► x0 + u     x0: where it was when the last frame ended clean; velocity is kept
 //!                   u: mean motion since of the cloth that crosses and moved least
 //!   x ─► x0         where that is not enough and u is short; goes on as all together did
+//!   x ─► R x0 + c   where pins went on: along with those that it crosses ([`pins`])
 //! ```
 //!
 //! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their
 //! guard know the pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that started in
 //! the same place are left to [`resolve`](super::resolve).
 
+mod pins;
+
 use core::ops::Range;
 
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::detect::{Crossing, Part, Surface};
+use pins::Pins;
 
 /// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved
 /// farther, by a teleport, is not taken back.
@@ -47,6 +51,7 @@ pub struct Retreat {
     stayed: bool,
     /// Frames in a row in which they did.
     stays: u32,
+    pins: Pins,
 }
 
 impl Retreat {
@@ -95,6 +100,7 @@ impl Retreat {
             return false;
         }
         self.substeps = substeps as f32;
+        self.pins.forget();
         self.farthest.clear();
         let mut shared: Option<Vec3A> = None;
         for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
@@ -165,6 +171,32 @@ impl Retreat {
                 any = true;
             }
         });
+        any
+    }
+
+    /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins cannot be taken
+    /// back. Whether any was elsewhere.
+    pub fn take_along(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+    ) -> bool {
+        let mut pins = core::mem::take(&mut self.pins);
+        pins.meet(surface, crossings, positions, &self.clean);
+        let (substeps, mut any) = (self.substeps.max(1.0), false);
+        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
+            let Some(to) = pins.carry(v, this.clean[v].truncate()) else { return };
+            if x.truncate() != to {
+                this.taken[v] = true;
+                *x = to.extend(x.w);
+                previous[v] = to.lerp(this.clean[v].truncate(), 1.0 / substeps).extend(previous[v].w);
+                any = true;
+            }
+        });
+        self.pins = pins;
+        self.retreats |= any;
         any
     }
 
@@ -290,6 +322,31 @@ mod tests {
         assert_eq!(positions[3], clean[3]);
         assert!((positions[3] - previous[3]).distance(Vec4::X * 0.01) < 1e-6, "goes on as all did");
         assert!(!retreat.take_there(&surface, detector.crossings(), &mut positions, &mut previous), "is there");
+    }
+
+    #[test]
+    fn what_pins_went_through_goes_along_with_them() {
+        let (surface, mut clean) = surface();
+        clean[..3].iter_mut().for_each(|x| x.w = 0.0);
+        clean[3].z = 0.02;
+        let mut retreat = Retreat::default();
+        retreat.note(&surface, &clean, &clean, true);
+        // Its pins turn the lower triangle by 0.2 radians, through the corner.
+        let turn = glam::Quat::from_rotation_x(0.2);
+        let mut positions = clean.clone();
+        positions[..3].iter_mut().for_each(|x| *x = (turn * x.truncate()).extend(0.0));
+        let mut previous = positions.clone();
+        let mut detector = Detector::new(&surface);
+        let crossings = detector.detect(&surface, &positions).to_vec();
+        assert!(!crossings.is_empty() && retreat.begin(&surface, &crossings, &positions, &previous, &[true; 2], 4));
+        assert!(!retreat.take_there(&surface, &crossings, &mut positions, &mut previous), "it is where it was");
+        assert!(retreat.take_along(&surface, &crossings, &mut positions, &mut previous) && retreat.retreats());
+        assert!(detector.detect(&surface, &positions).is_empty());
+        for v in 3..6 {
+            let (expected, way) = (turn * clean[v].truncate(), (positions[v] - previous[v]).truncate());
+            assert!(positions[v].truncate().distance(expected) < 1.0e-3, "{} instead of {expected}", positions[v]);
+            assert!(way.distance(0.25 * (positions[v] - clean[v]).truncate()) < 1.0e-6, "goes on as the pins did: {way}");
+        }
     }
 
     #[test]
