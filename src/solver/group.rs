@@ -243,6 +243,7 @@ impl Group {
             if let Some(m) = cloths.member(part) {
                 count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
                 longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
+                self.retreat.check(&self.surface, part, &m.state.positions, m.offset);
             }
         }
         self.count = count;
@@ -275,7 +276,7 @@ impl Group {
                 }
             }
             self.rebound(cloths);
-            self.guard(cloths);
+            self.guard(cloths, false);
             self.share += each;
             if n < count {
                 let often = !self.takes_back || self.contacts.len() > CROWDED * self.surface.len();
@@ -291,8 +292,8 @@ impl Group {
                 cloths.done(part, report);
             }
         }
-        // Overlong edges were shortened without heed to what is between them.
-        self.guard(cloths);
+        // Overlong edges were shortened without heed to what is between them, and gave no speed.
+        self.guard(cloths, true);
     }
 
     /// Notes where everything is that may touch, and how fast.
@@ -374,8 +375,8 @@ impl Group {
         }
     }
 
-    /// Stops on its way what would have passed through since [`Self::note_start`].
-    fn guard(&mut self, cloths: &mut impl Members) {
+    /// Stops on its way what would have passed through since [`Self::note_start`]; `silent`: on a way that gave it no speed.
+    fn guard(&mut self, cloths: &mut impl Members, silent: bool) {
         if self.contacts.is_empty() {
             return;
         }
@@ -393,11 +394,15 @@ impl Group {
             return;
         }
         for part in 0..parts {
-            let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
-            let offset = offset.extend(0.0);
+            let Some(Member { state, scratch, offset, moves: true, .. }) = cloths.member(part) else { continue };
+            let (offset, silent) = (offset.extend(0.0), silent && scratch.is_calm());
             self.contacts.scatter_cut(part, |i, now| {
-                if let Some(x) = state.positions.get_mut(i) {
-                    *x = now - offset;
+                if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
+                    let to = now - offset;
+                    if silent {
+                        *old += to - *x;
+                    }
+                    *x = to;
                 }
             });
         }

@@ -183,7 +183,7 @@ const WIND_RATE: f32 = 60.0;
 /// alternation would keep from rest.
 const BEND_EVERY: u64 = 2;
 
-/// Root mean square of the speeds below which a cloth becomes calm [m/s]; at twice that it no longer is.
+/// Root mean square of the speeds over a frame below which a cloth becomes calm [m/s]; at twice that it no longer is.
 const CALM_SPEED: f32 = 0.03;
 
 /// Time for which it has to be that slow [s].
@@ -245,8 +245,6 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
         x.w = 1.0 / (fabric.density * area).max(1.0e-9);
     }
-    // What a calm cloth needs, before it is.
-    scratch.before.reserve(state.positions.len().saturating_sub(scratch.before.len()));
     scratch.coupling.weigh(anchors);
     let mut rigid: Vec<u32> =
         anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= anchor::RIGID).map(|(p, _)| *p).collect();
@@ -431,9 +429,7 @@ impl Stepped<'_> {
             let all = scratch.strain() > WILD * fabric.strain_limit;
             scratch.tight.find(&rest.springs, fabric.strain_limit, (all, calm), &state.positions);
         }
-        if calm {
-            scratch.before.clone_from(&state.positions);
-        }
+        scratch.before.clone_from(&state.positions);
         scratch.coupling.begin(dt, anchors, &state.positions);
         scratch.welded.clear();
         scratch.welded.extend(scratch.coupling.welded(anchors));
@@ -544,6 +540,7 @@ impl Stepped<'_> {
         if frame.calm && fabric.damping > 0.0 {
             slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
         }
+        let speed2 = mean_square_speed(&state.positions, &scratch.before, frame.dt);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         scratch.worst_edge = report.worst_edge;
         let limits = if scratch.is_calm() { CALM_STRAINED } else { STRAINED };
@@ -555,7 +552,7 @@ impl Stepped<'_> {
         }
         let bound = if scratch.is_calm() { 2.0 * CALM_SPEED } else { CALM_SPEED };
         // False for what is not a number.
-        scratch.slow_for = if mean_square_speed(state) <= bound * bound { (scratch.slow_for + frame.dt).min(1.0) } else { 0.0 };
+        scratch.slow_for = if speed2 <= bound * bound { (scratch.slow_for + frame.dt).min(1.0) } else { 0.0 };
         Some(report)
     }
 }
@@ -579,16 +576,17 @@ fn slow_what_is_stuck(before: &[Vec4], share: f32, state: &mut ClothState) {
     }
 }
 
-/// Mean square of the speeds of free particles over the last substep [m²/s²].
-fn mean_square_speed(state: &ClothState) -> f32 {
+/// Mean square of the speeds with which free particles got from where they were `before` to where they are in a frame of `dt` [s] [m²/s²]: where
+/// constraints pull against each other within it they only tremble.
+fn mean_square_speed(positions: &[Vec4], before: &[Vec4], dt: f32) -> f32 {
     let (mut sum, mut count) = (0.0, 0u32);
-    for (x, old) in state.positions.iter().zip(&state.previous) {
+    for (x, before) in positions.iter().zip(before) {
         if x.w > 0.0 {
-            sum += (*x - *old).truncate().length_squared();
+            sum += (*x - *before).truncate().length_squared();
             count += 1;
         }
     }
-    sum / (count.max(1) as f32 * state.substep * state.substep)
+    sum / (count.max(1) as f32 * dt * dt)
 }
 
 /// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.

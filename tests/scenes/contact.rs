@@ -26,6 +26,13 @@ fn throw(cloth: &mut SceneCloth, velocity: Vec3) {
     }
 }
 
+/// Root mean square of the speeds of particles [m/s].
+fn mean_speed(cloth: &SceneCloth) -> f32 {
+    let count = cloth.state.positions.len();
+    let square: f32 = (0..count).map(|i| cloth.state.velocity(i).length_squared()).sum();
+    (square / count as f32).sqrt()
+}
+
 fn momentum(scene: &Scene) -> DVec3 {
     let of = |cloth: &SceneCloth| {
         let masses = cloth.rest.areas.iter().map(|a| f64::from(cloth.fabric.density * a));
@@ -278,9 +285,34 @@ fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
     let mut scene = untangled(sheets(20));
     (0..300).for_each(|_| scene.step(FRAME));
     for cloth in &scene.cloths {
-        let count = cloth.state.positions.len();
-        let square: f32 = (0..count).map(|i| cloth.state.velocity(i).length_squared()).sum();
-        let speed = (square / count as f32).sqrt();
+        let speed = mean_speed(cloth);
+        assert!(speed < 0.01 && cloth.scratch.is_calm(), "{speed} m/s");
+    }
+}
+
+/// Folds that lie in each other pull to and fro within a frame, and get nowhere.
+#[test]
+fn curtains_whose_folds_touch_come_to_rest() {
+    let n = 24;
+    let mesh = grid(n, n, |u, v| vec3(u - 0.5, -v, 0.0));
+    let top: Vec<u32> = (0..).zip(&mesh.positions).filter(|(_, x)| x.y > -1.0e-4).map(|(i, _)| i).collect();
+    let (rest, _) = RestShape::build(&mesh).expect("a curtain");
+    let rest = Arc::new(rest);
+    let curtain = |z: f32| SceneCloth::new(Arc::clone(&rest), fabric(), vec3(0.0, 0.0, z), &top);
+    let mut scene = untangled(Scene::new(vec![curtain(0.0), curtain(0.002)]));
+    let wide: Vec<f32> = scene.cloths[0].anchors.to.iter().map(|to| to.x).collect();
+    for frame in 1..=360 {
+        // Drawn together to four fifths of their width in two seconds.
+        let share = 1.0 - 0.2 * (frame as f32 / 120.0).min(1.0);
+        for cloth in &mut scene.cloths {
+            cloth.anchors.to.iter_mut().zip(&wide).for_each(|(to, x)| to.x = x * share);
+        }
+        scene.step(FRAME);
+    }
+    let touching = scene.untangle.as_ref().map_or(0, |u| u.group.contacts().touching());
+    assert!(touching > 20 && scene.crossings() == 0, "{touching} touch");
+    for cloth in &scene.cloths {
+        let speed = mean_speed(cloth);
         assert!(speed < 0.01 && cloth.scratch.is_calm(), "{speed} m/s");
     }
 }

@@ -27,6 +27,9 @@ const FARTHEST_EDGES: f32 = 4.0;
 /// How far all together may have moved, in mean edges, for single particles to be left where they were.
 const NEAR_EDGES: f32 = 0.25;
 
+/// How far a particle may be from where a frame left it when the next one begins, in mean edges.
+const MOVED_EDGES: f32 = 0.01;
+
 /// Frames in a row in which whole cloths stay where they were.
 const MOST_STAYS: u32 = 8;
 
@@ -78,6 +81,19 @@ impl Retreat {
         }
         self.stays = if self.stayed { self.stays + 1 } else { 0 };
         (self.retreats, self.stayed) = (false, false);
+    }
+
+    /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to begin the next one at
+    /// `positions`, `offset` [m] from the frame of the group.
+    pub fn check(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
+        let limit = MOVED_EDGES * surface.mean_edge;
+        let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
+        let is_elsewhere = |(x, clean): (&Vec4, &Vec4)| {
+            !(Vec3A::from_vec4(*x - *clean + offset.extend(0.0)).length_squared() <= limit * limit)
+        };
+        if positions.len() != clean.len() || positions.iter().zip(clean).any(is_elsewhere) {
+            self.clean.clear();
+        }
     }
 
     /// Everything lies `by` [m] elsewhere from now on.
