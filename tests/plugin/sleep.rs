@@ -71,6 +71,17 @@ fn cloth_over_a_ball_falls_asleep_within_seconds() {
 }
 
 #[test]
+fn a_sheet_on_a_sheet_on_a_ball_falls_asleep() {
+    let mut app = app();
+    app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
+    let cloths = [0.4, 0.45].map(|y| spawn(&mut app, sheet(20), Transform::from_xyz(0.0, y, 0.0)));
+    for cloth in cloths {
+        until_asleep(&mut app, cloth);
+        assert!(report(&app, cloth).time < 9.0, "{:?}", report(&app, cloth));
+    }
+}
+
+#[test]
 fn a_cloth_that_may_not_sleep_does_not() {
     let mut app = app();
     app.world_mut().spawn(ClothCollider::ground());
