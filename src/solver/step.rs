@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::body::{Approach, Body, BodyContacts, FaceContacts, Sheet, Touch};
+use super::body::{Approach, Body, BodyContacts, FaceContacts, Laid, Sheet, Touch};
 use super::couple::{Coupling, Pull};
 use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::rest::RestShape;
@@ -73,6 +73,7 @@ pub struct Scratch {
     tight: spring::Tight,
     contacts: BodyContacts,
     faces: FaceContacts,
+    laid: Laid,
     /// Longest edge at rest [m].
     longest_edge: f32,
     coupling: Coupling,
@@ -420,6 +421,7 @@ impl Stepped<'_> {
             thickness: fabric.thickness,
         };
         scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
+        scratch.laid.begin(scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(rest.topology.faces.len()));
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
@@ -508,11 +510,13 @@ impl Stepped<'_> {
         true
     }
 
-    /// Puts what lies on bodies where [`Self::project`] will put it; for what is done in between.
-    pub fn hold(&self, state: &mut ClothState, scratch: &mut Scratch) {
+    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between.
+    pub fn lay(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some((_, s)) = scratch.frame.as_ref().map(Frame::span) else { return };
-        let Scratch { contacts, coupling, .. } = scratch;
-        contacts.hold(self.input.bodies, s, &mut state.positions, &Touch::of(self.fabric), coupling);
+        let (x, touch) = (&mut state.positions, Touch::of(self.fabric));
+        let Scratch { contacts, faces, coupling, laid, .. } = scratch;
+        contacts.lay(self.input.bodies, s, x, &touch, coupling, laid);
+        faces.lay(self.input.bodies, s, x, &touch, coupling, laid);
     }
 
     /// Ends the substep: keeps the cloth out of bodies.
@@ -521,6 +525,7 @@ impl Stepped<'_> {
         let (s0, s1) = frame.span();
         let touch = Touch::of(self.fabric);
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
+        scratch.laid.take_back(x);
         frame.report.body_contacts =
             scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
@@ -576,8 +581,8 @@ fn slow_what_is_stuck(before: &[Vec4], share: f32, state: &mut ClothState) {
     }
 }
 
-/// Mean square of the speeds with which free particles got from where they were `before` to where they are in a frame of `dt` [s] [m²/s²]: where
-/// constraints pull against each other within it they only tremble.
+/// Mean square of speeds [m²/s²]: of free particles that were `before` and are where they are after a frame of `dt` [s]. Where constraints pull
+/// against each other within it, they only tremble.
 fn mean_square_speed(positions: &[Vec4], before: &[Vec4], dt: f32) -> f32 {
     let (mut sum, mut count) = (0.0, 0u32);
     for (x, before) in positions.iter().zip(before) {

@@ -8,6 +8,7 @@ use parry3d::shape::{Shape, TypedShape};
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
+use super::laid::{Laid, below};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::respond::{BAND, Friction, IMPACT_SPEED, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
@@ -57,6 +58,11 @@ impl Touch {
         Self { thickness, static_friction, dynamic_friction, restitution }
     }
 
+    /// Distance kept to a body [m].
+    pub(super) fn kept(&self, body: &Body) -> f32 {
+        finite_or_zero(self.thickness) + finite_or_zero(body.margin)
+    }
+
     /// Neither rubs nor bounces.
     #[must_use]
     pub(crate) fn frictionless(fabric: &Fabric) -> Self {
@@ -70,8 +76,8 @@ struct Candidate {
     particle: u32,
     /// Running mean of the push per substep [m]; 0 out of contact.
     load: f32,
-    /// The plane it was put on when it last touched, in the space of the part: unit normal, offset [m]; zero: not known.
-    plane: Vec4,
+    /// The plane on which it was put when it last touched, in the space of the part.
+    plane: Plane,
     /// A point of body space and a radius without any surface around it [m]: no query while the path stays inside.
     clear_at: Vec3,
     clear: f32,
@@ -106,8 +112,6 @@ pub struct BodyContacts {
     places: Vec<Vec3>,
     places_before: Vec<Vec3>,
     rooms: Rooms,
-    /// Particles that are where bodies will put them, and how far they were moved for it [m].
-    held: Vec<(u32, Vec4)>,
     /// Length of the frame [s].
     dt: f32,
     /// How far a particle can get in it by itself [m].
@@ -261,31 +265,28 @@ impl BodyContacts {
         }
     }
 
-    /// Puts what touched a body in the last substep where that will put it at the share `s` of the frame, for all that looks at the cloth until
-    /// [`Self::project`], which first takes that back: cloth on cloth that springs and gravity drew into a body would follow it in there.
-    pub fn hold(&mut self, bodies: &[Body], s: f32, positions: &mut [Vec4], touch: &Touch, coupling: &mut Coupling) {
-        let Self { parts, candidates, held, .. } = self;
-        for part in parts {
+    /// Lays particles that touched a body in the last substep where it will put them at the share `s` of the frame; bodies of `coupling` are where
+    /// they are by now, and take nothing. [`Laid::take_back`] must come before [`Self::project`].
+    pub fn lay(
+        &self,
+        bodies: &[Body],
+        s: f32,
+        positions: &mut [Vec4],
+        touch: &Touch,
+        coupling: &mut Coupling,
+        laid: &mut Laid,
+    ) {
+        for part in &self.parts {
             let (first, end) = part.candidates;
-            let (Some(body), Some(candidates)) = (bodies.get(part.body as usize), candidates.get(first as usize..end as usize))
-            else {
-                continue;
-            };
-            let mut motion = Motion::new(body, part.local, part.radius, s, s);
-            if let Some(slot) = body.rigid.and_then(|slot| coupling.slot_mut(slot)) {
-                motion.follow(slot, part.radius);
-            }
+            let candidates = self.candidates.get(first as usize..end as usize);
+            let (Some(body), Some(candidates)) = (bodies.get(part.body as usize), candidates) else { continue };
+            let motion = Motion::at(body, part.local, part.radius, s, coupling);
             let to_body = motion.rotation1.transpose();
-            // What is deeper in is not where it was when it touched.
-            let deepest = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
             for candidate in candidates.iter().filter(|c| c.load > 0.0 && !c.left_out) {
-                let Some(x) = positions.get_mut(candidate.particle as usize) else { continue };
-                let plane = Plane { normal: Vec3A::from_vec4(candidate.plane), offset: candidate.plane.w };
-                let gap = plane.gap(to_body * (Vec3A::from_vec4(*x) - motion.translation1));
-                if gap < 0.0 && gap > -deepest {
-                    let by = (motion.rotation1 * plane.normal * -gap).extend(0.0);
-                    *x += by;
-                    held.push((candidate.particle, by));
+                let Some(x) = positions.get(candidate.particle as usize) else { continue };
+                let q = to_body * (Vec3A::from_vec4(*x) - motion.translation1);
+                if let Some(deep) = below(candidate.plane, q, touch.kept(body)) {
+                    laid.put(candidate.particle, motion.rotation1 * candidate.plane.normal * deep, positions);
                 }
             }
         }
@@ -311,11 +312,6 @@ impl BodyContacts {
         let h = (s1 - s0).max(0.0) * self.dt;
         let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
-        for (particle, by) in self.held.drain(..) {
-            if let Some(x) = positions.get_mut(particle as usize) {
-                *x -= by;
-            }
-        }
         self.rooms.advance();
         for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
@@ -334,7 +330,7 @@ impl BodyContacts {
             let Some(candidates) = self.candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize) else {
                 continue;
             };
-            let keep = finite_or_zero(touch.thickness) + finite_or_zero(body.margin);
+            let keep = touch.kept(body);
             let setting = Setting {
                 motion,
                 rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h)),
@@ -389,7 +385,7 @@ impl BodyContacts {
 
 impl Candidate {
     fn new(particle: u32) -> Self {
-        Self { particle, load: 0.0, plane: Vec4::ZERO, clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, left_out: false }
+        Self { particle, load: 0.0, plane: Plane::default(), clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, left_out: false }
     }
 }
 
@@ -592,7 +588,7 @@ impl Setting<'_> {
                 continue;
             }
             candidate.load = response.load;
-            candidate.plane = Vec3::from(plane.normal).extend(plane.offset);
+            candidate.plane = plane;
             contacts += 1;
             // As differences: a particle that stays keeps its bits.
             let mut by = self.motion.rotation1 * (response.end - q1);

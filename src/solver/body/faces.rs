@@ -36,6 +36,7 @@ use super::contacts::Touch;
 use super::creases::{self, Crease, Creases};
 use super::distance::Sample;
 use super::geometry::{self, Geometry};
+use super::laid::{Laid, below};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::nearest::{Convex, Face, Near, at, to_point};
 use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
@@ -79,6 +80,9 @@ struct Candidate {
     load: f32,
     /// What the push would be if that corner alone bore it (dimensionless).
     share: f32,
+    /// The plane on which it was put when it last touched, in the space of the part, and weights of its point there.
+    plane: Plane,
+    weights: [f32; 3],
     /// Normal of the part where the face was last outside, in its own space; zero: not known.
     side: Vec3,
     /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
@@ -298,6 +302,37 @@ impl FaceContacts {
         }
     }
 
+    /// The same for faces as [`BodyContacts::lay`](super::BodyContacts::lay), after it.
+    pub fn lay(
+        &self,
+        bodies: &[Body],
+        s: f32,
+        positions: &mut [Vec4],
+        touch: &Touch,
+        coupling: &mut Coupling,
+        laid: &mut Laid,
+    ) {
+        for part in &self.parts {
+            let (first, end) = part.candidates;
+            let candidates = self.candidates.get(first as usize..end as usize);
+            let (Some(body), Some(candidates)) = (bodies.get(part.body as usize), candidates) else { continue };
+            let motion = Motion::at(body, part.local, part.radius, s, coupling);
+            let to_body = motion.rotation1.transpose();
+            for candidate in candidates.iter().filter(|c| c.load > 0.0 && !c.left_out) {
+                let Candidate { particles, weights, plane, .. } = candidate;
+                let corners = particles.map(|p| positions.get(p as usize).copied().unwrap_or(Vec4::NAN));
+                let middle = (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
+                let Some(deep) = below(*plane, to_body * (middle - motion.translation1), SHARE * touch.kept(body)) else {
+                    continue;
+                };
+                let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
+                for ((&p, weight), x) in particles.iter().zip(weights).zip(corners) {
+                    laid.put(p, motion.rotation1 * plane.normal * (deep * weight * x.w / mobility), positions);
+                }
+            }
+        }
+    }
+
     /// Once per substep, after the particles: keeps faces out of parts. As [`BodyContacts::project`](super::BodyContacts::project); returns
     /// the number of touches.
     pub fn project(
@@ -336,7 +371,7 @@ impl FaceContacts {
                 radius: part.radius,
                 pierces: part.pierces,
                 number,
-                keep: SHARE * (finite_or_zero(touch.thickness) + finite_or_zero(body.margin)),
+                keep: SHARE * touch.kept(body),
                 recovery: RECOVERY_SPEED * h,
                 friction: Friction::between(
                     (body.static_friction, body.dynamic_friction),
@@ -379,6 +414,8 @@ impl Candidate {
             particles,
             load: 0.0,
             share: 0.0,
+            plane: Plane::default(),
+            weights: [0.0; 3],
             side,
             over: 0.0,
             corners,
@@ -666,12 +703,7 @@ impl Setting<'_> {
     fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
         let State { candidate, positions, previous, rigid } = state;
         let w = near.weights;
-        let mobility: f32 = (0..3).map(|i| w[i] * w[i] * way.masses[i]).sum();
-        let lightest = way.masses.iter().copied().fold(0.0, f32::max);
-        // NaN passes no comparison.
-        if !(mobility > LEAST_MOBILITY * lightest) {
-            return false;
-        }
+        let Some(mobility) = mobility(&w, &way.masses) else { return false };
         let (start, end) = (at(&way.from, &w), at(&way.to, &w));
         let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;
         let friction = match rigid {
@@ -693,7 +725,7 @@ impl Setting<'_> {
             (by, silent) = rigid.split(mobility, place(response.end), by, silent);
             rigid.give_now();
         }
-        candidate.load = response.load;
+        (candidate.load, candidate.plane, candidate.weights) = (response.load, plane, w);
         let mut most = 0.0;
         for (i, &p) in candidate.particles.iter().enumerate() {
             let share = w[i] * way.masses[i] / mobility;
@@ -709,6 +741,14 @@ impl Setting<'_> {
         }
         true
     }
+}
+
+/// How far a unit push moves the point with these weights [1/kg]; nothing where that is too little for it to be pushed.
+fn mobility(weights: &[f32; 3], masses: &[f32; 3]) -> Option<f32> {
+    let mobility: f32 = weights.iter().zip(masses).map(|(weight, mass)| weight * weight * mass).sum();
+    let lightest = masses.iter().copied().fold(0.0, f32::max);
+    // NaN passes no comparison.
+    (mobility > LEAST_MOBILITY * lightest).then_some(mobility)
 }
 
 /// What a push changes.

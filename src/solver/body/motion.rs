@@ -6,7 +6,7 @@ use parry3d::math::Pose;
 use parry3d::shape::Shape;
 
 use super::Body;
-use crate::solver::couple::{Gain, Slot};
+use crate::solver::couple::{Coupling, Gain, Slot};
 
 /// World to body at the start and end of one substep.
 pub(super) struct Motion {
@@ -36,6 +36,15 @@ impl Motion {
             s: (s0, s1),
         };
         motion.set(&start, &end, radius);
+        motion
+    }
+
+    /// Of the same at the share `s` alone, where cloth has moved it to by then.
+    pub(super) fn at(body: &Body, local: Pose, radius: f32, s: f32, coupling: &mut Coupling) -> Self {
+        let mut motion = Self::new(body, local, radius, s, s);
+        if let Some(slot) = body.rigid.and_then(|slot| coupling.slot_mut(slot)) {
+            motion.follow(slot, radius);
+        }
         motion
     }
 

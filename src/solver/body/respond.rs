@@ -58,8 +58,8 @@ impl Friction {
 /// Speed of approach up to which nothing bounces [m/s]: what rests is pulled in by its springs and by gravity in every substep.
 pub(crate) const IMPACT_SPEED: f32 = 0.25;
 
-/// The contact plane `n · q = c`.
-#[derive(Clone, Copy, Debug)]
+/// The contact plane `n · q = c`; with a normal of zero nothing is below it.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plane {
     pub(crate) normal: Vec3A,
     pub(crate) offset: f32,

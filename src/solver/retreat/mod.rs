@@ -85,7 +85,7 @@ impl Retreat {
 
     /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to begin the next one at
     /// `positions`, `offset` [m] from the frame of the group.
-    pub fn check(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
+    pub fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
         let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
         let is_elsewhere = |(x, clean): (&Vec4, &Vec4)| {
@@ -203,7 +203,7 @@ impl Retreat {
         pins.meet(surface, crossings, positions, &self.clean);
         let (substeps, mut any) = (self.substeps.max(1.0), false);
         self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
-            let Some(to) = pins.carry(v, this.clean[v].truncate()) else { return };
+            let Some(to) = pins.destination(v, this.clean[v].truncate()) else { return };
             if x.truncate() != to {
                 this.taken[v] = true;
                 *x = to.extend(x.w);
