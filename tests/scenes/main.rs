@@ -74,7 +74,7 @@ fn a_sheet_falls_on_needles() {
 /// Overwound until it is drawn over its pins, which cannot be taken back when cloth crosses them.
 #[test]
 fn a_strip_is_turned_at_both_ends_until_it_knots() {
-    shows_no_crossing_from([4, 26], "twist", 420, 2.5, || scenes::twist(28));
+    shows_no_crossing_from([4, 26], "twist", 420, 5.0, || scenes::twist(28));
 }
 
 #[test]

@@ -16,7 +16,7 @@ use super::Crossing;
 use crate::solver::detect::Surface;
 
 /// Edges from a pin that is crossed to the farthest that it is joined to.
-const RINGS: u32 = 4;
+const RINGS: u32 = 12;
 
 /// Rounds for the turn: after three what is left of 30° about any axis is within rounding.
 const ROUNDS: u32 = 3;
