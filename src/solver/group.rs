@@ -261,11 +261,11 @@ impl Group {
         }
         for n in 1..=count {
             self.note_start(cloths);
+            let lies = self.lies_on_bodies(cloths);
             for part in 0..parts {
                 if let Some(m) = cloths.member(part) {
                     m.cloth.constrain(m.state, m.scratch);
-                    // Folds of one cloth in motion cross no less with it, and a sheet of 64² on a ball takes an eighth longer.
-                    if !self.contacts.is_empty() && (parts > 1 || m.scratch.is_calm()) {
+                    if lies {
                         m.cloth.lay(m.state, m.scratch);
                     }
                 }
@@ -277,6 +277,9 @@ impl Group {
                     let first = self.surface.parts[part].particles.start;
                     m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
                 }
+            }
+            if lies {
+                self.hold_what_sticks(cloths);
             }
             self.rebound(cloths);
             self.guard(cloths, false);
@@ -297,6 +300,14 @@ impl Group {
         }
         // Overlong edges were shortened without heed to what is between them.
         self.guard(cloths, true);
+    }
+
+    /// Whether cloth that lies on bodies may touch cloth, so that care is to be taken of both at once. Folds of one cloth in motion cross no less
+    /// without, and a sheet of 64² on a ball takes an eighth longer with it.
+    fn lies_on_bodies(&self, cloths: &mut impl Members) -> bool {
+        let parts = self.surface.parts.len();
+        let mut lies = |m: Member<'_>| (parts > 1 || m.scratch.is_calm()) && m.scratch.grounded().next().is_some();
+        !self.contacts.is_empty() && (0..parts).any(|part| cloths.member(part).is_some_and(&mut lies))
     }
 
     /// Notes where everything is that may touch, and how fast.
@@ -332,6 +343,17 @@ impl Group {
         }
         self.gather_pairs(cloths);
         self.contacts.solve(h, gravity, calm);
+        self.scatter_pairs(cloths);
+    }
+
+    /// Holds pairs that stick, when bodies have pushed, too.
+    fn hold_what_sticks(&mut self, cloths: &mut impl Members) {
+        let mut gravity = Vec3::ZERO;
+        for part in 0..self.surface.parts.len() {
+            gravity += cloths.member(part).filter(|m| m.moves).map_or(Vec3::ZERO, |m| m.cloth.input.gravity);
+        }
+        self.gather_pairs(cloths);
+        self.contacts.hold(gravity);
         self.scatter_pairs(cloths);
     }
 

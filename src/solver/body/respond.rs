@@ -81,6 +81,8 @@ pub(crate) struct Response {
     pub(crate) load: f32,
     /// Push of this substep, recovery aside [m].
     pub(crate) push: f32,
+    /// Whether static friction holds it.
+    pub(crate) sticks: bool,
 }
 
 /// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one); `rise`: how far over where it began
@@ -126,10 +128,11 @@ pub(crate) fn respond(
     let slip = moved - n * n.dot(moved);
     let length2 = slip.length_squared();
     let stick = friction.fixed * load;
-    if length2 <= stick * stick {
+    let sticks = length2 <= stick * stick;
+    if sticks {
         end -= slip;
     } else {
         end -= slip * (friction.sliding * load / length2.sqrt()).min(1.0);
     }
-    Response { end, shift: n * lift, load, push }
+    Response { end, shift: n * lift, load, push, sticks }
 }

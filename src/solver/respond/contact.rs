@@ -26,7 +26,7 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 /// Speed at which pairs that are closer than their thickness are taken apart [m/s].
 const RECOVERY_SPEED: f32 = 0.5;
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
-const SUPPORT: f32 = 0.1;
+const SUPPORT: f32 = 0.02;
 /// No particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
 /// where the others are held.
 const MOST_PUSHES: f32 = 4.0;
@@ -54,6 +54,8 @@ pub(super) struct Contact {
     pub load: f32,
     /// Mean of what all pushes of a substep do: push over mobility [kg·m]; divided by the substep it is an impulse.
     pub drive: f32,
+    /// Whether static friction held it when last pushed.
+    pub sticks: bool,
     /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
     pub behind: bool,
     pub was_behind: bool,
@@ -120,12 +122,12 @@ impl Contact {
         self.weights = near.weights;
         self.behind = distance < 0.0;
         let gap = distance - self.thickness;
-        if gap < 0.0 {
+        // NaN passes no comparison.
+        let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
+        if touches {
             self.support(particles, &mut x);
         }
         let mobility = self.mobility(&x);
-        // NaN passes no comparison.
-        let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
         if !(touches && mobility > 0.0) {
             (self.load, self.drive) = (0.0, 0.0);
             return false;
@@ -137,7 +139,7 @@ impl Contact {
         particles.impact |= out.push > IMPACT_SPEED * h;
         let drive = particles.passes * out.push / mobility;
         self.drive = if self.load > 0.0 { self.drive + LOAD_SHARE * (drive - self.drive) } else { drive };
-        self.load = out.load;
+        (self.load, self.sticks) = (out.load, out.sticks);
         let step = Vec3::from(out.end - end).extend(0.0) / mobility;
         let lift = Vec3::from(out.shift).extend(0.0) / mobility;
         if !(step.is_finite() && lift.is_finite()) {
@@ -149,6 +151,28 @@ impl Contact {
             particles.old[slot as usize] += lift * (weight * x.w);
         }
         true
+    }
+
+    /// Holds a pair again that sticks: what bodies did since moved one side, and the other not with it.
+    #[inline]
+    pub fn hold(&self, particles: &mut Particles<'_>) {
+        if !(self.load > 0.0 && self.sticks) {
+            return;
+        }
+        let mut x = self.slots.map(|s| particles.now[s as usize]);
+        let was = self.slots.map(|s| particles.old[s as usize]);
+        let moved = sum(&self.weights, &x) - sum(&self.weights, &was);
+        let slip = moved - self.normal * self.normal.dot(moved);
+        self.support(particles, &mut x);
+        let by = (slip / -self.mobility(&x)).extend(0.0);
+        let most = self.friction.fixed * self.load;
+        // NaN passes no comparison.
+        if !(slip.length_squared() <= most * most && by.is_finite()) {
+            return;
+        }
+        for (&slot, (weight, x)) in self.slots.iter().zip(self.weights.iter().zip(&x)) {
+            particles.now[slot as usize] += by * (weight * x.w);
+        }
     }
 
     /// How fast a pair is to part that met fast [m/s]: what its restitution makes of the velocities with which the substep began. None of one that did

@@ -504,6 +504,7 @@ impl Finder {
                 restitution: mine.restitution.max(other.restitution),
                 load,
                 drive,
+                sticks: false,
                 behind: false,
                 was_behind: false,
             });

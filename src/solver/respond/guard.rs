@@ -238,6 +238,7 @@ mod tests {
             restitution: 0.0,
             load: 0.0,
             drive: 0.0,
+            sticks: false,
             behind: false,
             was_behind: false,
         };

@@ -293,6 +293,14 @@ impl Contacts {
         }
     }
 
+    /// Holds pairs again that stuck in the last [`Self::solve`], when bodies have pushed.
+    pub(crate) fn hold(&mut self, gravity: Vec3) {
+        let up = -gravity.normalize_or_zero();
+        let Self { particles: ids, now, old, levels, .. } = self;
+        let mut particles = Particles { ids, now, old, levels, up, passes: 1.0, impact: false };
+        self.pairs.iter().for_each(|pair| pair.hold(&mut particles));
+    }
+
     /// Whether pairs met fast in the last [`Self::solve`].
     pub(crate) fn has_impacts(&self) -> bool {
         !self.impacts.is_empty()
