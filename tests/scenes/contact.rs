@@ -279,14 +279,65 @@ fn a_cloth_that_is_drawn_over_a_ball_does_not_bounce() {
     }
 }
 
+/// Sheets side by side on a slope, less than a margin apart: what touches no cloth has the bits that it would have alone.
+#[test]
+fn cloth_on_a_body_that_touches_no_cloth_keeps_every_bit() {
+    let sheets = || {
+        let turn = Quat::from_rotation_z(0.2);
+        let at = |x: f32| turn * vec3(x, 0.006, 0.0);
+        let cloths = [0.0, 0.4053].map(|x| sheet(16, 0.4, turn, at(x), false));
+        let mut scene = Scene::new(cloths.into());
+        scene.bodies.push(Body::at_rest(shape::half_space(turn * Vec3::Y).expect("a slope"), Pose::IDENTITY));
+        scene
+    };
+    let (mut alone, mut together) = (sheets(), untangled(sheets()));
+    let mut pairs = 0;
+    for frame in 1..=120 {
+        alone.step(FRAME);
+        together.step(FRAME);
+        for (a, b) in alone.cloths.iter().zip(&together.cloths) {
+            assert!(a.state == b.state, "frame {frame}");
+        }
+        let contacts = together.untangle.as_ref().map(|u| (u.group.contacts().len(), u.group.contacts().touching()));
+        pairs = pairs.max(contacts.map_or(0, |(pairs, touching)| if touching == 0 { pairs } else { 0 }));
+    }
+    assert!(pairs > 0 && alone.cloths.iter().all(|c| c.report.body_contacts > 0), "{pairs} pairs");
+}
+
 /// What lies between is pressed into the ball in every substep, and not the one above after it.
 #[test]
 fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
-    let mut scene = untangled(sheets(20));
+    // Of 12² lies on its faces, of 20² on its particles.
+    for n in [12, 20] {
+        let mut scene = untangled(sheets(n));
+        (0..300).for_each(|_| scene.step(FRAME));
+        for cloth in &scene.cloths {
+            let speed = mean_speed(cloth);
+            assert!(speed < 0.015 && cloth.scratch.is_calm(), "{n}²: {speed} m/s");
+        }
+    }
+}
+
+/// Three sheets, each off the middle by a few centimetres and turned: friction of 0.5 holds them.
+#[test]
+fn sheets_on_a_ball_do_not_slide_off_each_other() {
+    let cloths = (0u8..3).map(f32::from).map(|i| {
+        let at = vec3(0.03 * i, 0.42 + 0.03 * i, 0.02 * i);
+        sheet(24, 1.0, Quat::from_rotation_y(0.35 * i), at, false)
+    });
+    let mut scene = untangled(Scene::new(cloths.collect()));
+    scene.bodies.push(Body::at_rest(shape::ball(0.4).expect("a ball"), Pose::IDENTITY));
+    let middle = |scene: &Scene, cloth: usize| {
+        let positions = &scene.cloths[cloth].state.positions;
+        positions.iter().map(|x| x.truncate()).sum::<Vec3>() / positions.len() as f32
+    };
+    (0..180).for_each(|_| scene.step(FRAME));
+    let start: Vec<Vec3> = (0..3).map(|cloth| middle(&scene, cloth)).collect();
     (0..300).for_each(|_| scene.step(FRAME));
-    for cloth in &scene.cloths {
-        let speed = mean_speed(cloth);
-        assert!(speed < 0.01 && cloth.scratch.is_calm(), "{speed} m/s");
+    assert_eq!(scene.crossings(), 0);
+    for (cloth, start) in start.into_iter().enumerate() {
+        let slid = middle(&scene, cloth).distance(start);
+        assert!(slid < 0.02, "sheet {cloth} slid {slid} m in 5 s");
     }
 }
 
