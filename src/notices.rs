@@ -41,11 +41,11 @@ impl Notices {
             }
             let entity = label(entity, name);
             match values {
-                Some(Values { given, used, of_length }) => {
+                Some(Values { given, used, range: (low, high), of_length }) => {
                     let length = if of_length { "a length of " } else { "" };
                     warn!(
-                        "{what} {entity} has `{field}` out of range: {length}{used} is used in place of {given}; the documentation of the field \
-                         has unit and range"
+                        "{what} {entity} has `{field}` out of range, which is {low} to {high} in the unit that its documentation has: \
+                         {length}{used} is used in place of {given}"
                     );
                 }
                 None => {

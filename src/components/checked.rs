@@ -12,6 +12,8 @@ use bevy::math::Vec3;
 pub(crate) struct Values {
     pub given: f32,
     pub used: f32,
+    /// What it has to be, at least and at most.
+    pub range: (f32, f32),
     /// Whether the setting is a vector, of which these are lengths.
     pub of_length: bool,
 }
@@ -38,9 +40,9 @@ impl Checked {
         self.values.push(None);
     }
 
-    fn note(&mut self, name: &'static str, given: f32, used: f32, of_length: bool) {
+    fn note(&mut self, name: &'static str, values: Values) {
         self.clamped.push(Cow::Borrowed(name));
-        self.values.push(Some(Values { given, used, of_length }));
+        self.values.push(Some(values));
     }
 
     /// The settings that were changed, each with what was given and what is used.
@@ -54,7 +56,7 @@ impl Checked {
             return value;
         }
         let used = if value.is_nan() { default } else { value.clamp(low, high) };
-        self.note(name, value, used, false);
+        self.note(name, Values { given: value, used, range: (low, high), of_length: false });
         used
     }
 
@@ -62,7 +64,8 @@ impl Checked {
     pub fn count(&mut self, name: &'static str, value: u32, low: u32, high: u32) -> u32 {
         let used = value.clamp(low, high);
         if used != value {
-            self.note(name, value as f32, used as f32, false);
+            let range = (low as f32, high as f32);
+            self.note(name, Values { given: value as f32, used: used as f32, range, of_length: false });
         }
         used
     }
@@ -81,7 +84,7 @@ impl Checked {
         let largest = value.abs().max_element();
         let shortened = value.is_finite() && largest > 0.0;
         let used = if shortened { (value / largest).normalize_or_zero() * longest } else { default };
-        self.note(name, value.length(), used.length(), true);
+        self.note(name, Values { given: value.length(), used: used.length(), range: (0.0, longest), of_length: true });
         used
     }
 }
@@ -104,8 +107,8 @@ mod tests {
         assert_eq!(checked.clamped, ["b", "c", "d", "f", "g"]);
         let values: Vec<_> = checked.changes().map(|(_, values)| values).collect();
         assert!(matches!(values[1], Some(Values { given, used: 1.0, .. }) if given.is_nan()), "{values:?}");
-        let of = |given: f32, used: f32| Some(Values { given, used, of_length: false });
-        assert_eq!([values[0], values[3], values[4]], [of(-2.0, 0.0), of(9.0, 4.0), None]);
+        let of = |given: f32, used: f32, range: (f32, f32)| Some(Values { given, used, range, of_length: false });
+        assert_eq!([values[0], values[3], values[4]], [of(-2.0, 0.0, (0.0, 3.0)), of(9.0, 4.0, (1.0, 4.0)), None]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Cloths that can meet, untangled together as one surface.
 //!
 //! ```text
-//! step: (constrain ─► lay on bodies ─► keep apart ─► bodies ─► rebound ─► guard)* ─► finish ─► guard
+//! step: (constrain ─► lay on bodies ─► keep apart ─► bodies ─► hold what sticks ─► rebound ─► guard)* ─► finish ─► guard
 //! gather ─► detect ─► resolve: take back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► scatter what moved
 //!     ─► bodies ─► stay: put back what they pushed ─► evaluate: look again, one verdict per cloth
 //! ```

@@ -19,7 +19,7 @@ pub struct Laid {
 
 impl Laid {
     /// Begins a frame in which at most so many touch.
-    pub(crate) fn begin(&mut self, most: usize) {
+    pub fn begin(&mut self, most: usize) {
         self.moved.clear();
         self.moved.reserve(most);
     }
@@ -34,7 +34,7 @@ impl Laid {
     }
 
     /// Takes all of it back; what nothing else moved has the same bits as before.
-    pub(crate) fn take_back(&mut self, positions: &mut [Vec4]) {
+    pub fn take_back(&mut self, positions: &mut [Vec4]) {
         for (particle, from, to) in self.moved.drain(..).rev() {
             if let Some(x) = positions.get_mut(particle as usize) {
                 *x = if *x == to { from } else { *x - (to - from) };

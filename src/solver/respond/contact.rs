@@ -25,7 +25,8 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
 /// Speed at which pairs that are closer than their thickness are taken apart [m/s].
 const RECOVERY_SPEED: f32 = 0.5;
-/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries.
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless). At 0.1 two sheets on a
+/// box slide off within 20 s, at 0.02 they come to rest.
 const SUPPORT: f32 = 0.02;
 /// No particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
 /// where the others are held.
@@ -153,7 +154,7 @@ impl Contact {
         true
     }
 
-    /// Holds a pair again that sticks: what bodies did since moved one side, and the other not with it.
+    /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
     #[inline]
     pub fn hold(&self, particles: &mut Particles<'_>) {
         if !(self.load > 0.0 && self.sticks) {
