@@ -35,6 +35,8 @@ const SLOW: f32 = 0.2;
 const APART: (f32, f32) = (0.07, 0.03);
 /// Distance between columns and between rows when all are shown [m].
 const GRID: (f32, f32) = (1.5, 1.36);
+/// Height of the lower row [m].
+const LOW: f32 = 0.72;
 /// Turn of everything about the vertical, so that no strip is seen from its edge [rad].
 const TURN: f32 = -0.5;
 
@@ -132,7 +134,7 @@ fn spawn(
     let one = choice.shown.is_one();
     let place = |k: usize| {
         let (column, row) = ((k % 4) as f32, (k / 4) as f32);
-        if one { Vec3::new(0.0, 0.85, 0.0) } else { Vec3::new(GRID.0 * (column - 1.5), 0.72 + GRID.1 * (1.0 - row), 0.0) }
+        if one { Vec3::new(0.0, 0.85, 0.0) } else { Vec3::new(GRID.0 * (column - 1.5), LOW + GRID.1 * (1.0 - row), 0.0) }
     };
     let untangle = Untangle::default().with_method(choice.method);
     let skip = SkipFrame { policy: choice.policy, ..default() };
@@ -163,7 +165,9 @@ fn spawn(
     }
     for (name, cloth, next, at) in titled {
         if !name.is_empty() {
-            let words = commands.spawn(label(at - 0.55 * Vec3::Y, name, if one { 15.0 } else { 12.0 })).id();
+            // What stands in the lower row reaches far up.
+            let below = if !one && next.is_none() && at.y > LOW { 0.27 } else { 0.55 };
+            let words = commands.spawn(label(at - below * Vec3::Y, name, if one { 15.0 } else { 12.0 })).id();
             commands.entity(cloth).insert((Title(name, words), Most::default()));
         }
         if let Some(Next::Untangle(_)) = next {
