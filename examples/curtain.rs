@@ -1,10 +1,11 @@
-//! A ball swings into a gathered curtain.
+//! A ball swings into a gathered curtain, which can be dragged with the mouse.
 
 mod stage;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::scenes::curtain::{self, BALL, SIZE, SWING};
+use stage::hand::{Hand, pointer};
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices per metre of the curtain's height.
@@ -19,11 +20,14 @@ struct Pendulum;
 fn main() -> AppExit {
     Stage::new("curtain")
         .camera(OrbitCamera::around(Vec3::new(0.0, 0.85, 0.0), 3.6).from(0.75, 0.15))
+        .hint("Left: grab and drag the curtain")
         .report(report)
         .build()
         .add_plugins(ClothPlugin::default())
+        .init_resource::<Hand>()
         .add_systems(Startup, (pendulum, hang))
         .add_systems(Update, swing)
+        .add_systems(Update, pointer.run_if(any_with_component::<Window>))
         .run()
 }
 

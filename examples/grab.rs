@@ -6,23 +6,18 @@ mod stage;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, PointerTaken, Stage, fabric};
+use stage::hand::{Hand, REACH, pointer, ray};
+use stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 /// Where the ball lies [m].
 const BALL: Vec3 = Vec3::new(0.0, 0.35, 0.0);
 /// Radius of the ball [m].
 const RADIUS: f32 = 0.35;
-/// Farthest that the pointer reaches [m].
-const REACH: f32 = 20.0;
 /// What a blast gives to the whole cloth [N·s], and how far it reaches [m].
 const BLAST: (f32, f32) = (1.0, 0.6);
 
 /// The script of a run without a window: when it grabs, when it lets go, and the velocity of its hand at the end [s, s, m/s].
 const SCRIPT: (f32, f32, Vec3) = (1.0, 2.2, Vec3::new(1.2, 1.2, 0.0));
-
-/// The grip and how far from the camera it is held [m].
-#[derive(Resource, Default)]
-struct Hand(Option<(Entity, f32)>);
 
 fn main() -> AppExit {
     Stage::new("grab")
@@ -60,40 +55,6 @@ fn setup(
     ));
     commands.spawn(ClothCollider::ground());
     Ok(())
-}
-
-/// The ray under the pointer.
-fn ray(window: &Window, camera: (&Camera, &GlobalTransform)) -> Option<Ray3d> {
-    camera.0.viewport_to_world(camera.1, window.cursor_position()?).ok()
-}
-
-/// Grabs where the pointer meets a cloth, drags at that distance from the camera, and lets go.
-fn pointer(
-    mut commands: Commands,
-    mut hand: ResMut<Hand>,
-    mut taken: ResMut<PointerTaken>,
-    window: Single<&Window>,
-    camera: Single<(&Camera, &GlobalTransform)>,
-    buttons: Res<ButtonInput<MouseButton>>,
-    cloths: ClothQuery,
-    mut grips: Query<&mut ClothGrab>,
-) {
-    let Some(ray) = ray(&window, *camera) else { return };
-    if buttons.just_pressed(MouseButton::Left)
-        && let Some(hit) = cloths.cast_ray(ray, REACH)
-    {
-        hand.0 = Some((commands.spawn(ClothGrab::at(&hit)).id(), hit.distance));
-    }
-    if let Some((grip, distance)) = hand.0 {
-        if let Ok(mut grab) = grips.get_mut(grip) {
-            grab.target = ray.get_point(distance);
-        }
-        if !buttons.pressed(MouseButton::Left) {
-            commands.entity(grip).despawn();
-            hand.0 = None;
-        }
-    }
-    taken.0 = hand.0.is_some();
 }
 
 /// A blast on the side of the cloth that is seen.

@@ -22,6 +22,7 @@ mod environment;
 mod fabric;
 mod floor;
 mod gif;
+pub mod hand;
 mod headless;
 mod hint;
 mod legend;
