@@ -50,7 +50,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_drape::{ClothDebug, ClothDebugPlugin};
+use bevy_drape::{ClothDebug, ClothDebugPlugin, ClothSolver};
 use clap::Parser;
 use headless::Job;
 use picture::Picture;
@@ -139,7 +139,12 @@ impl Stage {
         let mut app = App::new();
         app.add_plugins((self.plugins)(plugins(&self.title, &venue)));
         match venue {
-            Venue::Window(quality) => set::window(&mut app, self.camera, quality, self.hint),
+            Venue::Window(quality) => {
+                set::window(&mut app, self.camera, quality, self.hint);
+                // Where frames take longer, all goes slower together: cloth does not go further in one.
+                let longest = core::time::Duration::from_secs_f32(ClothSolver::default().max_frame);
+                app.insert_resource(Time::<Virtual>::from_max_delta(longest));
+            }
             Venue::Studio(_, quality) => set::studio(&mut app, self.camera, quality),
             Venue::Dark => set::dark(&mut app, self.camera),
         }

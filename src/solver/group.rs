@@ -333,27 +333,28 @@ impl Group {
             self.contacts.rest();
             return;
         }
-        let (mut h, mut gravity, mut calm) = (0.0f32, Vec3::ZERO, true);
+        let (mut h, mut calm) = (0.0f32, true);
         for part in 0..self.surface.parts.len() {
-            if let Some(Member { cloth, state, scratch, moves: true, .. }) = cloths.member(part) {
+            if let Some(Member { state, scratch, moves: true, .. }) = cloths.member(part) {
                 calm &= scratch.is_calm();
-                gravity += cloth.input.gravity;
                 h = h.max(state.substep);
             }
         }
         self.gather_pairs(cloths);
-        self.contacts.solve(h, gravity, calm);
+        self.contacts.solve(h, self.gravity(cloths), calm);
         self.scatter_pairs(cloths);
+    }
+
+    /// Sum of what pulls the cloths that move [m/s²].
+    fn gravity(&self, cloths: &mut impl Members) -> Vec3 {
+        let mut of = |part: usize| cloths.member(part).filter(|m| m.moves).map_or(Vec3::ZERO, |m| m.cloth.input.gravity);
+        (0..self.surface.parts.len()).map(&mut of).sum()
     }
 
     /// Holds pairs that stick, when bodies have pushed, too.
     fn hold_what_sticks(&mut self, cloths: &mut impl Members) {
-        let mut gravity = Vec3::ZERO;
-        for part in 0..self.surface.parts.len() {
-            gravity += cloths.member(part).filter(|m| m.moves).map_or(Vec3::ZERO, |m| m.cloth.input.gravity);
-        }
         self.gather_pairs(cloths);
-        self.contacts.hold(gravity);
+        self.contacts.hold(self.gravity(cloths));
         self.scatter_pairs(cloths);
     }
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::body::{Approach, Body, BodyContacts, FaceContacts, Laid, Sheet, Touch};
+use super::body::{Approach, Body, BodyContacts, FaceContacts, Grounds, Laid, Sheet, Touch};
 use super::couple::{Coupling, Pull};
 use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::rest::RestShape;
@@ -513,10 +513,10 @@ impl Stepped<'_> {
     /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between.
     pub fn lay(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some((_, s)) = scratch.frame.as_ref().map(Frame::span) else { return };
-        let (x, touch) = (&mut state.positions, Touch::of(self.fabric));
         let Scratch { contacts, faces, coupling, laid, .. } = scratch;
-        contacts.lay(self.input.bodies, s, x, &touch, coupling, laid);
-        faces.lay(self.input.bodies, s, x, &touch, coupling, laid);
+        let mut grounds = Grounds { bodies: self.input.bodies, s, touch: Touch::of(self.fabric), coupling };
+        contacts.lay(&mut grounds, &mut state.positions, laid);
+        faces.lay(&mut grounds, &mut state.positions, laid);
     }
 
     /// Ends the substep: keeps the cloth out of bodies.

@@ -8,7 +8,7 @@ use parry3d::shape::{Shape, TypedShape};
 use super::Body;
 use super::distance::{self, Sample};
 use super::geometry::{self, Geometry};
-use super::laid::{Laid, below};
+use super::laid::{Grounds, Laid};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::respond::{BAND, Friction, IMPACT_SPEED, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
@@ -265,28 +265,16 @@ impl BodyContacts {
         }
     }
 
-    /// Lays particles that touched a body in the last substep where it will put them at the share `s` of the frame; bodies of `coupling` are where
-    /// they are by now, and take nothing. [`Laid::take_back`] must come before [`Self::project`].
-    pub fn lay(
-        &self,
-        bodies: &[Body],
-        s: f32,
-        positions: &mut [Vec4],
-        touch: &Touch,
-        coupling: &mut Coupling,
-        laid: &mut Laid,
-    ) {
+    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Laid::take_back`] must come
+    /// before [`Self::project`].
+    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], laid: &mut Laid) {
         for part in &self.parts {
-            let (first, end) = part.candidates;
-            let candidates = self.candidates.get(first as usize..end as usize);
-            let (Some(body), Some(candidates)) = (bodies.get(part.body as usize), candidates) else { continue };
-            let motion = Motion::at(body, part.local, part.radius, s, coupling);
-            let to_body = motion.rotation1.transpose();
-            for candidate in candidates.iter().filter(|c| c.load > 0.0 && !c.left_out) {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
+            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
                 let Some(x) = positions.get(candidate.particle as usize) else { continue };
-                let q = to_body * (Vec3A::from_vec4(*x) - motion.translation1);
-                if let Some(deep) = below(candidate.plane, q, touch.kept(body)) {
-                    laid.put(candidate.particle, motion.rotation1 * candidate.plane.normal * deep, positions);
+                if let Some(way) = ground.way_out(candidate.plane, Vec3A::from_vec4(*x), ground.keep) {
+                    laid.put(candidate.particle, way, positions);
                 }
             }
         }

@@ -36,7 +36,7 @@ use super::contacts::Touch;
 use super::creases::{self, Crease, Creases};
 use super::distance::Sample;
 use super::geometry::{self, Geometry};
-use super::laid::{Laid, below};
+use super::laid::{Grounds, Laid};
 use super::motion::{Motion, Yielding, farthest_push, finite_or_zero, swept_box, valid};
 use super::nearest::{Convex, Face, Near, at, to_point};
 use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
@@ -303,31 +303,18 @@ impl FaceContacts {
     }
 
     /// The same for faces as [`BodyContacts::lay`](super::BodyContacts::lay), after it.
-    pub fn lay(
-        &self,
-        bodies: &[Body],
-        s: f32,
-        positions: &mut [Vec4],
-        touch: &Touch,
-        coupling: &mut Coupling,
-        laid: &mut Laid,
-    ) {
+    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], laid: &mut Laid) {
         for part in &self.parts {
-            let (first, end) = part.candidates;
-            let candidates = self.candidates.get(first as usize..end as usize);
-            let (Some(body), Some(candidates)) = (bodies.get(part.body as usize), candidates) else { continue };
-            let motion = Motion::at(body, part.local, part.radius, s, coupling);
-            let to_body = motion.rotation1.transpose();
-            for candidate in candidates.iter().filter(|c| c.load > 0.0 && !c.left_out) {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
+            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
                 let Candidate { particles, weights, plane, .. } = candidate;
                 let corners = particles.map(|p| positions.get(p as usize).copied().unwrap_or(Vec4::NAN));
-                let middle = (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
-                let Some(deep) = below(*plane, to_body * (middle - motion.translation1), SHARE * touch.kept(body)) else {
-                    continue;
-                };
+                let touch = (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
+                let Some(way) = ground.way_out(*plane, touch, SHARE * ground.keep) else { continue };
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
                 for ((&p, weight), x) in particles.iter().zip(weights).zip(corners) {
-                    laid.put(p, motion.rotation1 * plane.normal * (deep * weight * x.w / mobility), positions);
+                    laid.put(p, way * (weight * x.w / mobility), positions);
                 }
             }
         }

@@ -7,9 +7,12 @@
 //!   project            the body bears it, as if nothing had been
 //! ```
 
-use glam::{Vec3A, Vec4};
+use glam::{Mat3A, Vec3A, Vec4};
 
+use super::motion::Motion;
 use super::respond::Plane;
+use super::{Body, Pose, Touch};
+use crate::solver::couple::Coupling;
 
 /// Where particles were before they were laid, and where to [m].
 #[derive(Clone, Debug, Default)]
@@ -43,8 +46,41 @@ impl Laid {
     }
 }
 
-/// How far below a plane `q` is [m], if it is, and less than `deepest` [m]: what is deeper is not where it was when it last touched.
-pub(super) fn below(plane: Plane, q: Vec3A, deepest: f32) -> Option<f32> {
-    let gap = plane.gap(q);
-    (gap < 0.0 && gap > -deepest).then_some(-gap)
+/// What cloth is laid on: bodies at the share `s` of the frame, those of `coupling` where they are by now.
+pub struct Grounds<'a> {
+    /// The bodies.
+    pub bodies: &'a [Body],
+    /// Share of the frame that has passed (0 to 1).
+    pub s: f32,
+    /// How the cloth touches them.
+    pub touch: Touch,
+    /// What takes part.
+    pub coupling: &'a mut Coupling,
+}
+
+impl Grounds<'_> {
+    /// The part of body `body` at `local` in it, with its farthest point at `radius` [m]; `None` for a body that is not there.
+    pub(super) fn part(&mut self, body: u32, local: Pose, radius: f32) -> Option<Ground> {
+        let body = self.bodies.get(body as usize)?;
+        let motion = Motion::at(body, local, radius, self.s, self.coupling);
+        let to_body = motion.rotation1.transpose();
+        Some(Ground { motion, to_body, keep: self.touch.kept(body) })
+    }
+}
+
+/// A part of a body that cloth is laid on.
+pub(super) struct Ground {
+    motion: Motion,
+    to_body: Mat3A,
+    /// Distance kept from it [m].
+    pub keep: f32,
+}
+
+impl Ground {
+    /// The way out [m] to `plane`, in the space of the part, of what is below it, by less than `deepest` [m]: what is deeper is not where it was when it
+    /// last touched.
+    pub fn way_out(&self, plane: Plane, x: Vec3A, deepest: f32) -> Option<Vec3A> {
+        let gap = plane.gap(self.to_body * (x - self.motion.translation1));
+        (gap < 0.0 && gap > -deepest).then(|| self.motion.rotation1 * plane.normal * -gap)
+    }
 }

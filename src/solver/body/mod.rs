@@ -34,7 +34,7 @@ use glam::Vec3;
 
 pub use contacts::{Approach, BodyContacts, Touch};
 pub use faces::{FaceContacts, Sheet};
-pub use laid::Laid;
+pub use laid::{Grounds, Laid};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};

@@ -10,9 +10,10 @@
 //! ```
 //!
 //! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not tested against
-//! itself while all normals below lie within 45° of one direction. That conclusion needs a piece without slits, holes and seams, so it is drawn
-//! only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at rest. Nor may faces around a leaf
-//! fold back over it: cloth that is squeezed within its plane slides over itself across them **[measured: up to a fifth of the crossings missed]**.
+//! itself while all normals below lie within 60° of one direction, less than the 90° within which it could not. That conclusion needs a piece
+//! without slits, holes and seams, so it is drawn only for nodes whose faces form a disc in which borders of the mesh, if any, run along the
+//! sides of its box at rest. Nor may faces around a leaf fold back over it: cloth that is squeezed within its plane slides over itself across
+//! them **[measured: up to a fifth of the crossings missed]**.
 //!
 //! Two nodes that share particles always meet, and are most of all that does. They are known from the start and are one piece
 //! of cloth: the same test on the normals of both dismisses them, where borders run along the sides of the box of the whole cloth only.
@@ -34,8 +35,8 @@ use crate::solver::rest::NONE;
 const LEAF: usize = 8;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
-/// Cosine of 45°.
-const COS: f32 = core::f32::consts::FRAC_1_SQRT_2;
+/// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°, of the 90° within which cloth cannot cross itself.
+pub const FLAT: f32 = 0.5;
 /// Most edges at a particle that joins nodes.
 const HUB: usize = 64;
 /// First of a pair on the stack whose second is a [`Joint`].
@@ -66,12 +67,12 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// For a box of unit normals: whether all lie within 45° of the direction of its centre.
+    /// For a box of unit normals: whether all lie within 60° of the direction of its centre.
     #[inline]
-    fn within_45_degrees(&self) -> bool {
+    fn are_flat(&self) -> bool {
         let axis = self.min + self.max;
         let least = (axis * self.min).min(axis * self.max).element_sum();
-        least > 0.0 && least * least > 0.5 * axis.length_squared()
+        least > 0.0 && least * least > FLAT * FLAT * axis.length_squared()
     }
 
     /// The smallest box around points.
@@ -535,7 +536,7 @@ impl Tree {
                 if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {
                     continue;
                 }
-                if left.disc && left.normals.within_45_degrees() {
+                if left.disc && left.normals.are_flat() {
                     continue;
                 }
                 if leaf_a {
@@ -575,7 +576,7 @@ impl Tree {
     fn descend(&self, joint: u32, margin: Vec3A, stack: &mut Vec<(u32, u32)>, found: &mut impl FnMut(u32, u32)) {
         let Joint { nodes: [a, b], first, count } = self.joints[joint as usize];
         let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
-        if left.smooth && right.smooth && left.normals.union(right.normals).within_45_degrees() {
+        if left.smooth && right.smooth && left.normals.union(right.normals).are_flat() {
             return;
         }
         if left.right & right.right & IS_LEAF != 0 {
@@ -596,12 +597,12 @@ impl Tree {
         }
     }
 
-    /// Whether all normals of some leaves lie within 45° of their sum. Their box, which is tested first, takes in more than the normals.
+    /// Whether all normals of some leaves lie within 60° of their sum. Their box, which is tested first, takes in more than the normals.
     #[inline]
     fn hardly_bend<const N: usize>(&self, leaves: [&Node; N]) -> bool {
         let normals = || leaves.into_iter().flat_map(|leaf| &self.normals[leaf.run()]);
         let axis: Vec3A = normals().sum();
-        let limit = COS * axis.length();
+        let limit = FLAT * axis.length();
         limit > 0.0 && !leaves.iter().any(|leaf| leaf.folded) && normals().all(|n| n.dot(axis) >= limit)
     }
 

@@ -16,7 +16,7 @@
 
 use core::cmp::Ordering;
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Mat4, Vec3, Vec3A, Vec4};
 
 use super::FREE;
 use crate::solver::body::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
@@ -88,8 +88,7 @@ impl Contact {
     pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
         self.was_behind = self.behind;
         let mut x = self.slots.map(|s| particles.now[s as usize]);
-        let along = self.normal.dot(sum(&self.weights, &x));
-        if along > FAR * self.thickness {
+        if self.is_apart(&x) {
             (self.behind, self.load, self.drive) = (false, 0.0, 0.0);
             return false;
         }
@@ -152,6 +151,18 @@ impl Contact {
             particles.old[slot as usize] += lift * (weight * x.w);
         }
         true
+    }
+
+    /// Whether a plane across the last normal keeps the pair too far apart to touch, whatever else moved; no closest points are asked for.
+    #[inline]
+    fn is_apart(&self, x: &[Vec4; 4]) -> bool {
+        let [x, y, z, w] = *x;
+        let along = Mat4::from_cols(x, y, z, w).transpose() * self.normal.extend(0.0);
+        let gap = match self.kind {
+            ProximityKind::VertexFace => along.x - along.y.max(along.z).max(along.w),
+            ProximityKind::EdgeEdge => along.x.min(along.y) - along.z.max(along.w),
+        };
+        gap > (1.0 + BAND) * self.thickness || along.dot(self.weights.into()) > FAR * self.thickness
     }
 
     /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.

@@ -11,7 +11,7 @@ use crate::solver::body::Friction;
 use crate::solver::detect::proximity::{closest_edges, distance_at_rest, vertex_face};
 use crate::solver::detect::seams::{loose, seams};
 use crate::solver::detect::surface::FARTHEST;
-use crate::solver::detect::tree::{Bounds, Tree};
+use crate::solver::detect::tree::{Bounds, FLAT, Tree};
 use crate::solver::detect::{Proximity, Surface};
 use crate::solver::rest::NONE;
 use crate::solver::step::STUCK;
@@ -28,8 +28,10 @@ const STRAY: f32 = 0.45;
 /// to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known: cloth is thinner there for a moment, but far from
 /// crossing.
 const DRIFT: f32 = 1.0;
-/// The same as a share of the least height that the faces around had then: what was flat, or inside an edge, about stays so.
+/// The same as a share of the least height that the faces around had then, from which on faces are asked whether they have turned.
 const DRIFT_OF_HEIGHT: f32 = 0.1;
+/// Cosine of how far a normal may have turned, or will, for what was flat to be flat still: 0.2 radians.
+const TURNED: f32 = 0.98;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
@@ -111,16 +113,17 @@ pub struct Finder {
     /// Square of the least height of the faces around each particle at the last look [m²], if it is known.
     heights: Vec<f32>,
     heights_known: bool,
-    /// Square of how far each particle has drifted, or will, since [m²].
+    /// Square of how far each particle has drifted, or will, since [m²], and where to [m].
     drift: Vec<f32>,
+    there: Vec<Vec3A>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
 }
 
-/// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 45° of their sum, so that distances across
-/// are at least `cos 45°` of those at rest.
+/// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 60° of their sum, so that distances across
+/// are at least half of those at rest.
 #[derive(Clone, Debug, Default)]
 struct Flatness {
     /// Normals of faces as long as twice their area [m²], and their sums around particles.
@@ -133,7 +136,7 @@ struct Flatness {
 }
 
 /// Asked for more than one in this many particles, it is cheaper to find out about all.
-const ONE_IN: usize = 4;
+const ONE_IN: usize = 64;
 
 impl Flatness {
     fn new(surface: &Surface) -> Self {
@@ -183,7 +186,7 @@ impl Flatness {
             sums[c as usize] += *normal;
         }
         for (t, &normal) in surface.topology.faces.iter().zip(normals.iter()) {
-            let limit = 0.5 * normal.length_squared();
+            let limit = FLAT * FLAT * normal.length_squared();
             for &v in t {
                 let sum = sums[v as usize];
                 let along = normal.dot(sum);
@@ -195,7 +198,7 @@ impl Flatness {
     }
 }
 
-/// Whether all normals around a particle lie within 45° of their sum.
+/// Whether all normals around a particle lie within 60° of their sum.
 fn is_flat(v: u32, surface: &Surface, at: impl Fn(u32) -> Vec3A) -> bool {
     let topology = &surface.topology;
     // Each face twice: it has two edges there.
@@ -207,7 +210,7 @@ fn is_flat(v: u32, surface: &Surface, at: impl Fn(u32) -> Vec3A) -> bool {
     let sum: Vec3A = faces().map(normal).sum();
     faces().map(normal).all(|normal| {
         let along = normal.dot(sum);
-        along > 0.0 && along * along > 0.5 * normal.length_squared() * sum.length_squared()
+        along > 0.0 && along * along > FLAT * FLAT * normal.length_squared() * sum.length_squared()
     })
 }
 
@@ -240,6 +243,7 @@ impl Finder {
             owns,
             ahead: start.clone(),
             before: vec![Vec3A::NAN; surface.len()],
+            there: start.clone(),
             start,
             astray,
             shifted,
@@ -306,13 +310,14 @@ impl Finder {
             for v in part.particles.start as usize..part.particles.end as usize {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
                 let motion = foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness);
-                self.drift[v] = now.distance_squared(start).max((now + motion).distance_squared(start));
+                self.there[v] = now + motion;
+                self.drift[v] = now.distance_squared(start).max(self.there[v].distance_squared(start));
                 self.astray[v] = self.shifted[v] || !(self.drift[v] <= limit * limit);
                 drifted += usize::from(self.astray[v]);
             }
         }
         if drifted <= most {
-            drifted += self.find_bent(surface);
+            drifted += self.find_turned(surface, moment.positions);
         }
         if drifted > most {
             return false;
@@ -323,20 +328,35 @@ impl Finder {
         true
     }
 
-    /// Finds particles that have drifted so far that faces around them may have turned over, though not too far for others; how many.
-    fn find_bent(&mut self, surface: &Surface) -> usize {
-        let Self { start, heights, heights_known, drift, astray, .. } = self;
+    /// Finds the particles of faces that have turned, or will, though none of them has drifted too far; how many.
+    fn find_turned(&mut self, surface: &Surface, positions: &[Vec4]) -> usize {
+        let Self { start, there, heights, heights_known, drift, astray, .. } = self;
         if !*heights_known {
             surface.least_heights_squared(|v| start[v as usize], heights);
             *heights_known = true;
         }
-        let mut bent = 0;
-        for ((astray, &drift), &height) in astray.iter_mut().zip(&*drift).zip(&*heights) {
-            let is_bent = !*astray && !(drift <= DRIFT_OF_HEIGHT * DRIFT_OF_HEIGHT * height);
-            *astray |= is_bent;
-            bent += usize::from(is_bent);
+        let least = DRIFT_OF_HEIGHT * DRIFT_OF_HEIGHT;
+        let may_have = |v: u32| !(drift[v as usize] <= least * heights[v as usize]);
+        let mut count = 0;
+        for t in &surface.topology.faces {
+            if !t.iter().any(|&v| may_have(v)) || t.iter().any(|&v| astray[v as usize]) {
+                continue;
+            }
+            let normal = |at: &dyn Fn(u32) -> Vec3A| {
+                let [a, b, c] = t.map(at);
+                (b - a).cross(c - a)
+            };
+            let then = normal(&|v| start[v as usize]);
+            let has_turned = |now: Vec3A| {
+                let along = now.dot(then);
+                !(along > 0.0 && along * along >= TURNED * TURNED * now.length_squared() * then.length_squared())
+            };
+            if has_turned(normal(&|v| Vec3A::from_vec4(positions[v as usize]))) || has_turned(normal(&|v| there[v as usize])) {
+                t.iter().for_each(|&v| astray[v as usize] = true);
+                count += 3;
+            }
         }
-        bent
+        count
     }
 
     /// Where each particle is foreseen to be [m], less the motion that all cloths share.

@@ -177,17 +177,10 @@ impl Retreat {
             return false;
         }
         let mean = self.mean();
-        let mut any = false;
-        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
+        self.put(surface, crossings, positions, previous, |this, v| {
             let clean = this.clean[v].truncate();
-            if x.truncate() != clean {
-                this.taken[v] = true;
-                *x = clean.extend(x.w);
-                previous[v] = (clean - mean).extend(previous[v].w);
-                any = true;
-            }
-        });
-        any
+            Some([clean, clean - mean])
+        })
     }
 
     /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins cannot be taken
@@ -201,18 +194,33 @@ impl Retreat {
     ) -> bool {
         let mut pins = core::mem::take(&mut self.pins);
         pins.meet(surface, crossings, positions, &self.clean);
-        let (substeps, mut any) = (self.substeps.max(1.0), false);
-        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
-            let Some(to) = pins.destination(v, this.clean[v].truncate()) else { return };
-            if x.truncate() != to {
-                this.taken[v] = true;
-                *x = to.extend(x.w);
-                previous[v] = to.lerp(this.clean[v].truncate(), 1.0 / substeps).extend(previous[v].w);
-                any = true;
-            }
+        let substeps = self.substeps.max(1.0);
+        let any = self.put(surface, crossings, positions, previous, |this, v| {
+            let clean = this.clean[v].truncate();
+            pins.destination(v, clean).map(|to| [to, to.lerp(clean, 1.0 / substeps)])
         });
         self.pins = pins;
         self.retreats |= any;
+        any
+    }
+
+    /// Puts the particles that cross where `place` says, and says whether any was elsewhere: position now and a substep before [m].
+    fn put(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+        place: impl Fn(&Self, usize) -> Option<[Vec3; 2]>,
+    ) -> bool {
+        let mut any = false;
+        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
+            let Some([now, before]) = place(this, v).filter(|[now, _]| x.truncate() != *now) else { return };
+            this.taken[v] = true;
+            *x = now.extend(x.w);
+            previous[v] = before.extend(previous[v].w);
+            any = true;
+        });
         any
     }
 
