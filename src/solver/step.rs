@@ -225,7 +225,7 @@ const GIVE_BACK: f32 = 0.5;
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
 
-/// The same for a calm cloth, whose edges are not shortened at the end of a frame.
+/// The same for a calm cloth, whose edges are shortened at the end of a frame only [far beyond](CALM_STRAINED) the limit.
 const CALM_SWEEPS: u32 = 8;
 
 /// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two that are moved farther could
