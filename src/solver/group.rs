@@ -345,7 +345,7 @@ impl Group {
         self.scatter_pairs(cloths);
     }
 
-    /// Sum of what pulls the cloths that move [m/s²].
+    /// Sum of what pulls the cloths that move [m/s²], for its direction.
     fn gravity(&self, cloths: &mut impl Members) -> Vec3 {
         let mut of = |part: usize| cloths.member(part).filter(|m| m.moves).map_or(Vec3::ZERO, |m| m.cloth.input.gravity);
         (0..self.surface.parts.len()).map(&mut of).sum()

@@ -310,8 +310,8 @@ impl FaceContacts {
             for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
                 let Candidate { particles, weights, plane, .. } = candidate;
                 let corners = particles.map(|p| positions.get(p as usize).copied().unwrap_or(Vec4::NAN));
-                let touch = (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
-                let Some(way) = ground.way_out(*plane, touch, SHARE * ground.keep) else { continue };
+                let middle = (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
+                let Some(way) = ground.way_out(*plane, middle, SHARE * ground.keep) else { continue };
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
                 for ((&p, weight), x) in particles.iter().zip(weights).zip(corners) {
                     laid.put(p, way * (weight * x.w / mobility), positions);

@@ -77,8 +77,8 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The way out [m] to `plane`, in the space of the part, of what is below it, by less than `deepest` [m]: what is deeper is not where it was when it
-    /// last touched.
+    /// The way out [m] of what is at `x` [m] to `plane`, which is in the space of the part, if it is below by less than `deepest` [m]: what is deeper
+    /// is not where it was when it last touched.
     pub fn way_out(&self, plane: Plane, x: Vec3A, deepest: f32) -> Option<Vec3A> {
         let gap = plane.gap(self.to_body * (x - self.motion.translation1));
         (gap < 0.0 && gap > -deepest).then(|| self.motion.rotation1 * plane.normal * -gap)

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not tested against
-//! itself while all normals below lie within 60° of one direction, less than the 90° within which it could not. That conclusion needs a piece
+//! itself while all normals below lie within 60° of one direction: inside, 90° would do; around a point of its border cloth without strain closes to
+//! a cone at 60°, and triangles at its tip are steeper **[measured: none of 17,500 crossings of squeezed sheets missed]**. It needs a piece
 //! without slits, holes and seams, so it is drawn only for nodes whose faces form a disc in which borders of the mesh, if any, run along the
 //! sides of its box at rest. Nor may faces around a leaf fold back over it: cloth that is squeezed within its plane slides over itself across
 //! them **[measured: up to a fifth of the crossings missed]**.
@@ -35,7 +36,7 @@ use crate::solver::rest::NONE;
 const LEAF: usize = 8;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
-/// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°, of the 90° within which cloth cannot cross itself.
+/// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°. See the module.
 pub const FLAT: f32 = 0.5;
 /// Most edges at a particle that joins nodes.
 const HUB: usize = 64;

@@ -153,7 +153,8 @@ impl Contact {
         true
     }
 
-    /// Whether a plane across the last normal keeps the pair too far apart to touch, whatever else moved; no closest points are asked for.
+    /// Whether no closest points need be asked for: a plane across the last normal keeps the pair too far apart to touch, or the last closest points
+    /// are [far](FAR) apart along it.
     #[inline]
     fn is_apart(&self, x: &[Vec4; 4]) -> bool {
         let [x, y, z, w] = *x;
@@ -250,4 +251,59 @@ impl Contact {
 
 fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
     (points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]).truncate()
+}
+
+#[cfg(test)]
+impl Contact {
+    /// A pair of the first four slots that has not touched yet, without friction, `thickness` [m] apart.
+    pub fn bare(kind: ProximityKind, thickness: f32) -> Self {
+        Self {
+            kind,
+            faces: [0; 2],
+            slots: [0, 1, 2, 3],
+            weights: [0.0; 4],
+            normal: Vec3::X,
+            thickness,
+            friction: Friction { fixed: 0.0, sliding: 0.0 },
+            restitution: 0.0,
+            load: 0.0,
+            drive: 0.0,
+            sticks: false,
+            behind: false,
+            was_behind: false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::detect::proximity::closest_edges;
+
+    #[test]
+    fn what_a_plane_keeps_apart_does_not_touch_and_most_that_does_not_is_seen_to_be_apart() {
+        let mut rng = fastrand::Rng::with_seed(3);
+        let (mut apart, mut missed) = (0, 0);
+        for n in 0..20_000 {
+            let kind = if n % 2 == 0 { ProximityKind::VertexFace } else { ProximityKind::EdgeEdge };
+            let mut point = |size: f32| ((Vec3::new(rng.f32(), rng.f32(), rng.f32()) - 0.5) * size).extend(1.0);
+            let x: [Vec4; 4] = std::array::from_fn(|_| point(1.0));
+            let moved = x.map(|x| x + point(0.05));
+            let closest = |x: &[Vec4; 4]| match kind {
+                ProximityKind::VertexFace => vertex_face([0, 1, 2, 3], |i| x[i as usize].truncate()),
+                ProximityKind::EdgeEdge => closest_edges([0, 1, 2, 3], |i| x[i as usize].truncate()),
+            };
+            let near = closest(&x);
+            let normal = sum(&near.weights, &x).normalize_or_zero();
+            let pair = Contact { normal, ..Contact::bare(kind, 0.1) };
+            let distance = closest(&moved).distance;
+            if pair.is_apart(&moved) {
+                assert!(distance > pair.thickness, "{n} {kind:?}: {distance}");
+                apart += 1;
+            } else {
+                missed += u32::from(distance > 2.0 * pair.thickness);
+            }
+        }
+        assert!(apart > 10_000 && missed < apart / 100, "{apart} apart, {missed} far apart and not seen to be");
+    }
 }

@@ -28,9 +28,10 @@ const STRAY: f32 = 0.45;
 /// to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known: cloth is thinner there for a moment, but far from
 /// crossing.
 const DRIFT: f32 = 1.0;
-/// The same as a share of the least height that the faces around had then, from which on faces are asked whether they have turned.
-const DRIFT_OF_HEIGHT: f32 = 0.1;
-/// Cosine of how far a normal may have turned, or will, for what was flat to be flat still: 0.2 radians.
+/// The same as a share of the least height that a face had when it was last looked at: up to the first its normal cannot have turned, beyond the
+/// second much else may have changed.
+const DRIFT_OF_HEIGHT: [f32; 2] = [0.1, 0.5];
+/// Cosine of how far a normal may have turned since, or will, for what was flat to be flat still: 0.2 radians.
 const TURNED: f32 = 0.98;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
@@ -49,7 +50,8 @@ const FLUTTER: f32 = 2.0;
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
 
-/// Pairs of one cloth are kept no farther apart than this share of their distance at rest.
+/// Pairs of one cloth are kept no farther apart than this share of their distance at rest (dimensionless). In folds of less than 60°, which are
+/// taken for [flat](FLAT), they may get to half of it; 0.5 here took twice as long to untangle a garment of many layers **[measured]**.
 const REST_SHARE: f32 = 0.7;
 
 /// Share of their thickness at which pairs are kept apart where how far they are is not up to them (dimensionless): where both sides are pinned
@@ -110,11 +112,11 @@ pub struct Finder {
     shared: Vec3A,
     /// Mean speed at the last look at everything, less what all cloths share [m/s].
     haste: f32,
-    /// Square of the least height of the faces around each particle at the last look [m²], if it is known.
-    heights: Vec<f32>,
-    heights_known: bool,
-    /// Square of how far each particle has drifted, or will, since [m²], and where to [m].
+    /// Each face when it was last looked at.
+    faces: Vec<Looked>,
+    /// How far each particle has drifted, or will, since the last look [m].
     drift: Vec<f32>,
+    /// Where to [m].
     there: Vec<Vec3A>,
     /// Longest edge of each cloth at rest [m].
     longest: Vec<f32>,
@@ -122,8 +124,41 @@ pub struct Finder {
     loose: Vec<bool>,
 }
 
+/// A face when it was last looked at.
+#[derive(Clone, Copy, Debug, Default)]
+struct Looked {
+    /// Twice its area along its normal [m²].
+    normal: Vec3A,
+    /// Its least height [m].
+    height: f32,
+    /// How far its particles had drifted then, at most [m].
+    drift: f32,
+}
+
+impl Looked {
+    fn at([a, b, c]: [Vec3A; 3], drift: f32) -> Self {
+        let normal = (b - a).cross(c - a);
+        let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+        Self { normal, height: (normal.length_squared() / base.max(f32::MIN_POSITIVE)).sqrt(), drift }
+    }
+
+    /// Whether it has turned since, its particles having drifted as far as `drift` [m]; `now` and `there`: where they are and will be [m].
+    #[inline]
+    fn has_turned(&self, drift: f32, now: impl Fn() -> [Vec3A; 3], there: impl Fn() -> [Vec3A; 3]) -> bool {
+        let [still, far] = DRIFT_OF_HEIGHT.map(|share| share * self.height);
+        let drift = drift + self.drift;
+        let turned = |[a, b, c]: [Vec3A; 3]| {
+            let normal = (b - a).cross(c - a);
+            let along = normal.dot(self.normal);
+            !(along > 0.0 && along * along >= TURNED * TURNED * normal.length_squared() * self.normal.length_squared())
+        };
+        // NaN passes no comparison.
+        !(drift <= still) && (!(drift <= far) || turned(now()) || turned(there()))
+    }
+}
+
 /// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 60° of their sum, so that distances across
-/// are at least half of those at rest.
+/// a crease are at least half of those at rest.
 #[derive(Clone, Debug, Default)]
 struct Flatness {
     /// Normals of faces as long as twice their area [m²], and their sums around particles.
@@ -251,8 +286,7 @@ impl Finder {
             flatness: Flatness::new(surface),
             shared: Vec3A::ZERO,
             haste: 0.0,
-            heights: Vec::with_capacity(surface.len()),
-            heights_known: false,
+            faces: vec![Looked::default(); topology.faces.len()],
             drift: vec![0.0; surface.len()],
             longest,
             loose: loose(surface, &seams(surface)),
@@ -311,8 +345,8 @@ impl Finder {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
                 let motion = foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness);
                 self.there[v] = now + motion;
-                self.drift[v] = now.distance_squared(start).max(self.there[v].distance_squared(start));
-                self.astray[v] = self.shifted[v] || !(self.drift[v] <= limit * limit);
+                self.drift[v] = now.distance_squared(start).max(self.there[v].distance_squared(start)).sqrt();
+                self.astray[v] = self.shifted[v] || !(self.drift[v] <= limit);
                 drifted += usize::from(self.astray[v]);
             }
         }
@@ -328,30 +362,18 @@ impl Finder {
         true
     }
 
-    /// Finds the particles of faces that have turned, or will, though none of them has drifted too far; how many.
+    /// Finds the particles of faces that have turned since they were looked at, or will, though none of them has drifted too far; how many.
     fn find_turned(&mut self, surface: &Surface, positions: &[Vec4]) -> usize {
-        let Self { start, there, heights, heights_known, drift, astray, .. } = self;
-        if !*heights_known {
-            surface.least_heights_squared(|v| start[v as usize], heights);
-            *heights_known = true;
-        }
-        let least = DRIFT_OF_HEIGHT * DRIFT_OF_HEIGHT;
-        let may_have = |v: u32| !(drift[v as usize] <= least * heights[v as usize]);
+        let Self { there, drift, astray, faces, .. } = self;
         let mut count = 0;
-        for t in &surface.topology.faces {
-            if !t.iter().any(|&v| may_have(v)) || t.iter().any(|&v| astray[v as usize]) {
+        for (&t, face) in surface.topology.faces.iter().zip(&*faces) {
+            // With one astray it is looked at anew.
+            if t.iter().any(|&v| astray[v as usize]) {
                 continue;
             }
-            let normal = |at: &dyn Fn(u32) -> Vec3A| {
-                let [a, b, c] = t.map(at);
-                (b - a).cross(c - a)
-            };
-            let then = normal(&|v| start[v as usize]);
-            let has_turned = |now: Vec3A| {
-                let along = now.dot(then);
-                !(along > 0.0 && along * along >= TURNED * TURNED * now.length_squared() * then.length_squared())
-            };
-            if has_turned(normal(&|v| Vec3A::from_vec4(positions[v as usize]))) || has_turned(normal(&|v| there[v as usize])) {
+            let [a, b, c] = t.map(|v| drift[v as usize]);
+            let now = || t.map(|v| Vec3A::from_vec4(positions[v as usize]));
+            if face.has_turned(a.max(b).max(c), now, || t.map(|v| there[v as usize])) {
                 t.iter().for_each(|&v| astray[v as usize] = true);
                 count += 3;
             }
@@ -403,10 +425,15 @@ impl Finder {
         tangled: impl Fn(u32) -> f32,
         contacts: &mut Contacts,
     ) {
-        for (marked, t) in self.marked.iter_mut().zip(&surface.topology.faces) {
+        for ((marked, face), t) in self.marked.iter_mut().zip(&mut self.faces).zip(&surface.topology.faces) {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
+            if *marked {
+                // What is astray is looked at where it is. How far the others have drifted within a frame nobody knows: it is looked at again.
+                let drift = |v: u32| if self.astray[v as usize] { 0.0 } else { self.drift[v as usize] };
+                let drift = if share > 0.0 { f32::INFINITY } else { t.iter().map(|&v| drift(v)).fold(0.0, f32::max) };
+                *face = Looked::at(t.map(|v| Vec3A::from_vec4(moment.positions[v as usize])), drift);
+            }
         }
-        self.heights_known = false;
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
         // Of the time since the last look at everything and until the next: at its end all of it.
         let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
@@ -631,7 +658,9 @@ impl Finder {
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
         let substep = moment.substep;
-        self.heights_known = false;
+        for (face, t) in self.faces.iter_mut().zip(&surface.topology.faces) {
+            *face = Looked::at(t.map(|v| Vec3A::from_vec4(moment.positions[v as usize])), 0.0);
+        }
         self.astray.fill(false);
         self.shifted.fill(false);
         let mut mean = Vec3A::ZERO;
@@ -740,4 +769,29 @@ fn may_pass([p, q]: [Path; 2], [r, s]: [Path; 2]) -> bool {
     let inside = |x: f32| (x - 0.5 * det).abs() <= (0.5 + slack) * det;
     // Edges that are almost parallel may pass anywhere.
     !(det > 1.0e-3 * a * c) || (inside(b * e - c * d) && inside(a * e - b * d))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Quat, vec3};
+
+    use super::*;
+
+    #[test]
+    fn a_face_has_turned_by_its_normal_or_when_nobody_can_tell() {
+        let corners = [vec3(0.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.3, 0.6, 0.0)].map(Vec3A::from);
+        let face = Looked::at(corners, 0.0);
+        assert!((face.height - 0.6).abs() < 1e-6, "{}", face.height);
+        let by = |angle: f32| corners.map(|x| Vec3A::from(Quat::from_rotation_y(angle) * Vec3::from(x)));
+        let asked = |drift: f32, now: f32, there: f32| face.has_turned(drift, || by(now), || by(there));
+        assert!(!asked(0.2, 0.15, -0.15));
+        assert!(asked(0.2, 0.25, 0.0) && asked(0.2, 0.0, -0.25), "now, or soon");
+        assert!(asked(0.2, 3.1, 0.0), "turned over");
+        assert!(!asked(0.059, 1.0, 1.0), "what hardly moved is not asked");
+        assert!(asked(0.31, 0.0, 0.0), "what moved by half of its height is not known any more");
+        assert!(asked(f32::NAN, 0.0, 0.0) && asked(0.2, f32::NAN, 0.0));
+        let drifted = Looked::at(corners, 0.1);
+        assert!(drifted.has_turned(0.059, || by(0.25), || corners), "nor is what had drifted before, known not to have moved");
+        assert!(Looked::at([corners[0]; 3], 0.0).has_turned(0.1, || corners, || corners), "a face without area");
+    }
 }

@@ -217,31 +217,13 @@ mod tests {
     use glam::vec3;
 
     use super::*;
-    use crate::solver::body::Friction;
 
     /// A particle over or beside a face, or two edges, at random, and where they would go.
     fn pair(rng: &mut fastrand::Rng, kind: ProximityKind) -> (Contact, Vec<Vec4>, Vec<Vec4>) {
         let mut point = |size: f32| (vec3(rng.f32(), rng.f32(), rng.f32()) - 0.5) * size;
         let from: Vec<Vec3> = (0..4).map(|_| point(1.0)).collect();
         let to: Vec<Vec3> = from.iter().map(|x| *x + point(3.0)).collect();
-        let friction = Friction { fixed: 0.0, sliding: 0.0 };
-        let (weights, normal) = ([0.0; 4], Vec3::X);
-        let slots = [0, 1, 2, 3];
-        let pair = Contact {
-            kind,
-            faces: [0; 2],
-            slots,
-            weights,
-            normal,
-            thickness: 0.01,
-            friction,
-            restitution: 0.0,
-            load: 0.0,
-            drive: 0.0,
-            sticks: false,
-            behind: false,
-            was_behind: false,
-        };
+        let pair = Contact::bare(kind, 0.01);
         let mass = |x: &Vec3| x.extend(1.0);
         (pair, from.iter().map(mass).collect(), to.iter().map(mass).collect())
     }

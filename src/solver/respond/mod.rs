@@ -8,7 +8,7 @@
 //!
 //! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to
 //! the front. So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that can be met before the next,
-//! and it holds until something drifts by a share of the margin. Pairs of a tangle have no right side; they are left to
+//! and it holds until something drifts by the margin, or a face turns. Pairs of a tangle have no right side; they are left to
 //! [`resolve`](crate::solver::resolve), which stops at what has no part in the tangle.
 //!
 //! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.

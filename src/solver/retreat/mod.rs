@@ -204,7 +204,7 @@ impl Retreat {
         any
     }
 
-    /// Puts the particles that cross where `place` says, and says whether any was elsewhere: position now and a substep before [m].
+    /// Puts the particles that cross where `place` says: positions now and a substep before [m]. Whether any was elsewhere.
     fn put(
         &mut self,
         surface: &Surface,
