@@ -194,7 +194,6 @@ impl Group {
             self.horizon
         };
         (self.horizon, self.share, self.looks) = (horizon, 0.0, 0);
-        self.contacts.lift();
     }
 
     /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle
@@ -260,17 +259,18 @@ impl Group {
             }
         }
         for n in 1..=count {
+            self.contacts.lift();
             self.note_start(cloths);
             let lies = self.lies_on_bodies(cloths);
             for part in 0..parts {
                 if let Some(m) = cloths.member(part) {
                     m.cloth.constrain(m.state, m.scratch);
-                    if lies {
-                        m.cloth.lay(m.state, m.scratch);
-                    }
                 }
             }
-            self.keep_apart(cloths);
+            if lies {
+                self.lay(cloths);
+            }
+            self.keep_apart(cloths, lies);
             for part in 0..parts {
                 if let Some(m) = cloths.member(part) {
                     m.cloth.project(m.state, m.scratch);
@@ -310,6 +310,15 @@ impl Group {
         !self.contacts.is_empty() && (0..parts).any(|part| cloths.member(part).is_some_and(&mut lies))
     }
 
+    /// Puts what lies on bodies where they will put it.
+    fn lay(&self, cloths: &mut impl Members) {
+        for part in 0..self.surface.parts.len() {
+            if let Some(m) = cloths.member(part) {
+                m.cloth.lay(m.state, m.scratch);
+            }
+        }
+    }
+
     /// Notes where everything is that may touch, and how fast.
     fn note_start(&mut self, cloths: &mut impl Members) {
         if self.contacts.is_empty() {
@@ -327,8 +336,8 @@ impl Group {
         }
     }
 
-    /// Keeps apart what touches at the end of a substep.
-    fn keep_apart(&mut self, cloths: &mut impl Members) {
+    /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
+    fn keep_apart(&mut self, cloths: &mut impl Members, lies: bool) {
         if self.contacts.is_empty() {
             self.contacts.rest();
             return;
@@ -340,8 +349,19 @@ impl Group {
                 h = h.max(state.substep);
             }
         }
+        let gravity = self.gravity(cloths);
+        let passes = self.contacts.begin_solve(h, calm);
         self.gather_pairs(cloths);
-        self.contacts.solve(h, self.gravity(cloths), calm);
+        for _ in 1..passes {
+            self.contacts.solve(false, gravity);
+            if lies {
+                // What was pushed into a body lies on it again before the next pass.
+                self.scatter_pairs(cloths);
+                self.lay(cloths);
+                self.gather_pairs(cloths);
+            }
+        }
+        self.contacts.solve(true, gravity);
         self.scatter_pairs(cloths);
     }
 

@@ -228,6 +228,9 @@ const TAUT_SWEEPS: u32 = 2;
 /// The same for a calm cloth, whose edges are shortened at the end of a frame only [far beyond](CALM_STRAINED) the limit.
 const CALM_SWEEPS: u32 = 8;
 
+/// Passes over pairs of cloth in a substep while all of it is calm: what one leaves over keeps going around in folds that nothing else moves.
+pub(super) const CALM_PASSES: u32 = 2;
+
 /// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two that are moved farther could
 /// pass through each other unseen.
 const CROWDED: f32 = 0.5;
@@ -421,7 +424,8 @@ impl Stepped<'_> {
             thickness: fabric.thickness,
         };
         scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
-        scratch.laid.begin(scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(rest.topology.faces.len()));
+        let lie = scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(rest.topology.faces.len());
+        scratch.laid.begin(CALM_PASSES as usize * lie);
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));

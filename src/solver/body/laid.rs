@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!   constrain   x      springs and gravity draw what lies on a body into it
-//!   lay         x + u  out again, along the plane of its last touch            ◄ what lies on it meets it here, and does not follow it in
+//!   lay         x + u  out again, along the plane of its last touch            ◄ what lies on it meets it here, and does not follow it in;
+//!                                                                                once more when that has pushed it in
 //!   take back   x      with what was done to it meanwhile
 //!   project            the body bears it, as if nothing had been
 //! ```
@@ -21,7 +22,7 @@ pub struct Laid {
 }
 
 impl Laid {
-    /// Begins a frame in which at most so many touch.
+    /// Begins a frame in which at most so many are moved in a substep.
     pub fn begin(&mut self, most: usize) {
         self.moved.clear();
         self.moved.reserve(most);

@@ -18,15 +18,14 @@ use core::cmp::Ordering;
 
 use glam::{Mat4, Vec3, Vec3A, Vec4};
 
-use super::FREE;
+use super::{FREE, LEVEL};
 use crate::solver::body::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
 /// Speed at which pairs that are closer than their thickness are taken apart [m/s].
 const RECOVERY_SPEED: f32 = 0.5;
-/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless). At 0.1 two sheets on a
-/// box slide off within 20 s, at 0.02 they come to rest.
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless).
 const SUPPORT: f32 = 0.02;
 /// No particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
 /// where the others are held.
@@ -51,6 +50,8 @@ pub(super) struct Contact {
     pub friction: Friction,
     /// Speed apart after an impact over that of approach before (dimensionless).
     pub restitution: f32,
+    /// Whether it is of two cloths.
+    pub across: bool,
     /// Mean push [m].
     pub load: f32,
     /// Mean of what all pushes of a substep do: push over mobility [kg·m]; divided by the substep it is an impulse.
@@ -70,6 +71,8 @@ pub(super) struct Particles<'a> {
     pub levels: &'a mut [u8],
     /// Against gravity; zero without.
     pub up: Vec3,
+    /// Whether all cloth is calm.
+    pub calm: bool,
     /// How often each pair is solved in a substep.
     pub passes: f32,
     /// Whether a pair was pushed as far as only an [impact](Contact::impact) does.
@@ -226,16 +229,20 @@ impl Contact {
         if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 }
     }
 
-    /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that
-    /// is (mass scaling as in Macklin et al. 2014, section 5.2).
+    /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that is (mass
+    /// scaling as in Macklin et al. 2014, section 5.2). Not within a calm cloth: it presses its folds together itself, much more than gravity does,
+    /// and where nothing takes the reaction they would lift themselves off a floor and fall back for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
+        if particles.calm && !self.across {
+            return;
+        }
         let ids = self.slots.map(|s| particles.ids[s as usize] as usize);
         let split = self.first();
         let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
         let (first, second) = (lowest(&ids[..split]), lowest(&ids[split..]));
         // Upwards along the normal, from the heavy side to the one it carries.
-        let (heavy, above, level, up) = match first.cmp(&second) {
+        let (heavy, above, level, up) = match (first / LEVEL).cmp(&(second / LEVEL)) {
             Ordering::Less => (0..split, split..4, first, -self.normal.dot(particles.up)),
             Ordering::Equal => return,
             Ordering::Greater => (split..4, 0..split, second, self.normal.dot(particles.up)),
@@ -245,7 +252,7 @@ impl Contact {
         }
         let share = 1.0 + (SUPPORT - 1.0) * up;
         heavy.for_each(|i| x[i].w *= share);
-        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + 1));
+        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level.saturating_add(LEVEL)));
     }
 }
 
@@ -266,6 +273,7 @@ impl Contact {
             thickness,
             friction: Friction { fixed: 0.0, sliding: 0.0 },
             restitution: 0.0,
+            across: true,
             load: 0.0,
             drive: 0.0,
             sticks: false,

@@ -549,6 +549,7 @@ impl Finder {
                 thickness,
                 friction,
                 restitution: mine.restitution.max(other.restitution),
+                across: p != q,
                 load,
                 drive,
                 sticks: false,

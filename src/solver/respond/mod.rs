@@ -23,6 +23,7 @@ use glam::{Vec3, Vec3A, Vec4};
 use crate::solver::body::Touch;
 use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::rest::NONE;
+use crate::solver::step::CALM_PASSES;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
 pub use touching::Touching;
@@ -49,7 +50,7 @@ pub struct Contacts {
     start: Vec<Vec4>,
     /// Pass of the guard in which the particle was last stopped, by slot.
     cut: Vec<u8>,
-    /// By particle: 0 where it lies on a body, 1 where on cloth that does, and so on.
+    /// By particle: [`LEVEL`] times how many cloths are between it and a body, and the substeps since that bore one of them; or [`FREE`].
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     behind: Vec<(u8, [u32; 4])>,
@@ -61,14 +62,17 @@ pub struct Contacts {
     coincide: bool,
     /// Pairs that touched in the last [`Self::solve`].
     touching: u32,
-    /// Substep of the last [`Self::solve`] [s].
+    /// Substep of the last [`Self::solve`] [s], and whether all cloth was calm.
     substep: f32,
+    calm: bool,
 }
 
 /// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
 /// one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
 const REBOUNDS: u32 = 3;
 
+/// From one level to the next, and the substeps for which a particle has its level when nothing bears it any more.
+const LEVEL: u8 = 8;
 /// Level of a particle that lies on nothing.
 const FREE: u8 = u8::MAX;
 
@@ -208,10 +212,10 @@ impl Contacts {
         self.impacts.clear();
     }
 
-    /// Lets particles that lie on nothing any more rise; once a frame.
+    /// Lets go of particles that have not lain on anything for a while; once a substep.
     pub(crate) fn lift(&mut self) {
         for level in &mut self.levels {
-            *level = level.saturating_add(1);
+            *level = if *level % LEVEL == LEVEL - 1 { FREE } else { *level + 1 };
         }
     }
 
@@ -268,21 +272,30 @@ impl Contacts {
         }
     }
 
-    /// Keeps all pairs apart at the end of a substep of `h` [s]. What lies below, along `gravity`, carries what lies on it.
-    pub fn solve(&mut self, h: f32, gravity: Vec3, calm: bool) {
-        (self.touching, self.substep) = (0, h);
+    /// Begins to keep pairs apart at the end of a substep of `h` [s], in as many passes as it says; whether all cloth is `calm`.
+    pub fn begin_solve(&mut self, h: f32, calm: bool) -> u32 {
+        (self.touching, self.substep, self.calm) = (0, h, calm);
+        self.impacts.clear();
+        self.passes()
+    }
+
+    fn passes(&self) -> u32 {
+        if self.calm { CALM_PASSES } else { 1 }
+    }
+
+    /// Keeps all pairs apart, in one pass of those of a substep. What lies below, along `gravity`, carries what lies on it.
+    pub fn solve(&mut self, last: bool, gravity: Vec3) {
+        let (h, calm, passes) = (self.substep, self.calm, self.passes() as f32);
         let up = -gravity.normalize_or_zero();
         let Self { particles: ids, now, old, velocities, impacts, levels, .. } = self;
-        impacts.clear();
-        let passes = if calm { 2.0 } else { 1.0 };
-        let mut particles = Particles { ids, now, old, levels, up, passes, impact: false };
-        if calm {
-            // Twice, as what one pass leaves over keeps going around in folds that nothing else moves.
-            self.pairs.iter_mut().for_each(|pair| {
+        let mut particles = Particles { ids, now, old, levels, up, calm, passes, impact: false };
+        if !last {
+            for pair in &mut self.pairs {
                 let behind = pair.behind;
                 pair.solve(h, &mut particles);
                 pair.behind = behind;
-            });
+            }
+            return;
         }
         for pair in &mut self.pairs {
             self.touching += u32::from(pair.solve(h, &mut particles));
@@ -296,8 +309,8 @@ impl Contacts {
     /// Holds pairs again that stuck in the last [`Self::solve`], when bodies have pushed.
     pub(crate) fn hold(&mut self, gravity: Vec3) {
         let up = -gravity.normalize_or_zero();
-        let Self { particles: ids, now, old, levels, .. } = self;
-        let mut particles = Particles { ids, now, old, levels, up, passes: 1.0, impact: false };
+        let Self { particles: ids, now, old, levels, calm, .. } = self;
+        let mut particles = Particles { ids, now, old, levels, up, calm: *calm, passes: 1.0, impact: false };
         self.pairs.iter().for_each(|pair| pair.hold(&mut particles));
     }
 
