@@ -1,7 +1,7 @@
 //! Cloths that can meet, untangled together as one surface.
 //!
 //! ```text
-//! step: (constrain ─► lay on bodies ─► keep apart ─► bodies ─► hold what sticks ─► rebound ─► guard)* ─► finish ─► guard
+//! step: (constrain ─► (lay on bodies ─► keep apart), twice if calm ─► bodies ─► hold what sticks ─► rebound ─► guard)* ─► finish ─► guard
 //! gather ─► detect ─► resolve: take back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► scatter what moved
 //!     ─► bodies ─► stay: put back what they pushed ─► evaluate: look again, one verdict per cloth
 //! ```
@@ -20,7 +20,7 @@ use super::body::Touch;
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
 use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Resort, Shown, Verdict};
 use super::resolve::{Contour, Method, ResolveSettings, Strategy, Untangler};
-use super::respond::{Contacts, Finder, Moment};
+use super::respond::{CALM_PASSES, Contacts, Finder, Moment};
 use super::retreat::Retreat;
 use super::settings::Stepping;
 use super::state::ClothState;
@@ -349,19 +349,19 @@ impl Group {
                 h = h.max(state.substep);
             }
         }
+        let passes = if calm { CALM_PASSES } else { 1 };
         let gravity = self.gravity(cloths);
-        let passes = self.contacts.begin_solve(h, calm);
+        self.contacts.begin_solve(h, passes);
         self.gather_pairs(cloths);
-        for _ in 1..passes {
-            self.contacts.solve(false, gravity);
-            if lies {
-                // What was pushed into a body lies on it again before the next pass.
+        for pass in 1..=passes {
+            if pass > 1 && lies {
+                // What was pushed into a body lies on it again.
                 self.scatter_pairs(cloths);
                 self.lay(cloths);
                 self.gather_pairs(cloths);
             }
+            self.contacts.solve(pass == passes, gravity);
         }
-        self.contacts.solve(true, gravity);
         self.scatter_pairs(cloths);
     }
 

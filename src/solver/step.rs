@@ -5,6 +5,7 @@ use glam::{Vec3, Vec4};
 use super::body::{Approach, Body, BodyContacts, FaceContacts, Grounds, Laid, Sheet, Touch};
 use super::couple::{Coupling, Pull};
 use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
+use super::respond::CALM_PASSES;
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
 use super::state::ClothState;
@@ -228,9 +229,6 @@ const TAUT_SWEEPS: u32 = 2;
 /// The same for a calm cloth, whose edges are shortened at the end of a frame only [far beyond](CALM_STRAINED) the limit.
 const CALM_SWEEPS: u32 = 8;
 
-/// Passes over pairs of cloth in a substep while all of it is calm: what one leaves over keeps going around in folds that nothing else moves.
-pub(super) const CALM_PASSES: u32 = 2;
-
 /// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges: two that are moved farther could
 /// pass through each other unseen.
 const CROWDED: f32 = 0.5;
@@ -425,6 +423,7 @@ impl Stepped<'_> {
         };
         scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
         let lie = scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(rest.topology.faces.len());
+        // Once before each pass; not only in calm cloth, since the list would grow when it becomes so.
         scratch.laid.begin(CALM_PASSES as usize * lie);
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;

@@ -12,7 +12,7 @@
 //! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6), without one none.
 //!
 //! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
-//! difference. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
+//! difference, but within a calm cloth. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
 
 use core::cmp::Ordering;
 
@@ -71,10 +71,8 @@ pub(super) struct Particles<'a> {
     pub levels: &'a mut [u8],
     /// Against gravity; zero without.
     pub up: Vec3,
-    /// Whether all cloth is calm.
-    pub calm: bool,
-    /// How often each pair is solved in a substep.
-    pub passes: f32,
+    /// How often each pair is solved in a substep: more than once where all cloth is calm.
+    pub passes: u32,
     /// Whether a pair was pushed as far as only an [impact](Contact::impact) does.
     pub impact: bool,
 }
@@ -140,7 +138,7 @@ impl Contact {
         let (start, end) = (Vec3A::from(sum(&self.weights, &was)), Vec3A::from(sum(&self.weights, &x)));
         let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction, 0.0);
         particles.impact |= out.push > IMPACT_SPEED * h;
-        let drive = particles.passes * out.push / mobility;
+        let drive = particles.passes as f32 * out.push / mobility;
         self.drive = if self.load > 0.0 { self.drive + LOAD_SHARE * (drive - self.drive) } else { drive };
         (self.load, self.sticks) = (out.load, out.sticks);
         let step = Vec3::from(out.end - end).extend(0.0) / mobility;
@@ -229,14 +227,11 @@ impl Contact {
         if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 }
     }
 
-    /// Makes the side heavier that is closer to a body and carries the other, which would only push it back, and passes on how close that is (mass
-    /// scaling as in Macklin et al. 2014, section 5.2). Not within a calm cloth: it presses its folds together itself, much more than gravity does,
-    /// and where nothing takes the reaction they would lift themselves off a floor and fall back for ever.
+    /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only push it back (mass scaling
+    /// as in Macklin et al. 2014, section 5.2). Not within a calm cloth: it presses its folds together itself, much more than gravity does, and where
+    /// nothing takes the reaction they would lift themselves off a floor, and fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
-        if particles.calm && !self.across {
-            return;
-        }
         let ids = self.slots.map(|s| particles.ids[s as usize] as usize);
         let split = self.first();
         let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
@@ -250,9 +245,12 @@ impl Contact {
         if !(up > 0.0) {
             return;
         }
-        let share = 1.0 + (SUPPORT - 1.0) * up;
-        heavy.for_each(|i| x[i].w *= share);
-        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level.saturating_add(LEVEL)));
+        // `level` is below the highest, so there is one above it.
+        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + LEVEL));
+        if self.across || particles.passes == 1 {
+            let share = 1.0 + (SUPPORT - 1.0) * up;
+            heavy.for_each(|i| x[i].w *= share);
+        }
     }
 }
 

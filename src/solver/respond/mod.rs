@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! where it moved Finder::find      boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
-//! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction
+//! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction; twice in calm cloth
 //!                Contacts::guard   what would still pass through is stopped on its way
 //! ```
 //!
@@ -23,7 +23,6 @@ use glam::{Vec3, Vec3A, Vec4};
 use crate::solver::body::Touch;
 use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::rest::NONE;
-use crate::solver::step::CALM_PASSES;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
 pub use touching::Touching;
@@ -44,13 +43,13 @@ pub struct Contacts {
     old: Vec<Vec4>,
     /// Velocities at the start of the substep [m/s]; by slot.
     velocities: Vec<Vec3A>,
-    /// Pairs that met fast in the last [`Self::solve`], and how fast each is to part [m/s].
+    /// Pairs that met fast in the last substep, and how fast each is to part [m/s].
     impacts: Vec<(u32, f32)>,
     /// Positions at the start of the substep, whatever was done to velocities since [m].
     start: Vec<Vec4>,
     /// Pass of the guard in which the particle was last stopped, by slot.
     cut: Vec<u8>,
-    /// By particle: [`LEVEL`] times how many cloths are between it and a body, and the substeps since that bore one of them; or [`FREE`].
+    /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     behind: Vec<(u8, [u32; 4])>,
@@ -60,20 +59,26 @@ pub struct Contacts {
     close: Vec<[u32; 2]>,
     /// Whether primitives lay in the same place at the last look.
     coincide: bool,
-    /// Pairs that touched in the last [`Self::solve`].
+    /// Pairs that touched in the last substep.
     touching: u32,
-    /// Substep of the last [`Self::solve`] [s], and whether all cloth was calm.
+    /// The last substep [s], and how often pairs are solved in it.
     substep: f32,
-    calm: bool,
+    passes: u32,
+    /// Whether a pair was pushed in it as far as only an impact does.
+    hit: bool,
 }
 
 /// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
 /// one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
 const REBOUNDS: u32 = 3;
 
-/// From one level to the next, and the substeps for which a particle has its level when nothing bears it any more.
+/// Passes over pairs in a substep while all cloth is calm: what one leaves over keeps going around in folds that nothing else moves.
+pub(super) const CALM_PASSES: u32 = 2;
+
+/// From one level to the next, and the substeps (22 ms at the default rate) after which what has left a body lies on nothing: longer, what bounces is
+/// carried in the air; shorter, a pile of so many layers never learns what it lies on, since each pass brings that up by one.
 const LEVEL: u8 = 8;
-/// Level of a particle that lies on nothing.
+/// Level of a particle that lies on nothing, or on some thirty layers.
 const FREE: u8 = u8::MAX;
 
 impl Contacts {
@@ -146,14 +151,14 @@ impl Contacts {
         self.pairs.is_empty()
     }
 
-    /// Pairs that touched in the last [`Self::solve`].
+    /// Pairs that touched in the last substep.
     #[must_use]
     pub fn touching(&self) -> u32 {
         self.touching
     }
 
     /// Particles, weights, unit normal towards the first and mean of push over mobility per substep [kg·m] of every pair that touched in
-    /// the last [`Self::solve`].
+    /// the last substep.
     pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
         touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.drive))
@@ -272,54 +277,48 @@ impl Contacts {
         }
     }
 
-    /// Begins to keep pairs apart at the end of a substep of `h` [s], in as many passes as it says; whether all cloth is `calm`.
-    pub fn begin_solve(&mut self, h: f32, calm: bool) -> u32 {
-        (self.touching, self.substep, self.calm) = (0, h, calm);
+    /// Begins to keep pairs apart at the end of a substep of `h` [s], in so many `passes`: [`CALM_PASSES`] where all cloth is calm, else one.
+    pub fn begin_solve(&mut self, h: f32, passes: u32) {
+        (self.touching, self.substep, self.passes, self.hit) = (0, h, passes, false);
         self.impacts.clear();
-        self.passes()
     }
 
-    fn passes(&self) -> u32 {
-        if self.calm { CALM_PASSES } else { 1 }
-    }
-
-    /// Keeps all pairs apart, in one pass of those of a substep. What lies below, along `gravity`, carries what lies on it.
+    /// Keeps all pairs apart, in one of the passes of a substep. What lies below, along `gravity`, carries what lies on it.
     pub fn solve(&mut self, last: bool, gravity: Vec3) {
-        let (h, calm, passes) = (self.substep, self.calm, self.passes() as f32);
         let up = -gravity.normalize_or_zero();
+        let (h, passes) = (self.substep, self.passes);
         let Self { particles: ids, now, old, velocities, impacts, levels, .. } = self;
-        let mut particles = Particles { ids, now, old, levels, up, calm, passes, impact: false };
-        if !last {
-            for pair in &mut self.pairs {
-                let behind = pair.behind;
-                pair.solve(h, &mut particles);
+        let mut particles = Particles { ids, now, old, levels, up, passes, impact: self.hit };
+        self.touching = 0;
+        for pair in &mut self.pairs {
+            let behind = pair.behind;
+            self.touching += u32::from(pair.solve(h, &mut particles));
+            if !last {
                 pair.behind = behind;
             }
-            return;
         }
-        for pair in &mut self.pairs {
-            self.touching += u32::from(pair.solve(h, &mut particles));
-        }
-        if particles.impact {
+        // What the first pass stopped, the last one does not see.
+        self.hit = particles.impact;
+        if last && self.hit {
             let pairs = (0..).zip(&self.pairs);
             impacts.extend(pairs.filter_map(|(i, pair)| Some((i, pair.impact(velocities)?))));
         }
     }
 
-    /// Holds pairs again that stuck in the last [`Self::solve`], when bodies have pushed.
+    /// Holds pairs again that stuck in the last substep, when bodies have pushed.
     pub(crate) fn hold(&mut self, gravity: Vec3) {
         let up = -gravity.normalize_or_zero();
-        let Self { particles: ids, now, old, levels, calm, .. } = self;
-        let mut particles = Particles { ids, now, old, levels, up, calm: *calm, passes: 1.0, impact: false };
+        let Self { particles: ids, now, old, levels, passes, .. } = self;
+        let mut particles = Particles { ids, now, old, levels, up, passes: *passes, impact: false };
         self.pairs.iter().for_each(|pair| pair.hold(&mut particles));
     }
 
-    /// Whether pairs met fast in the last [`Self::solve`].
+    /// Whether pairs met fast in the last substep.
     pub(crate) fn has_impacts(&self) -> bool {
         !self.impacts.is_empty()
     }
 
-    /// Gives pairs that met fast in the last [`Self::solve`] their speed apart; nothing moves.
+    /// Gives pairs that met fast in the last substep their speed apart; nothing moves.
     pub(crate) fn rebound(&mut self) {
         let Self { pairs, impacts, now, old, .. } = self;
         // There and back, as pairs share particles.
