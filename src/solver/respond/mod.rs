@@ -277,7 +277,7 @@ impl Contacts {
         }
     }
 
-    /// Begins to keep pairs apart at the end of a substep of `h` [s], in so many `passes`: [`CALM_PASSES`] where all cloth is calm, else one.
+    /// Begins to keep pairs apart at the end of a substep of `h` [s], in so many `passes`: two where all cloth is calm, else one.
     pub fn begin_solve(&mut self, h: f32, passes: u32) {
         (self.touching, self.substep, self.passes, self.hit) = (0, h, passes, false);
         self.impacts.clear();
