@@ -25,7 +25,8 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
 /// Speed at which pairs that are closer than their thickness are taken apart [m/s].
 const RECOVERY_SPEED: f32 = 0.5;
-/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless).
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1 leaves a pile of three
+/// on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
 const SUPPORT: f32 = 0.02;
 /// No particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
 /// where the others are held.
