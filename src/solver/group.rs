@@ -312,9 +312,10 @@ impl Group {
 
     /// Puts what lies on bodies where they will put it.
     fn lay(&self, cloths: &mut impl Members) {
-        for part in 0..self.surface.parts.len() {
+        let parts = self.surface.parts.len();
+        for part in 0..parts {
             if let Some(m) = cloths.member(part) {
-                m.cloth.lay(m.state, m.scratch);
+                m.cloth.lay(parts > 1, m.state, m.scratch);
             }
         }
     }

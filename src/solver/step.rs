@@ -416,13 +416,14 @@ impl Stepped<'_> {
         };
         scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
         let sheet = Sheet {
-            faces: &rest.topology.faces,
+            topology: &rest.topology,
             longest_edge: scratch.longest_edge,
             positions: &state.positions,
             thickness: fabric.thickness,
         };
         scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
-        let lie = scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(rest.topology.faces.len());
+        let lie = scratch.contacts.candidates()
+            + 3 * scratch.faces.candidates().min(rest.topology.faces.len() + rest.topology.edges.len());
         // Once before each pass; not only in calm cloth, since the list would grow when it becomes so.
         scratch.laid.begin(CALM_PASSES as usize * lie);
         // Of its first frame nothing is known: a cloth may start in a storm.
@@ -513,13 +514,14 @@ impl Stepped<'_> {
         true
     }
 
-    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between.
-    pub fn lay(&self, state: &mut ClothState, scratch: &mut Scratch) {
-        let Some((_, s)) = scratch.frame.as_ref().map(Frame::span) else { return };
+    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between. `rubs`: whether friction is to hold
+    /// it there, too.
+    pub fn lay(&self, rubs: bool, state: &mut ClothState, scratch: &mut Scratch) {
+        let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, laid, .. } = scratch;
-        let mut grounds = Grounds { bodies: self.input.bodies, s, touch: Touch::of(self.fabric), coupling };
-        contacts.lay(&mut grounds, &mut state.positions, laid);
-        faces.lay(&mut grounds, &mut state.positions, laid);
+        let mut grounds = Grounds { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), rubs, coupling };
+        contacts.lay(&mut grounds, &mut state.positions, &state.previous, laid);
+        faces.lay(&mut grounds, &mut state.positions, &state.previous, laid);
     }
 
     /// Ends the substep: keeps the cloth out of bodies.

@@ -58,6 +58,11 @@ impl Touch {
         Self { thickness, static_friction, dynamic_friction, restitution }
     }
 
+    /// Friction on a body.
+    pub(super) fn friction(&self, body: &Body) -> Friction {
+        Friction::between((body.static_friction, body.dynamic_friction), (self.static_friction, self.dynamic_friction))
+    }
+
     /// Distance kept to a body [m].
     pub(super) fn kept(&self, body: &Body) -> f32 {
         finite_or_zero(self.thickness) + finite_or_zero(body.margin)
@@ -267,14 +272,17 @@ impl BodyContacts {
 
     /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Laid::take_back`] must come
     /// before [`Self::project`].
-    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], laid: &mut Laid) {
+    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4], laid: &mut Laid) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
-                let Some(x) = positions.get(candidate.particle as usize) else { continue };
-                if let Some(way) = ground.way_out(candidate.plane, Vec3A::from_vec4(*x), ground.keep) {
-                    laid.put(candidate.particle, way, positions);
+                let Candidate { particle, plane, load, .. } = *candidate;
+                let (Some(&x), Some(&old)) = (positions.get(particle as usize), previous.get(particle as usize)) else {
+                    continue;
+                };
+                if let Some(way) = ground.way_out(plane, load, [old, x].map(Vec3A::from_vec4), ground.keep) {
+                    laid.put(particle, way, positions);
                 }
             }
         }
@@ -327,10 +335,7 @@ impl BodyContacts {
                 number,
                 clip: geometry.inner_radius().min(0.5 * keep),
                 recovery,
-                friction: Friction::between(
-                    (body.static_friction, body.dynamic_friction),
-                    (touch.static_friction, touch.dynamic_friction),
-                ),
+                friction: touch.friction(body),
                 restitution: if touch.restitution > 0.0 { touch.restitution.min(1.0) } else { 0.0 },
                 impact: IMPACT_SPEED * h,
                 inbound,

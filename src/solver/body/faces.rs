@@ -8,6 +8,10 @@
 //!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
 //! ```
 //!
+//! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
+//! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
+//! Two sheets over a box come to rest with it, and shook without **[measured]**. Thin as creases are, what crosses them is looked at as whole faces.
+//!
 //! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
 //! distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the
 //! middle: a convex part lies behind its tangent plane, and a face that begins and ends in front of that never met it.
@@ -43,6 +47,7 @@ use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::{SLIDES, plane_at};
 use crate::solver::couple::Coupling;
+use crate::solver::rest::Topology;
 
 /// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more
 /// faces have to be asked for.
@@ -59,18 +64,46 @@ const EXACT: f32 = 0.02;
 /// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is
 /// not levered.
 const LEAST_MOBILITY: f32 = 0.05;
-/// Least weight of every corner of a face that is touched within (dimensionless).
+/// Least weight of every corner of a face that is touched between its edges (dimensionless).
 const WITHIN: f32 = 0.02;
 /// Farthest corner that is looked at [m].
 const FARTHEST: f32 = 1.0e6;
 
-/// Pairs listed for each face, at most: what comes on top, where a fine mesh goes by fast, is left to particles.
-const MOST: usize = 32;
+/// Pairs listed for each face and its edges, at most: what comes on top, where a fine mesh goes by fast, is left to particles.
+const MOST: usize = 64;
 
-/// A face that may meet a part of a body in this frame.
+/// What of a face is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Piece {
+    /// One of its edges, by number: a face whose third corner is its second.
+    Edge(u8),
+    /// What lies between its edges.
+    Within,
+    /// All of it.
+    Whole,
+}
+
+impl Piece {
+    /// Those of the three particles that count.
+    fn of(self, particles: &[u32; 3]) -> &[u32] {
+        if let Self::Edge(_) = self { &particles[..2] } else { particles }
+    }
+
+    /// Weights of a touch there; `None` where it is for the edges to take.
+    fn weights(self, [a, b, c]: [f32; 3]) -> Option<[f32; 3]> {
+        match self {
+            Self::Edge(_) => Some([a, b + c, 0.0]),
+            Self::Within if !is_within(&[a, b, c]) => None,
+            Self::Within | Self::Whole => Some([a, b, c]),
+        }
+    }
+}
+
+/// A face, or a piece of one, that may meet a part of a body in this frame.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     face: u32,
+    piece: Piece,
     /// Which of the creases of a surface; of no meaning for a convex part.
     crease: u32,
     /// Corner nearest to the touch.
@@ -128,8 +161,8 @@ pub struct FaceContacts {
 /// What [`FaceContacts::gather`] has to know of a cloth.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheet<'a> {
-    /// Particles of each face.
-    pub faces: &'a [[u32; 3]],
+    /// Its faces and edges.
+    pub topology: &'a Topology,
     /// Length of its longest edge [m].
     pub longest_edge: f32,
     /// Positions [m] with inverse masses [1/kg].
@@ -152,7 +185,7 @@ impl Sheet<'_> {
 }
 
 impl FaceContacts {
-    /// Number of pairs of a face and a part of a body that are looked at in each substep of this frame.
+    /// Number of pairs of a face, or an edge of one, and a part of a body that are looked at in each substep of this frame.
     #[must_use]
     pub fn candidates(&self) -> usize {
         self.candidates.len()
@@ -204,7 +237,7 @@ impl FaceContacts {
                 let reach = way + off + keep + bulge;
                 let first = self.candidates.len() as u32;
                 if shape.as_support_map().is_some() {
-                    self.list(sheet, 0, swept.mins - reach, swept.maxs + reach);
+                    self.list(sheet, None, swept.mins - reach, swept.maxs + reach);
                 } else {
                     self.list_creases(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
                 }
@@ -228,7 +261,7 @@ impl FaceContacts {
                 self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
             });
         }
-        self.rooms.begin(self.parts.len(), sheet.faces.len());
+        self.rooms.begin(self.parts.len(), sheet.topology.faces.len());
     }
 
     /// Lists the faces near the sharp edges of a surface that goes from one pose to another.
@@ -255,13 +288,13 @@ impl FaceContacts {
             let ends = [*from * a, *from * b, *to * a, *to * b];
             let low = ends.into_iter().fold(Vec3::INFINITY, Vec3::min);
             let high = ends.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);
-            self.list(sheet, k as u32, low - reach, high + reach);
+            self.list(sheet, Some(k as u32), low - reach, high + reach);
         }
     }
 
     fn fill_blocks(&mut self, sheet: &Sheet<'_>) {
         if self.blocks.is_empty() {
-            self.blocks.extend(sheet.faces.chunks(BLOCK).map(|faces| sheet.bounds(faces)));
+            self.blocks.extend(sheet.topology.faces.chunks(BLOCK).map(|faces| sheet.bounds(faces)));
         }
     }
 
@@ -270,21 +303,51 @@ impl FaceContacts {
         self.candidates.iter().filter(|c| c.load > 0.0).flat_map(|c| c.particles)
     }
 
-    /// Lists the faces whose boxes meet a box.
-    fn list(&mut self, sheet: &Sheet<'_>, crease: u32, low: Vec3, high: Vec3) {
+    /// Lists the faces whose boxes meet a box, for a crease; for a convex part their edges, then what is between.
+    fn list(&mut self, sheet: &Sheet<'_>, crease: Option<u32>, low: Vec3, high: Vec3) {
+        let topology = sheet.topology;
+        if let Some(crease) = crease {
+            self.list_faces(sheet, low, high, |face, of| of(Piece::Whole, topology.faces[face as usize], crease));
+            return;
+        }
+        self.list_faces(sheet, low, high, |face, of| {
+            for (k, &edge) in (0..).zip(&topology.face_edges[face as usize]) {
+                let [a, b] = topology.edges[edge as usize];
+                if topology.edge_faces[edge as usize][0] == face {
+                    of(Piece::Edge(k), [a, b, b], 0);
+                }
+            }
+        });
+        self.list_faces(sheet, low, high, |face, of| of(Piece::Within, topology.faces[face as usize], 0));
+    }
+
+    /// Lists those `pieces` of the faces whose boxes meet a box that do so themselves: piece, particles and crease.
+    fn list_faces(
+        &mut self,
+        sheet: &Sheet<'_>,
+        low: Vec3,
+        high: Vec3,
+        pieces: impl Fn(u32, &mut dyn FnMut(Piece, [u32; 3], u32)),
+    ) {
         self.fill_blocks(sheet);
+        let Self { blocks, candidates, .. } = self;
         let meets = |(a, b): (Vec3, Vec3)| a.cmple(high).all() && b.cmpge(low).all();
-        for ((block, faces), first) in self.blocks.iter().zip(sheet.faces.chunks(BLOCK)).zip((0_u32..).step_by(BLOCK)) {
+        let free = |particles: &[u32]| particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
+        let all = &sheet.topology.faces;
+        for ((block, faces), first) in blocks.iter().zip(all.chunks(BLOCK)).zip((0_u32..).step_by(BLOCK)) {
             if !meets(*block) {
                 continue;
             }
             for (&particles, face) in faces.iter().zip(first..) {
-                let free = particles.iter().any(|&p| sheet.positions.get(p as usize).is_some_and(|x| x.w > 0.0));
-                if self.candidates.len() >= MOST * sheet.faces.len() {
+                if candidates.len() >= MOST * all.len() {
                     return;
                 }
-                if free && meets(sheet.bounds(&[particles])) {
-                    self.candidates.push(Candidate::new(face, crease, particles));
+                if meets(sheet.bounds(&[particles])) {
+                    pieces(face, &mut |piece, particles, crease| {
+                        if free(&particles) && (piece >= Piece::Within || meets(sheet.bounds(&[particles]))) {
+                            candidates.push(Candidate::new(face, piece, crease, particles));
+                        }
+                    });
                 }
             }
         }
@@ -303,15 +366,17 @@ impl FaceContacts {
     }
 
     /// The same for faces as [`BodyContacts::lay`](super::BodyContacts::lay), after it.
-    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], laid: &mut Laid) {
+    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4], laid: &mut Laid) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
-                let Candidate { particles, weights, plane, .. } = candidate;
-                let corners = particles.map(|p| positions.get(p as usize).copied().unwrap_or(Vec4::NAN));
-                let middle = (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
-                let Some(way) = ground.way_out(*plane, middle, SHARE * ground.keep) else { continue };
+                let Candidate { particles, weights, plane, load, .. } = candidate;
+                let at = |of: &[Vec4]| particles.map(|p| of.get(p as usize).copied().unwrap_or(Vec4::NAN));
+                let middle = |corners: [Vec4; 3]| (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
+                let corners = at(positions);
+                let ways = [middle(at(previous)), middle(corners)];
+                let Some(way) = ground.way_out(*plane, *load, ways, SHARE * ground.keep) else { continue };
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
                 for ((&p, weight), x) in particles.iter().zip(weights).zip(corners) {
                     laid.put(p, way * (weight * x.w / mobility), positions);
@@ -360,10 +425,7 @@ impl FaceContacts {
                 number,
                 keep: SHARE * touch.kept(body),
                 recovery: RECOVERY_SPEED * h,
-                friction: Friction::between(
-                    (body.static_friction, body.dynamic_friction),
-                    (touch.static_friction, touch.dynamic_friction),
-                ),
+                friction: touch.friction(body),
             };
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
             for candidate in candidates.iter_mut().filter(|candidate| !candidate.left_out) {
@@ -392,10 +454,11 @@ impl FaceContacts {
 }
 
 impl Candidate {
-    fn new(face: u32, crease: u32, particles: [u32; 3]) -> Self {
+    fn new(face: u32, piece: Piece, crease: u32, particles: [u32; 3]) -> Self {
         let (side, corners) = (Vec3::ZERO, [Vec3::ZERO; 3]);
         Self {
             face,
+            piece,
             crease,
             corner: particles[0],
             particles,
@@ -414,7 +477,7 @@ impl Candidate {
     /// Notes where the face is outside.
     fn lies(&mut self, near: &Near, face: &Face) {
         self.side = near.sample.normal.into();
-        if near.weights.iter().all(|w| *w > WITHIN) {
+        if is_within(&near.weights) {
             self.over = near.sample.normal.dot(normal(face)).signum();
         }
     }
@@ -447,14 +510,16 @@ fn is_fine(radius: f32, edge: f32, keep: f32, yields: bool) -> bool {
     edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep && (!yields || edge > radius)
 }
 
-/// Passes on what is known of faces that stay; both lists are in the order of creases, then of faces.
+/// Passes on what is known of faces that stay; both lists are in the order of creases, edges before what is between them, and faces.
 fn remember(
     (before, creases_before): (&[Candidate], &[Crease]),
     (first, end): (u32, u32),
     now: &mut [Candidate],
     creases: &[Crease],
 ) {
-    let key = |c: &Candidate, creases: &[Crease]| (creases.get(c.crease as usize).map(Crease::key), c.face);
+    let key = |c: &Candidate, creases: &[Crease]| {
+        (creases.get(c.crease as usize).map(Crease::key), c.piece >= Piece::Within, c.face, c.piece)
+    };
     let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().peekable();
     for candidate in now {
         let wanted = key(candidate, creases);
@@ -465,6 +530,11 @@ fn remember(
             *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, clear, ..*old };
         }
     }
+}
+
+/// Whether a point of a face lies between its edges.
+fn is_within(weights: &[f32; 3]) -> bool {
+    weights.iter().all(|w| *w > WITHIN)
 }
 
 /// Unit normal; zero without area.
@@ -641,13 +711,16 @@ impl Setting<'_> {
         let mut touched = None;
         for _ in 0..SLIDES {
             let Some((face, near)) = first_touch(nearest, &start, &way.to, keep) else { return touched };
+            if state.candidate.piece.weights(near.weights).is_none() {
+                return touched;
+            }
             state.candidate.lies(&near, &face);
             touched = Some(self.push(&near, plane_at(near.point, near.sample, keep), way, state));
             start = face;
         }
         if self.pierces && first_touch(nearest, &start, &way.to, keep).is_some() {
             // Wedged: it stays at the last place known to be outside. What is rounder than that gets no farther than particles let it.
-            for (i, &p) in state.candidate.particles.iter().enumerate() {
+            for (i, &p) in state.candidate.piece.of(&state.candidate.particles).iter().enumerate() {
                 if way.masses[i] > 0.0
                     && let Some(x) = state.positions.get_mut(p as usize)
                 {
@@ -689,7 +762,7 @@ impl Setting<'_> {
     /// Pushes the nearest point of a face out, with friction, and shares that out by mass; whether anything could.
     fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
         let State { candidate, positions, previous, rigid } = state;
-        let w = near.weights;
+        let Some(w) = candidate.piece.weights(near.weights) else { return false };
         let Some(mobility) = mobility(&w, &way.masses) else { return false };
         let (start, end) = (at(&way.from, &w), at(&way.to, &w));
         let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;
@@ -725,6 +798,9 @@ impl Setting<'_> {
                 // M C = m c: the same impulse from the corner alone.
                 (most, candidate.corner, candidate.share) = (w[i], p, way.masses[i] / mobility);
             }
+        }
+        if let Piece::Edge(_) = candidate.piece {
+            (way.to[2], way.from[2]) = (way.to[1], way.from[1]);
         }
         true
     }

@@ -2,16 +2,19 @@
 //!
 //! ```text
 //!   constrain   x      springs and gravity draw what lies on a body into it
-//!   lay         x + u  out again, along the plane of its last touch            ◄ what lies on it meets it here, and does not follow it in;
-//!                                                                                once more when that has pushed it in
+//!   lay         x + u  out again, along the plane of its last touch,           ◄ what lies on it meets it here, and does not follow it in;
+//!                      and back as far as friction holds it                      once more when that has pushed it in
 //!   take back   x      with what was done to it meanwhile
 //!   project            the body bears it, as if nothing had been
 //! ```
+//!
+//! Without friction here a sheet that lies on another would rub on what springs have drawn along and the body is going to pull back: of 730 pairs of
+//! two sheets over a box 10 stick, with it 130, and the upper one stays **[measured]**.
 
 use glam::{Mat3A, Vec3A, Vec4};
 
 use super::motion::Motion;
-use super::respond::Plane;
+use super::respond::{BAND, Friction, Plane};
 use super::{Body, Pose, Touch};
 use crate::solver::couple::Coupling;
 
@@ -47,14 +50,17 @@ impl Laid {
     }
 }
 
-/// What cloth is laid on: bodies at the share `s` of the frame, those of `coupling` where they are by now.
+/// What cloth is laid on: bodies at the end of a substep, those of `coupling` where they are by now.
 pub struct Grounds<'a> {
     /// The bodies.
     pub bodies: &'a [Body],
-    /// Share of the frame that has passed (0 to 1).
-    pub s: f32,
+    /// Shares of the frame at which the substep begins and ends (0 to 1).
+    pub span: (f32, f32),
     /// How the cloth touches them.
     pub touch: Touch,
+    /// Whether friction holds it there, too: where it carries other cloths. Folds of a single one creep more with it: crumpled ones on a floor 0.07 to
+    /// 0.18 mm in a second instead of 0.02 to 0.05 **[measured]**.
+    pub rubs: bool,
     /// What takes part.
     pub coupling: &'a mut Coupling,
 }
@@ -63,25 +69,39 @@ impl Grounds<'_> {
     /// The part of body `body` at `local` in it, with its farthest point at `radius` [m]; `None` for a body that is not there.
     pub(super) fn part(&mut self, body: u32, local: Pose, radius: f32) -> Option<Ground> {
         let body = self.bodies.get(body as usize)?;
-        let motion = Motion::at(body, local, radius, self.s, self.coupling);
-        let to_body = motion.rotation1.transpose();
-        Some(Ground { motion, to_body, keep: self.touch.kept(body) })
+        let motion = Motion::so_far(body, local, radius, self.span, self.coupling);
+        let to_body = [motion.rotation0.transpose(), motion.rotation1.transpose()];
+        let friction = self.rubs.then(|| self.touch.friction(body));
+        Some(Ground { motion, to_body, friction, keep: self.touch.kept(body) })
     }
 }
 
 /// A part of a body that cloth is laid on.
 pub(super) struct Ground {
     motion: Motion,
-    to_body: Mat3A,
+    /// At the start and the end of the substep.
+    to_body: [Mat3A; 2],
+    friction: Option<Friction>,
     /// Distance kept from it [m].
     pub keep: f32,
 }
 
 impl Ground {
-    /// The way out [m] of what is at `x` [m] to `plane`, which is in the space of the part, if it is below by less than `deepest` [m]: what is deeper
-    /// is not where it was when it last touched.
-    pub fn way_out(&self, plane: Plane, x: Vec3A, deepest: f32) -> Option<Vec3A> {
-        let gap = plane.gap(self.to_body * (x - self.motion.translation1));
-        (gap < 0.0 && gap > -deepest).then(|| self.motion.rotation1 * plane.normal * -gap)
+    /// The way [m] to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction holds it under its `load`
+    /// [m]. `old` and `now`: where it was when the substep began and is now [m]; `kept`: its distance from the part [m]. `None`: it touches no more, or
+    /// is so deep that it is not where it was when it last touched.
+    pub(super) fn way_out(&self, plane: Plane, load: f32, [old, now]: [Vec3A; 2], kept: f32) -> Option<Vec3A> {
+        let Motion { rotation1, translation0, translation1, .. } = &self.motion;
+        let end = self.to_body[1] * (now - *translation1);
+        let gap = plane.gap(end);
+        let reach = if self.friction.is_some() { BAND * kept } else { 0.0 };
+        (gap < reach && gap > -kept).then(|| {
+            let n = plane.normal;
+            let held = self.friction.map_or(Vec3A::ZERO, |friction| {
+                let moved = end - self.to_body[0] * (old - *translation0);
+                friction.hold(moved - n * n.dot(moved), load).0
+            });
+            *rotation1 * (n * (-gap).max(0.0) - held)
+        })
     }
 }

@@ -39,9 +39,9 @@ impl Motion {
         motion
     }
 
-    /// Of the same at the share `s` alone, where cloth has moved it to by then.
-    pub(super) fn at(body: &Body, local: Pose, radius: f32, s: f32, coupling: &mut Coupling) -> Self {
-        let mut motion = Self::new(body, local, radius, s, s);
+    /// The same, where cloth has moved it to by then.
+    pub(super) fn so_far(body: &Body, local: Pose, radius: f32, (s0, s1): (f32, f32), coupling: &mut Coupling) -> Self {
+        let mut motion = Self::new(body, local, radius, s0, s1);
         if let Some(slot) = body.rigid.and_then(|slot| coupling.slot_mut(slot)) {
             motion.follow(slot, radius);
         }

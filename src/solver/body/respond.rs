@@ -49,6 +49,15 @@ impl Friction {
         Self { fixed: mean(body.0, fabric.0).max(sliding), sliding }
     }
 
+    /// How much of the way `slip` [m] along a surface is taken back under a load [m], and whether that is all of it.
+    #[inline]
+    pub(super) fn hold(self, slip: Vec3A, load: f32) -> (Vec3A, bool) {
+        let length2 = slip.length_squared();
+        let most = self.fixed * load;
+        let sticks = length2 <= most * most;
+        (if sticks { slip } else { slip * (self.sliding * load / length2.sqrt()).min(1.0) }, sticks)
+    }
+
     /// Both coefficients times `factor`.
     pub(super) fn times(self, factor: f32) -> Self {
         Self { fixed: self.fixed * factor, sliding: self.sliding * factor }
@@ -125,14 +134,7 @@ pub(crate) fn respond(
     let load = if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push };
 
     let moved = end - start;
-    let slip = moved - n * n.dot(moved);
-    let length2 = slip.length_squared();
-    let stick = friction.fixed * load;
-    let sticks = length2 <= stick * stick;
-    if sticks {
-        end -= slip;
-    } else {
-        end -= slip * (friction.sliding * load / length2.sqrt()).min(1.0);
-    }
+    let (held, sticks) = friction.hold(moved - n * n.dot(moved), load);
+    end -= held;
     Response { end, shift: n * lift, load, push, sticks }
 }
