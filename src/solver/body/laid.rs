@@ -18,6 +18,10 @@ use super::respond::{BAND, Friction, Plane};
 use super::{Body, Pose, Touch};
 use crate::solver::couple::Coupling;
 
+/// What slips by less than this share of what static friction holds is let be (dimensionless): pairs stick all the same, and are held again when bodies
+/// have pushed. Two sheets on a floor go on creeping by 0.15 mm in a second with 0, by 0.08 with this; over a box they shake longer with more.
+const LET_BE: f32 = 0.6;
+
 /// Where particles were before they were laid, and where to [m].
 #[derive(Clone, Debug, Default)]
 pub struct Laid {
@@ -87,9 +91,9 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The way [m] to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction holds it under its `load`
-    /// [m]. `old` and `now`: where it was when the substep began and is now [m]; `kept`: its distance from the part [m]. `None`: it touches no more, or
-    /// is so deep that it is not where it was when it last touched.
+    /// The way [m] to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction holds what slips under
+    /// its `load` [m]. `old` and `now`: where it was when the substep began and is now [m]; `kept`: its distance from the part [m]. `None`: it touches
+    /// no more, or is so deep that it is not where it was when it last touched.
     pub(super) fn way_out(&self, plane: Plane, load: f32, [old, now]: [Vec3A; 2], kept: f32) -> Option<Vec3A> {
         let Motion { rotation1, translation0, translation1, .. } = &self.motion;
         let end = self.to_body[1] * (now - *translation1);
@@ -99,7 +103,9 @@ impl Ground {
             let n = plane.normal;
             let held = self.friction.map_or(Vec3A::ZERO, |friction| {
                 let moved = end - self.to_body[0] * (old - *translation0);
-                friction.hold(moved - n * n.dot(moved), load).0
+                let slip = moved - n * n.dot(moved);
+                let least = LET_BE * friction.fixed * load;
+                if slip.length_squared() > least * least { friction.hold(slip, load).0 } else { Vec3A::ZERO }
             });
             *rotation1 * (n * (-gap).max(0.0) - held)
         })
