@@ -10,7 +10,8 @@
 //!
 //! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
 //! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
-//! Two sheets over a box come to rest with it, and shook without **[measured]**. Balls, capsules and creases meet whole faces: there it is no better.
+//! Two sheets over a box come to rest with it, and shook without **[measured]**. Balls, capsules and creases meet whole faces, where it is no
+//! better, and so does what is thinner than an edge of cloth: it might slip between them **[measured: needles did]**.
 //!
 //! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
 //! distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the
@@ -72,6 +73,11 @@ const FARTHEST: f32 = 1.0e6;
 /// Pairs listed for each face and its edges, at most: what comes on top, where a fine mesh goes by fast, is left to particles.
 const MOST: usize = 64;
 
+/// Pieces of a face: its edges, and itself.
+const PIECES: u32 = 4;
+/// How far from its edges a face is touched between them, at least, in distances that it keeps (dimensionless): they reach farther than that.
+const OWN: f32 = 0.5;
+
 /// What of a face is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Piece {
@@ -89,13 +95,19 @@ impl Piece {
         if let Self::Edge(_) = self { &particles[..2] } else { particles }
     }
 
-    /// Weights of a touch there; `None` where it is for the edges to take.
-    fn weights(self, [a, b, c]: [f32; 3]) -> Option<[f32; 3]> {
-        match self {
-            Self::Edge(_) => Some([a, b + c, 0.0]),
-            Self::Within if !is_within(&[a, b, c]) => None,
-            Self::Within | Self::Whole => Some([a, b, c]),
-        }
+    /// Weights of its middle.
+    fn middle(self) -> [f32; 3] {
+        if let Self::Edge(_) = self { [0.5, 0.5, 0.0] } else { [1.0 / 3.0; 3] }
+    }
+
+    /// Weights of a touch, none of which counts twice.
+    fn weights(self, [a, b, c]: [f32; 3]) -> [f32; 3] {
+        if let Self::Edge(_) = self { [a, b + c, 0.0] } else { [a, b, c] }
+    }
+
+    /// Its place among the pieces of all faces.
+    fn place(self, face: u32) -> u32 {
+        PIECES * face + if let Self::Edge(k) = self { u32::from(k) } else { PIECES - 1 }
     }
 }
 
@@ -237,7 +249,12 @@ impl FaceContacts {
                 let reach = way + off + keep + bulge;
                 let first = self.candidates.len() as u32;
                 if shape.as_support_map().is_some() {
-                    self.list(sheet, (!has_edges(shape)).then_some(0), swept.mins - reach, swept.maxs + reach);
+                    self.list(
+                        sheet,
+                        (!has_wide_edges(shape, sheet.longest_edge)).then_some(0),
+                        swept.mins - reach,
+                        swept.maxs + reach,
+                    );
                 } else {
                     self.list_creases(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
                 }
@@ -261,7 +278,7 @@ impl FaceContacts {
                 self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
             });
         }
-        self.rooms.begin(self.parts.len(), sheet.topology.faces.len());
+        self.rooms.begin(self.parts.len(), PIECES as usize * sheet.topology.faces.len());
     }
 
     /// Lists the faces near the sharp edges of a surface that goes from one pose to another.
@@ -379,7 +396,7 @@ impl FaceContacts {
                 let ways = [middle(at(previous)), middle(corners)];
                 let Some(way) = ground.way_out(*plane, *load, ways, SHARE * ground.keep) else { continue };
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
-                for ((&p, weight), x) in particles.iter().zip(weights).zip(corners) {
+                for ((&p, weight), x) in candidate.piece.of(particles).iter().zip(weights).zip(corners) {
                     laid.put(p, way * (weight * x.w / mobility), positions);
                 }
             }
@@ -478,7 +495,7 @@ impl Candidate {
     /// Notes where the face is outside.
     fn lies(&mut self, near: &Near, face: &Face) {
         self.side = near.sample.normal.into();
-        if is_within(&near.weights) {
+        if !matches!(self.piece, Piece::Edge(_)) && is_within(&near.weights) {
             self.over = near.sample.normal.dot(normal(face)).signum();
         }
     }
@@ -505,9 +522,10 @@ fn smallest_radius(shape: &dyn Shape) -> f32 {
     }
 }
 
-/// Whether a convex shape has edges or corners.
-fn has_edges(shape: &dyn Shape) -> bool {
-    !matches!(shape.as_typed_shape(), TypedShape::Ball(_) | TypedShape::Capsule(_))
+/// Whether a convex shape has edges or corners, and is wider than an edge of cloth [m] in every direction: what is not pierces faces.
+fn has_wide_edges(shape: &dyn Shape, edge: f32) -> bool {
+    let is_round = matches!(shape.as_typed_shape(), TypedShape::Ball(_) | TypedShape::Capsule(_));
+    !is_round && shape.compute_local_aabb().half_extents().min_element() > 0.5 * edge
 }
 
 /// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
@@ -533,7 +551,7 @@ fn remember(
         if let Some(old) = before.next_if(|old| key(old, creases_before) == wanted) {
             // The part may have become another one, or grown.
             let clear = f32::NEG_INFINITY;
-            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, clear, ..*old };
+            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, clear, left_out: false, ..*old };
         }
     }
 }
@@ -627,9 +645,8 @@ impl Setting<'_> {
     /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at where the
     /// face is nearest to what was nearest to that, and so on.
     #[inline]
-    fn pass(&self, way: &Way) -> Pass {
+    fn pass(&self, way: &Way, mut weights: [f32; 3]) -> Pass {
         let Way { from, to, .. } = way;
-        let mut weights = [1.0 / 3.0; 3];
         let middle = at(to, &weights);
         let reach = longest_way(to, &[middle; 3]) + longest_way(from, to) + self.keep;
         let mut towards = Vec3A::ZERO;
@@ -662,7 +679,7 @@ impl Setting<'_> {
     /// Whether the face touched.
     fn project(&self, state: &mut State<'_, '_>, rooms: &mut Rooms) -> bool {
         let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
-        let (end, towards) = match self.pass(&way) {
+        let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
             Pass::By(normal, height) => {
                 state.candidate.pass_by(normal, height - self.keep, &way.to);
                 return false;
@@ -678,7 +695,7 @@ impl Setting<'_> {
         });
         let keep = end.map_or(self.keep, |Near { sample, .. }| {
             let normal = self.motion.rotation1 * sample.normal;
-            rooms.keep(state.candidate.face, self.number, normal, sample.distance, self.keep)
+            rooms.keep(state.candidate.piece.place(state.candidate.face), self.number, normal, sample.distance, self.keep)
         });
         if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
             if let Some(touched) = self.stop(&nearest, keep, &mut way, state) {
@@ -705,6 +722,17 @@ impl Setting<'_> {
         touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
     }
 
+    /// Whether a touch is for a piece to take: of what is between edges, what is not as near to one of them as it reaches itself.
+    fn takes(&self, piece: Piece, weights: &[f32; 3], face: &Face) -> bool {
+        let area = (face[1] - face[0]).cross(face[2] - face[0]).length();
+        piece != Piece::Within
+            || (0..3).all(|i| {
+                let edge = (face[(i + 1) % 3] - face[(i + 2) % 3]).length();
+                // wᵢ times the height over an edge is the distance from it.
+                weights[i] > WITHIN || weights[i] * area > OWN * self.keep * edge
+            })
+    }
+
     /// Stops a face that starts outside where it touches, and lets it slide on from there. `None`: it touches nothing.
     fn stop(
         &self,
@@ -717,7 +745,7 @@ impl Setting<'_> {
         let mut touched = None;
         for _ in 0..SLIDES {
             let Some((face, near)) = first_touch(nearest, &start, &way.to, keep) else { return touched };
-            if state.candidate.piece.weights(near.weights).is_none() {
+            if !self.takes(state.candidate.piece, &near.weights, &face) {
                 return touched;
             }
             state.candidate.lies(&near, &face);
@@ -768,7 +796,10 @@ impl Setting<'_> {
     /// Pushes the nearest point of a face out, with friction, and shares that out by mass; whether anything could.
     fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
         let State { candidate, positions, previous, rigid } = state;
-        let Some(w) = candidate.piece.weights(near.weights) else { return false };
+        if !self.takes(candidate.piece, &near.weights, &way.to) {
+            return false;
+        }
+        let w = candidate.piece.weights(near.weights);
         let Some(mobility) = mobility(&w, &way.masses) else { return false };
         let (start, end) = (at(&way.from, &w), at(&way.to, &w));
         let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;
