@@ -226,6 +226,9 @@ const GIVE_BACK: f32 = 0.5;
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
 
+/// The same where bodies bear the cloth.
+const BORNE_SWEEPS: u32 = 4;
+
 /// The same for a calm cloth, whose edges are shortened at the end of a frame only [far beyond](CALM_STRAINED) the limit.
 const CALM_SWEEPS: u32 = 8;
 
@@ -422,10 +425,6 @@ impl Stepped<'_> {
             thickness: fabric.thickness,
         };
         scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
-        let lie = scratch.contacts.candidates()
-            + 3 * scratch.faces.candidates().min(rest.topology.faces.len() + rest.topology.edges.len());
-        // Once before each pass; not only in calm cloth, since the list would grow when it becomes so.
-        scratch.laid.begin(CALM_PASSES as usize * lie);
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
@@ -435,6 +434,10 @@ impl Stepped<'_> {
             let all = scratch.strain() > WILD * fabric.strain_limit;
             scratch.tight.find(&rest.springs, fabric.strain_limit, (all, calm), &state.positions);
         }
+        let lie = scratch.contacts.candidates()
+            + 3 * scratch.faces.candidates().min(rest.topology.faces.len() + rest.topology.edges.len());
+        // Not only in calm cloth, since the list would grow when it becomes so.
+        scratch.laid.begin(lie * if taut { CALM_SWEEPS } else { CALM_PASSES } as usize);
         scratch.before.clone_from(&state.positions);
         scratch.coupling.begin(dt, anchors, &state.positions);
         scratch.welded.clear();
@@ -505,8 +508,17 @@ impl Stepped<'_> {
         }
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         if frame.taut {
-            let sweeps = if frame.calm { CALM_SWEEPS } else { TAUT_SWEEPS };
-            scratch.tight.solve(&rest.springs, &scratch.springs, fabric.strain_limit, sweeps, x);
+            let Scratch { tight, springs, contacts, faces, coupling, laid, .. } = &mut *scratch;
+            let mut grounds =
+                Grounds { bodies: input.bodies, span: frame.span(), touch: Touch::of(fabric), rubs: false, coupling };
+            let mut sweeps = 0;
+            while sweeps < if frame.calm { CALM_SWEEPS } else if laid.is_empty() { TAUT_SWEEPS } else { BORNE_SWEEPS } {
+                sweeps += 1;
+                contacts.lay(&mut grounds, x, old, laid);
+                faces.lay(&mut grounds, x, old, laid);
+                tight.solve(&rest.springs, springs, fabric.strain_limit, 1, x);
+            }
+            laid.take_back(x);
         }
         let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
         scratch.coupling.react(&pull, x);

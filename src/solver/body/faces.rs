@@ -100,11 +100,6 @@ impl Piece {
         if let Self::Edge(_) = self { [0.5, 0.5, 0.0] } else { [1.0 / 3.0; 3] }
     }
 
-    /// Weights of a touch, none of which counts twice.
-    fn weights(self, [a, b, c]: [f32; 3]) -> [f32; 3] {
-        if let Self::Edge(_) = self { [a, b + c, 0.0] } else { [a, b, c] }
-    }
-
     /// Its place among the pieces of all faces.
     fn place(self, face: u32) -> u32 {
         PIECES * face + if let Self::Edge(k) = self { u32::from(k) } else { PIECES - 1 }
@@ -158,6 +153,9 @@ pub struct FaceContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
+    /// Numbers of those that touched when last projected, in ascending order; nothing while nobody has asked.
+    touching: Vec<u32>,
+    is_listed: bool,
     /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.
     creases: Vec<Crease>,
     finder: Creases,
@@ -220,6 +218,7 @@ impl FaceContacts {
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
+        self.is_listed = false;
         self.blocks.clear();
         self.creases.clear();
         self.creases.push(Crease::default());
@@ -376,6 +375,7 @@ impl FaceContacts {
         if particles.is_empty() {
             return;
         }
+        self.is_listed = false;
         for candidate in &mut self.candidates {
             if candidate.particles.iter().any(|p| particles.binary_search(p).is_ok()) {
                 (candidate.left_out, candidate.load) = (true, 0.0);
@@ -384,11 +384,19 @@ impl FaceContacts {
     }
 
     /// The same for faces as [`BodyContacts::lay`](super::BodyContacts::lay), after it.
-    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4], laid: &mut Laid) {
+    pub fn lay(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4], laid: &mut Laid) {
+        if !self.is_listed {
+            let touches = |c: &Candidate| c.load > 0.0 && !c.left_out;
+            self.touching.clear();
+            self.touching.extend((0..).zip(&self.candidates).filter(|(_, c)| touches(c)).map(|(k, _)| k));
+            self.is_listed = true;
+        }
+        let mut touching = &self.touching[..];
         for part in &self.parts {
-            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
+            let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
+            touching = others;
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
+            for candidate in here.iter().filter_map(|k| self.candidates.get(*k as usize)) {
                 let Candidate { particles, weights, plane, load, .. } = candidate;
                 let at = |of: &[Vec4]| particles.map(|p| of.get(p as usize).copied().unwrap_or(Vec4::NAN));
                 let middle = |corners: [Vec4; 3]| (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
@@ -417,6 +425,7 @@ impl FaceContacts {
     ) -> u32 {
         let h = (s1 - s0).max(0.0) * self.dt;
         let mut touches = 0;
+        self.is_listed = false;
         self.rooms.advance();
         for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
@@ -799,7 +808,7 @@ impl Setting<'_> {
         if !self.takes(candidate.piece, &near.weights, &way.to) {
             return false;
         }
-        let w = candidate.piece.weights(near.weights);
+        let w = near.weights;
         let Some(mobility) = mobility(&w, &way.masses) else { return false };
         let (start, end) = (at(&way.from, &w), at(&way.to, &w));
         let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;

@@ -35,6 +35,11 @@ impl Laid {
         self.moved.reserve(most);
     }
 
+    /// Whether nothing was moved since all was taken back.
+    pub fn is_empty(&self) -> bool {
+        self.moved.is_empty()
+    }
+
     /// Moves a particle `by` [m].
     pub(super) fn put(&mut self, particle: u32, by: Vec3A, positions: &mut [Vec4]) {
         if let Some(x) = positions.get_mut(particle as usize) {
@@ -99,7 +104,7 @@ impl Ground {
         let end = self.to_body[1] * (now - *translation1);
         let gap = plane.gap(end);
         let reach = if self.friction.is_some() { BAND * kept } else { 0.0 };
-        (gap < reach && gap > -kept).then(|| {
+        (gap < reach && gap > -2.0 * kept).then(|| {
             let n = plane.normal;
             let held = self.friction.map_or(Vec3A::ZERO, |friction| {
                 let moved = end - self.to_body[0] * (old - *translation0);

@@ -6,12 +6,13 @@
 //!  ──►  weights w of the face's particles, p = Σ wᵢ xᵢ, and the part's own distance and normal at p
 //! ```
 //!
-//! Only where something is between them does a direction come of it: a face that the part has gone through has no nearest point.
+//! Only where something is between them does a direction come of it: a face that the part has gone through has no nearest point. An edge is a face
+//! whose third corner is its second, which then has no weight.
 
 use glam::{Vec3, Vec3A};
 use parry3d::math::Pose;
 use parry3d::query::gjk::{CsoPoint, GJKResult, VoronoiSimplex, closest_points};
-use parry3d::shape::{SupportMap, Triangle};
+use parry3d::shape::{Segment, SupportMap, Triangle};
 
 use super::distance::Sample;
 use super::geometry::Geometry;
@@ -81,8 +82,22 @@ impl Convex<'_> {
     }
 }
 
+/// Whether a face is an edge.
+#[inline]
+fn is_edge(face: &Face) -> bool {
+    face[1] == face[2]
+}
+
 /// Weights of the face's closest point to `p`, and its distance [m].
+#[inline]
 pub(super) fn to_point(face: &Face, p: Vec3A) -> ([f32; 3], f32) {
+    if is_edge(face) {
+        let [a, b, _] = *face;
+        let (ab, ap) = (b - a, p - a);
+        let length2 = ab.length_squared();
+        let t = if length2 > 0.0 { (ap.dot(ab) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        return ([1.0 - t, t, 0.0], (ap - ab * t).length());
+    }
     let points = [p, face[0], face[1], face[2]];
     let near = vertex_face([0, 1, 2, 3], |i| points[i as usize].into());
     let [_, a, b, c] = near.weights;
@@ -123,11 +138,12 @@ fn to_segment(face: &Face, a: Vec3A, ab: Vec3A) -> Option<[f32; 3]> {
 /// Weights of the face's closest point to a convex shape; none where they overlap.
 fn to_support(face: &Face, shape: &dyn SupportMap, towards: Vec3A) -> Option<[f32; 3]> {
     let [a, b, c] = face.map(Vec3::from);
-    let triangle = Triangle::new(a, b, c);
+    let (edge, triangle) = (Segment::new(a, b), Triangle::new(a, b, c));
+    let cloth: &dyn SupportMap = if is_edge(face) { &edge } else { &triangle };
     let mut simplex = VoronoiSimplex::new();
     let start = Vec3::from(towards).try_normalize().unwrap_or(Vec3::Y);
-    simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, shape, &triangle, start));
-    match closest_points(&Pose::IDENTITY, shape, &triangle, f32::MAX, true, &mut simplex) {
+    simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, shape, cloth, start));
+    match closest_points(&Pose::IDENTITY, shape, cloth, f32::MAX, true, &mut simplex) {
         GJKResult::ClosestPoints(_, nearest, _) if nearest.is_finite() => Some(to_point(face, nearest.into()).0),
         _ => None,
     }
