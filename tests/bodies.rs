@@ -131,6 +131,43 @@ fn a_sheet_on_a_corner_or_an_edge_of_a_box_does_not_sink_in() {
     }
 }
 
+#[test]
+fn a_sheet_over_the_corners_of_a_box_is_not_drawn_out() {
+    let mut scene = Scene::new(vec![sheet(60, Vec3::Y * 0.32, false)]).jittered(1);
+    scene.bodies.push(Body::at_rest(shape::cuboid(Vec3::splat(0.3)).expect("a box"), Pose::IDENTITY));
+    let mut scene = untangled(scene);
+    for frame in 1..=120 {
+        scene.step(FRAME);
+        let edge = scene.cloths[0].report.worst_edge;
+        assert!(frame < 60 || edge < 1.25, "frame {frame}: an edge is {edge} of its length at rest");
+    }
+}
+
+#[test]
+fn a_cone_that_rises_beside_an_edge_of_a_coarse_sheet_does_not_come_through() {
+    const HEIGHT: f32 = 0.2;
+    let n = 9;
+    let edge = 1.0 / (n - 1) as f32;
+    for off in [0.0, 0.01, 0.03, 0.1] {
+        let mut scene = Scene::new(vec![sheet(n, Vec3::ZERO, true)]);
+        let foot = |y: f32| vec3(off * edge, y - HEIGHT, 0.43 * edge);
+        let cone = shape::cone(0.004, HEIGHT).expect("a cone");
+        scene.bodies.push(Body::at_rest(cone, Pose::from_translation(foot(-0.35))));
+        (0..30).for_each(|_| scene.step(FRAME));
+        let (axis, mut y) = (DVec3::Y * f64::from(HEIGHT), -0.35);
+        while y < 0.2 {
+            y += 0.5 * FRAME;
+            let body = &mut scene.bodies[0];
+            (body.from, body.to) = (body.to, Pose::from_translation(foot(y)));
+            scene.step(FRAME);
+            let (x, faces) = shown(&scene);
+            let middle = foot(y).as_dvec3();
+            let through = faces.iter().any(|face| crosses([middle - axis, middle + 0.98 * axis], face.map(|v| x[v as usize])));
+            assert!(!through, "{off} of an edge beside it: the cone is through at {y} m");
+        }
+    }
+}
+
 /// A particle is at the end on the far side of the wall if it is beside it and farther from the axis than that.
 fn beside_and_outside(p: DVec3) -> bool {
     let [(rim, top), (neck, middle), (_, bottom)] = funnel::PROFILE.map(|(r, y)| (f64::from(r), f64::from(y)));

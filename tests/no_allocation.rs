@@ -36,7 +36,13 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
     use bevy_drape::scenes::{self, Scene, Tangle};
-    let bodies = [("needles", scenes::needles(20)), ("funnel", scenes::funnel(20))];
+    use bevy_drape::solver::body::{Body, Pose, shape};
+    use glam::Vec3;
+    let mut over_a_box = scenes::layers(2, 20);
+    over_a_box.bodies.clear();
+    let cuboid = shape::cuboid(Vec3::splat(0.3)).expect("a box");
+    over_a_box.bodies.push(Body::at_rest(cuboid, Pose::IDENTITY));
+    let bodies = [("needles", scenes::needles(20)), ("funnel", scenes::funnel(20)), ("box", over_a_box)];
     let scenes = [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))].into_iter().chain(bodies);
     let untangled = |scene: Scene| scene.untangled(Default::default(), Default::default(), true).expect("a few cloths");
     let without = ("hang without contacts", untangled(scenes::hang(32)).without_contact());

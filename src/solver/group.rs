@@ -253,6 +253,7 @@ impl Group {
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
         let gap = (LOOK_AGAIN * count as f32 / longest.max(f32::MIN_POSITIVE)).round().max(1.0) as u32;
         self.share = 0.0;
+        self.contacts.note_meetings();
         for part in 0..parts {
             if let Some(m) = cloths.member(part) {
                 m.cloth.begin(m.stepping, Some(count), m.state, m.scratch);
@@ -312,10 +313,9 @@ impl Group {
 
     /// Puts what lies on bodies where they will put it.
     fn lay(&self, cloths: &mut impl Members) {
-        let parts = self.surface.parts.len();
-        for part in 0..parts {
+        for part in 0..self.surface.parts.len() {
             if let Some(m) = cloths.member(part) {
-                m.cloth.lay(parts > 1, m.state, m.scratch);
+                m.cloth.lay(self.contacts.meets_other(part), m.state, m.scratch);
             }
         }
     }

@@ -508,22 +508,31 @@ impl Stepped<'_> {
         }
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
         if frame.taut {
-            let Scratch { tight, springs, contacts, faces, coupling, laid, .. } = &mut *scratch;
-            let mut grounds =
-                Grounds { bodies: input.bodies, span: frame.span(), touch: Touch::of(fabric), rubs: false, coupling };
-            let mut sweeps = 0;
-            while sweeps < if frame.calm { CALM_SWEEPS } else if laid.is_empty() { TAUT_SWEEPS } else { BORNE_SWEEPS } {
-                sweeps += 1;
-                contacts.lay(&mut grounds, x, old, laid);
-                faces.lay(&mut grounds, x, old, laid);
-                tight.solve(&rest.springs, springs, fabric.strain_limit, 1, x);
-            }
-            laid.take_back(x);
+            self.tighten(&frame, x, old, scratch);
         }
         let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
         scratch.coupling.react(&pull, x);
         state.substeps += 1;
         true
+    }
+
+    /// Shortens springs that are beyond the strain limit. What lies on bodies is laid there before each sweep: what hangs on a corner could not draw at
+    /// its neighbours otherwise, which would follow it into the body, and only the edges next to it would stretch.
+    fn tighten(&self, frame: &Frame, positions: &mut [Vec4], previous: &[Vec4], scratch: &mut Scratch) {
+        let Self { rest, fabric, input, .. } = *self;
+        let Scratch { tight, springs, contacts, faces, coupling, laid, .. } = scratch;
+        let mut grounds = Grounds { bodies: input.bodies, span: frame.span(), touch: Touch::of(fabric), rubs: false, coupling };
+        let (mut done, mut sweeps) = (0, if frame.calm { CALM_SWEEPS } else { TAUT_SWEEPS });
+        while done < sweeps {
+            contacts.lay(&mut grounds, positions, previous, laid);
+            faces.lay(&mut grounds, positions, previous, laid);
+            if !laid.is_empty() {
+                sweeps = sweeps.max(BORNE_SWEEPS);
+            }
+            tight.solve(&rest.springs, springs, fabric.strain_limit, positions);
+            done += 1;
+        }
+        laid.take_back(positions);
     }
 
     /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between. `rubs`: whether friction is to hold

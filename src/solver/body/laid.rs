@@ -67,7 +67,7 @@ pub struct Grounds<'a> {
     pub span: (f32, f32),
     /// How the cloth touches them.
     pub touch: Touch,
-    /// Whether friction holds it there, too: where it carries other cloths. Folds of a single one creep more with it: crumpled ones on a floor 0.07 to
+    /// Whether friction holds it there, too: where it touches other cloths. Folds of a single one creep more with it: crumpled ones on a floor 0.07 to
     /// 0.18 mm in a second instead of 0.02 to 0.05 **[measured]**.
     pub rubs: bool,
     /// What takes part.

@@ -163,11 +163,11 @@ impl Tight {
         }
     }
 
-    /// Shortens those beyond the strain limit, `sweeps` times over. Springs that are too short do not push back, so nothing keeps others
+    /// Sweeps once over those beyond the strain limit, and shortens them. Springs that are too short do not push back, so nothing keeps others
     /// from giving way.
-    pub fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, sweeps: u32, positions: &mut [Vec4]) {
+    pub fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
         let bound = Bound::new(strain_limit);
-        for k in (0..sweeps).flat_map(|_| &self.batches).map(|&k| k as usize) {
+        for k in self.batches.iter().map(|&k| k as usize) {
             let (a, b) = (&springs.a[k], &springs.b[k]);
             let (pa, pb, d) = gather(a, b, positions);
             let s = bound.least(inverse_length(lengths_squared(d) * springs.inverse_square[k])).max(Vec4::ZERO);

@@ -38,6 +38,8 @@ pub struct Contacts {
     /// First particle of each cloth, and the slots of its particles.
     firsts: Vec<u32>,
     slots_of: Vec<Vec<u32>>,
+    /// Whether each cloth touches another one.
+    meets_other: Vec<bool>,
     /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
     now: Vec<Vec4>,
     old: Vec<Vec4>,
@@ -179,6 +181,7 @@ impl Contacts {
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
         self.slots_of.resize_with(surface.parts.len(), Vec::new);
+        self.meets_other.resize(surface.parts.len(), false);
     }
 
     fn slots_of(&self, part: usize) -> &[u32] {
@@ -209,6 +212,29 @@ impl Contacts {
 
     fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
         !self.behind.is_empty() && self.behind.binary_search(&(kind as u8, particles)).is_ok()
+    }
+
+    /// Finds out which cloths touched another one in the last substep.
+    pub(crate) fn note_meetings(&mut self) {
+        let Self { pairs, particles, firsts, meets_other, .. } = self;
+        meets_other.fill(false);
+        if firsts.len() < 2 {
+            return;
+        }
+        let part = |slot: u32| firsts.partition_point(|&first| first <= particles[slot as usize]) - 1;
+        for pair in pairs.iter().filter(|pair| pair.load > 0.0) {
+            // The first particle is of one side, the last of the other.
+            let [a, .., b] = pair.slots;
+            let (a, b) = (part(a), part(b));
+            if a != b {
+                (meets_other[a], meets_other[b]) = (true, true);
+            }
+        }
+    }
+
+    /// Whether a cloth touched another one when [`Self::note_meetings`] was last asked.
+    pub(crate) fn meets_other(&self, part: usize) -> bool {
+        self.meets_other.get(part).is_some_and(|meets| *meets)
     }
 
     /// Says that nothing touches.
