@@ -92,10 +92,9 @@ pub struct Scratch {
     displaced: Vec<Vec4>,
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
-    /// Whether the last frame took it for strained, for taut, and for drawn out.
+    /// Whether the last frame took it for strained, and for taut.
     strained: bool,
     taut: bool,
-    drawn: bool,
     /// By how much of their length at rest tethers give way to bodies (dimensionless).
     give: f32,
     /// Whether a body that moves much faster than the pins may meet the cloth in the frame to come.
@@ -211,9 +210,7 @@ const CALM_STRAINED: f32 = 2.5;
 /// that are close to the limit are also swept [`TAUT_SWEEPS`] times for it alone.
 const TAUT: f32 = 2.0;
 
-/// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame. Or it is drawn out over a corner: what
-/// bodies bear is laid on them between those sweeps until it is within [`TAUT`], or calm cloth within [`EASED`]. A sheet of 64² that falls on a ball takes
-/// a quarter longer if it always is.
+/// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame.
 const WILD: f32 = 8.0;
 
 /// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would
@@ -229,8 +226,8 @@ const GIVE_BACK: f32 = 0.5;
 /// Sweeps for the strain limit in each substep of a taut cloth.
 const TAUT_SWEEPS: u32 = 2;
 
-/// The same where bodies bear cloth that is drawn out.
-const BORNE_SWEEPS: u32 = 4;
+/// The same near bodies that are finer than the mesh: cloth hangs on their corners.
+const HUNG_SWEEPS: u32 = 4;
 
 /// The same for a calm cloth, whose edges are shortened at the end of a frame only [far beyond](CALM_STRAINED) the limit.
 const CALM_SWEEPS: u32 = 8;
@@ -323,7 +320,6 @@ struct Frame {
     gusts: u32,
     strained: bool,
     taut: bool,
-    drawn: bool,
     calm: bool,
     /// Substeps between those with bending, and drag [1/s].
     bend_every: u64,
@@ -432,9 +428,7 @@ impl Stepped<'_> {
         // Of its first frame nothing is known: a cloth may start in a storm.
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
-        let still = if calm { EASED } else { TAUT };
-        let drawn = taut && scratch.strain() > if scratch.drawn { still } else { WILD } * fabric.strain_limit;
-        (scratch.strained, scratch.taut, scratch.drawn) = (strained, taut, drawn);
+        (scratch.strained, scratch.taut) = (strained, taut);
         if taut {
             // A calm cloth would feel a list that shrinks.
             let all = scratch.strain() > WILD * fabric.strain_limit;
@@ -443,7 +437,8 @@ impl Stepped<'_> {
         let lie = scratch.contacts.candidates()
             + 3 * scratch.faces.candidates().min(rest.topology.faces.len() + rest.topology.edges.len());
         // Not only in calm cloth, since the list would grow when it becomes so.
-        scratch.laid.begin(lie * if taut && drawn { CALM_SWEEPS } else { CALM_PASSES } as usize);
+        let times = if taut && scratch.faces.candidates() > 0 { CALM_SWEEPS } else { CALM_PASSES };
+        scratch.laid.begin(lie * times as usize);
         scratch.before.clone_from(&state.positions);
         scratch.coupling.begin(dt, anchors, &state.positions);
         scratch.welded.clear();
@@ -458,7 +453,6 @@ impl Stepped<'_> {
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
             strained,
             taut,
-            drawn,
             calm,
             bend_every,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
@@ -523,23 +517,25 @@ impl Stepped<'_> {
         true
     }
 
-    /// Shortens springs that are beyond the strain limit. What lies on bodies is laid there before each sweep: what hangs on a corner could not draw at
-    /// its neighbours otherwise, which would follow it into the body, and only the edges next to it would stretch.
+    /// Shortens springs that are beyond the strain limit. Near bodies with corners cloth is laid on bodies before each sweep: what hangs on a corner
+    /// could not draw at its neighbours otherwise, which would follow it into the body, and only the edges next to it would stretch. Round bodies bear it
+    /// all around: a sheet of 64² that falls on a ball would take a quarter longer.
     fn tighten(&self, frame: &Frame, positions: &mut [Vec4], previous: &[Vec4], scratch: &mut Scratch) {
         let Self { rest, fabric, input, .. } = *self;
         let Scratch { tight, springs, contacts, faces, coupling, laid, .. } = scratch;
         let mut grounds = Grounds { bodies: input.bodies, span: frame.span(), touch: Touch::of(fabric), rubs: false, coupling };
-        let (mut done, mut sweeps) = (0, if frame.calm { CALM_SWEEPS } else { TAUT_SWEEPS });
-        while done < sweeps {
-            if frame.drawn {
+        let hangs = faces.candidates() > 0;
+        let sweeps = match (frame.calm, hangs) {
+            (true, _) => CALM_SWEEPS,
+            (false, true) => HUNG_SWEEPS,
+            (false, false) => TAUT_SWEEPS,
+        };
+        for _ in 0..sweeps {
+            if hangs {
                 contacts.lay(&mut grounds, positions, previous, laid);
                 faces.lay(&mut grounds, positions, previous, laid);
             }
-            if !laid.is_empty() {
-                sweeps = sweeps.max(BORNE_SWEEPS);
-            }
             tight.solve(&rest.springs, springs, fabric.strain_limit, positions);
-            done += 1;
         }
         laid.take_back(positions);
     }

@@ -35,11 +35,6 @@ impl Laid {
         self.moved.reserve(most);
     }
 
-    /// Whether nothing was moved since all was taken back.
-    pub fn is_empty(&self) -> bool {
-        self.moved.is_empty()
-    }
-
     /// Moves a particle `by` [m].
     pub(super) fn put(&mut self, particle: u32, by: Vec3A, positions: &mut [Vec4]) {
         if let Some(x) = positions.get_mut(particle as usize) {
