@@ -45,6 +45,25 @@ fn every_crossing_of_crumpled_sheets_is_found() {
     assert!(crossings > 1000, "{crossings} crossings in {looks} looks: these sheets should cross themselves");
 }
 
+#[test]
+fn cloth_from_one_end_of_infinity_to_the_other_is_left_out() {
+    let n = 6;
+    let (rest, _) = RestShape::build(&scenes::grid(n, n, |u, v| vec3(u, 0.0, v))).expect("a sheet");
+    let (topology, shape) = (&rest.topology, &rest.positions);
+    let part = PartRef { topology, rest: shape, layer: 0, self_collision: true, thickness: 0.005 };
+    let surface = Surface::new(&[part, part]).expect("two cloths");
+    let mut detector = Detector::new(&surface);
+    let sound = shape.iter().map(|p| p.extend(1.0));
+    for poison in [f32::INFINITY, f32::NAN] {
+        // Every face reaches both ends, with boxes that meet everything.
+        let sign = |i: usize| if (i % n as usize + i / n as usize).is_multiple_of(2) { 1.0 } else { -1.0 };
+        let broken = (0..shape.len()).map(|i| Vec3::splat(sign(i) * poison).extend(1.0));
+        let positions: Vec<Vec4> = sound.clone().chain(broken).collect();
+        assert!(detector.detect(&surface, &positions).is_empty(), "{poison}");
+        assert!(detector.is_quarantined(1) && !detector.is_quarantined(0));
+    }
+}
+
 /// Cloth that is pressed together within its plane folds back over single faces, while the normals around hardly bend.
 #[test]
 fn faces_that_slide_over_each_other_are_seen() {

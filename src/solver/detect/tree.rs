@@ -2,7 +2,7 @@
 //!
 //! Built once over the rest shape, where neighbours stay neighbours however the cloth folds, and refitted bottom-up every time:
 //! for an inner node `box = box(left) ∪ box(right)`, for a leaf the union of its faces' boxes. The nodes stand in depth-first order,
-//! so the left child is the next node and one backward sweep refits the tree.
+//! so the left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a leaf at a time (`tree/pack.rs`).
 //!
 //! ```text
 //! node i ──► left  = i + 1
@@ -23,11 +23,13 @@
 //! so it contributes no pair and changes no box that another cloth's pairs depend on.
 
 mod levels;
+mod pack;
 
 use core::ops::Range;
 
 use glam::{Vec3, Vec3A, Vec4};
 
+use self::pack::{Pack, lanes};
 use super::seams::{loose, rest_box, runs_along_a_side, seams};
 use super::surface::{Surface, is_sane};
 use crate::solver::rest::NONE;
@@ -108,12 +110,12 @@ struct Node {
     disc: bool,
     /// Whether they form a disc, cut or not, in which no particle lies at a seam, or at a border that does not run along a side of the whole cloth.
     smooth: bool,
-    /// Whether a face below is marked.
-    marked: bool,
+    /// Which faces of a leaf are marked, one bit each; whether any is below another node.
+    marked: u8,
     /// Whether the faces around a leaf fold back over it.
     folded: bool,
-    /// [`Joint`] of the two children, `NONE` of two that share nothing.
-    joint: u32,
+    /// [`Joint`] of the two children, `NONE` of two that share nothing; of a leaf its number.
+    link: u32,
     /// Box of the unit normals below; of all there are, where a leaf is folded.
     normals: Bounds,
 }
@@ -145,8 +147,8 @@ pub struct Tree {
     nodes: Vec<Node>,
     /// Faces in the order of the leaves.
     faces: Vec<u32>,
-    /// Box of each entry of `faces`.
-    boxes: Vec<Bounds>,
+    /// Boxes of the faces of each leaf.
+    packs: Vec<Pack>,
     /// Unit normal of each entry of `faces`.
     normals: Vec<Vec3A>,
     /// Corners of each entry of `faces`.
@@ -165,7 +167,6 @@ impl Tree {
     pub fn new(surface: &Surface) -> Self {
         let mut tree = Self {
             faces: (0..surface.topology.faces.len() as u32).collect(),
-            boxes: vec![Bounds::EMPTY; surface.topology.faces.len()],
             normals: vec![Vec3A::ZERO; surface.topology.faces.len()],
             quarantined: vec![false; surface.parts.len()],
             ..Self::default()
@@ -257,7 +258,7 @@ impl Tree {
             // Through the hub of a fan of thousands every node would be joined to every other; boxes do for it.
             shared.retain(|&v| topology.around(v).len() <= HUB);
             if !shared.is_empty() {
-                self.nodes[i as usize].joint = self.joints.len() as u32;
+                self.nodes[i as usize].link = self.joints.len() as u32;
                 self.joints.push(Joint { nodes: [i + 1, node.right], first: 0, count: 0 });
                 queue.push_back((self.joints.len() - 1, shared));
             }
@@ -365,7 +366,9 @@ impl Tree {
 
     fn split_faces(&mut self, part: u16, centre: &[Vec3], first: usize, last: usize) {
         if last - first <= LEAF {
-            self.push(IS_LEAF | first as u32, (last - first) as u16, part);
+            let node = self.push(IS_LEAF | first as u32, (last - first) as u16, part);
+            self.nodes[node].link = self.packs.len() as u32;
+            self.packs.push(Pack::EMPTY);
             return;
         }
         let node = self.push(0, 0, part);
@@ -401,9 +404,9 @@ impl Tree {
             part,
             disc: false,
             smooth: false,
-            marked: false,
+            marked: 0,
             folded: false,
-            joint: NONE,
+            link: NONE,
             normals: Bounds::EMPTY,
         });
         self.nodes.len() - 1
@@ -445,12 +448,13 @@ impl Tree {
             let run = node.run();
             (node.bounds, node.normals, leaf.axis) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
             node.folded = false;
-            let faces = self.boxes[run.clone()].iter_mut().zip(&mut self.normals[run.clone()]);
-            for ((own, normal), &corners) in faces.zip(&self.corners[run]) {
+            let pack = &mut self.packs[node.link as usize];
+            for ((lane, normal), &corners) in self.normals[run.clone()].iter_mut().enumerate().zip(&self.corners[run]) {
                 let [a, b, c] = corners.map(&now);
-                *own = around(corners);
+                let own = around(corners);
+                pack.set(lane, &own);
                 *normal = (b - a).cross(c - a).normalize_or_zero();
-                node.bounds = node.bounds.union(*own);
+                node.bounds = node.bounds.union(own);
                 node.normals = Bounds { min: node.normals.min.min(*normal), max: node.normals.max.max(*normal) };
                 leaf.axis += *normal;
             }
@@ -497,20 +501,17 @@ impl Tree {
     }
 
     /// As [`Self::pairs`], only for pairs with a face that is `marked` (by face).
-    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], mut found: impl FnMut(u32, u32)) {
+    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], found: impl FnMut(u32, u32)) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             self.nodes[i].marked = if node.right & IS_LEAF == 0 {
-                self.nodes[i + 1].marked || self.nodes[node.right as usize].marked
+                u8::from((self.nodes[i + 1].marked | self.nodes[node.right as usize].marked) != 0)
             } else {
-                self.faces[node.run()].iter().any(|&f| marked[f as usize])
+                let bit = |(lane, &f): (usize, &u32)| u8::from(marked[f as usize]) << lane;
+                self.faces[node.run()].iter().enumerate().map(bit).sum()
             };
         }
-        self.traverse::<true>(surface, margin, |f, g| {
-            if marked[f as usize] || marked[g as usize] {
-                found(f, g);
-            }
-        });
+        self.traverse::<true>(surface, margin, found);
     }
 
     fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
@@ -523,13 +524,13 @@ impl Tree {
         stack.push((0, 0));
         while let Some((a, b)) = stack.pop() {
             if a == JOINT {
-                if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked) {
-                    self.descend(b, margin, &mut stack, &mut found);
+                if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
+                    self.descend::<MARKED>(b, margin, &mut stack, &mut found);
                 }
                 continue;
             }
             let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
-            if MARKED && !left.marked && !right.marked {
+            if MARKED && left.marked | right.marked == 0 {
                 continue;
             }
             let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
@@ -542,19 +543,19 @@ impl Tree {
                 }
                 if leaf_a {
                     if !(left.disc && self.hardly_bend([left])) {
-                        self.within(left, margin, &mut found);
+                        self.within::<MARKED>(left, margin, &mut found);
                     }
                 } else {
                     stack.push((left.right, left.right));
                     stack.push((a + 1, a + 1));
-                    if left.joint != NONE {
-                        stack.push((JOINT, left.joint));
+                    if left.link != NONE {
+                        stack.push((JOINT, left.link));
                     } else if self.meet(a + 1, left.right, margin) {
                         stack.push((a + 1, left.right));
                     }
                 }
             } else if leaf_a && leaf_b {
-                self.between(left, right, margin, &mut found);
+                self.between::<MARKED>(left, right, margin, &mut found);
             } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
                 for child in [left.right, a + 1] {
                     if self.meet(child, b, margin) {
@@ -574,7 +575,13 @@ impl Tree {
 
     /// Takes two nodes that share particles apart, unless they are one piece that hardly bends.
     #[inline]
-    fn descend(&self, joint: u32, margin: Vec3A, stack: &mut Vec<(u32, u32)>, found: &mut impl FnMut(u32, u32)) {
+    fn descend<const MARKED: bool>(
+        &self,
+        joint: u32,
+        margin: Vec3A,
+        stack: &mut Vec<(u32, u32)>,
+        found: &mut impl FnMut(u32, u32),
+    ) {
         let Joint { nodes: [a, b], first, count } = self.joints[joint as usize];
         let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
         if left.smooth && right.smooth && left.normals.union(right.normals).are_flat() {
@@ -582,7 +589,7 @@ impl Tree {
         }
         if left.right & right.right & IS_LEAF != 0 {
             if !(left.smooth && right.smooth && self.hardly_bend([left, right])) {
-                self.between(left, right, margin, found);
+                self.between::<MARKED>(left, right, margin, found);
             }
             return;
         }
@@ -612,29 +619,33 @@ impl Tree {
         self.nodes[a as usize].bounds.meets(&self.nodes[b as usize].bounds, margin)
     }
 
-    fn within(&self, leaf: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+    fn within<const MARKED: bool>(&self, leaf: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
         if self.quarantined[usize::from(leaf.part)] {
             return;
         }
-        let run = leaf.run();
-        for i in run.clone() {
-            for j in i + 1..run.end {
-                if self.boxes[i].meets(&self.boxes[j], margin) {
-                    found(self.faces[i], self.faces[j]);
-                }
+        let (pack, faces, marked) = (&self.packs[leaf.link as usize], &self.faces[leaf.run()], u32::from(leaf.marked));
+        for (i, &face) in faces.iter().enumerate() {
+            let others = (!1 << i) & if !MARKED || marked & (1 << i) != 0 { u32::MAX } else { marked };
+            for j in lanes(others & pack.meets(&pack.get(i), margin)) {
+                found(face, faces[j]);
             }
         }
     }
 
-    fn between(&self, a: &Node, b: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
-        for i in a.run() {
-            if !self.boxes[i].meets(&b.bounds, margin) {
+    fn between<const MARKED: bool>(&self, a: &Node, b: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+        if self.quarantined[usize::from(a.part)] || self.quarantined[usize::from(b.part)] {
+            return;
+        }
+        let (left, right) = (&self.packs[a.link as usize], &self.packs[b.link as usize]);
+        let (faces, others) = (&self.faces[a.run()], &self.faces[b.run()]);
+        let (mine, theirs) = (u32::from(a.marked), u32::from(b.marked));
+        for i in lanes(left.meets(&b.bounds, margin)) {
+            let asked = if !MARKED || mine & (1 << i) != 0 { u32::MAX } else { theirs };
+            if asked == 0 {
                 continue;
             }
-            for j in b.run() {
-                if self.boxes[i].meets(&self.boxes[j], margin) {
-                    found(self.faces[i], self.faces[j]);
-                }
+            for j in lanes(asked & right.meets(&left.get(i), margin)) {
+                found(faces[i], others[j]);
             }
         }
     }
@@ -670,9 +681,9 @@ impl Tree {
                 stack.push((node.right, 0));
                 stack.push((i + 1, 0));
             } else {
-                for k in node.run() {
-                    if hit(&self.boxes[k]) {
-                        found(self.faces[k]);
+                for (lane, &face) in self.faces[node.run()].iter().enumerate() {
+                    if hit(&self.packs[node.link as usize].get(lane)) {
+                        found(face);
                     }
                 }
             }
