@@ -13,7 +13,7 @@ use crate::solver::settings::Stepping;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSolver {
     /// Substeps per second [Hz]. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional. Up
-    /// to eight times as many are taken while a body that moves much faster than the pins is near.
+    /// to eight times as many are taken while a body that moves much faster than the pins is near, or one that takes part lies on cloth lighter than it.
     pub substep_rate: f32,
     /// Longest frame that is simulated [s]. Default 0.1, range 0.001 to 1. Time beyond it is counted in
     /// [`ClothReport::lost_time`](crate::ClothReport::lost_time).

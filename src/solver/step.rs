@@ -99,6 +99,8 @@ pub struct Scratch {
     give: f32,
     /// Whether a body that moves much faster than the pins may meet the cloth in the frame to come.
     driven: bool,
+    /// How many times as many substeps it takes for the bodies that it bears; 0: not known yet.
+    borne: u32,
     /// For how long it was slow [s].
     slow_for: f32,
     /// Substeps between those in which the factors of bending are for.
@@ -341,6 +343,10 @@ impl Frame {
 const MOST_DRIVEN: f32 = 8.0;
 const DRIVEN: f32 = 0.4;
 
+/// How far a heavier body may press cloth in a substep, in the mean over what it touches, in edges at the strain limit beyond their length at rest
+/// (dimensionless): what springs cannot draw back in one the next adds to, and the cloth bears it no longer.
+const PRESSED: f32 = 0.25;
+
 /// Substeps that a cloth that nothing drives takes for a frame of `dt` [s].
 #[must_use]
 pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
@@ -348,8 +354,8 @@ pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
 }
 
 impl Stepped<'_> {
-    /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that moves much
-    /// faster than the pins may meet the cloth.
+    /// Substeps that the next frame should take: as many as `stepping` says, and up to eight times as many while a body that is heavier than the
+    /// cloth and moves much faster than the pins may meet it, or lies on it.
     #[must_use]
     pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
@@ -358,15 +364,20 @@ impl Stepped<'_> {
         if input.bodies.is_empty() {
             return count;
         }
+        let borne = scratch.borne.max(1);
         // What hangs on a character that runs goes with it.
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
-        let driving = || input.bodies.iter().filter(|body| body.rigid.is_none());
-        let ways = driving().map(|body| (body.to.translation - body.from.translation - mean).length());
-        let farthest = ways.filter(|way| way.is_finite()).fold(0.0, f32::max);
-        let times = (farthest / (count as f32 * DRIVEN * fabric.thickness)).ceil().clamp(1.0, MOST_DRIVEN);
-        if times == 1.0 {
-            return count;
+        // What is lighter than the cloth gives way to it.
+        let own = self.mass();
+        let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
+        let driving = || input.bodies.iter().filter(|body| mass(body) > own);
+        let way = |body: &Body| (body.to.translation - body.from.translation - mean).length();
+        let enough = count as f32 * DRIVEN * fabric.thickness;
+        let farthest = driving().map(way).filter(|way| way.is_finite()).fold(0.0, f32::max);
+        let times = (farthest / enough).ceil().clamp(1.0, MOST_DRIVEN) as u32;
+        if times == 1 {
+            return count * borne;
         }
         // What was near in the last frame, or comes in this one from afar.
         let near = scratch.contacts.candidates() > 0 || {
@@ -375,8 +386,39 @@ impl Stepped<'_> {
             let (low, high) = points.fold(none, |(low, high), x| (low.min(x), high.max(x)));
             driving().any(|body| body.sweeps(low - fabric.thickness, high + fabric.thickness))
         };
-        scratch.driven = near;
-        if near { count * times as u32 } else { count }
+        scratch.driven = near && driving().any(|body| mass(body) == f32::INFINITY && way(body) > enough);
+        scratch.borne = if near { times.max(borne) } else { borne };
+        count * scratch.borne
+    }
+
+    /// Mass of the cloth [kg], if bodies take what it does to them; 0 otherwise.
+    fn mass(&self) -> f32 {
+        let takes = self.input.bodies.iter().any(|body| body.rigid.is_some());
+        if takes { self.fabric.density * self.rest.areas.iter().sum::<f32>() } else { 0.0 }
+    }
+
+    /// Finds out how many times as many substeps the cloth takes from now on for heavier bodies that lie on it: as the root of what they are heavier by,
+    /// from when one presses it too far until none is near. Not by how hard it is pressed: more substeps in cloth that is drawn out already throw it up.
+    fn bear(&self, scratch: &mut Scratch) {
+        let Self { rest, fabric, input, .. } = *self;
+        let (own, bound) = (self.mass(), PRESSED * fabric.strain_limit * rest.mean_edge);
+        let mut borne = 1;
+        for (index, body) in input.bodies.iter().enumerate() {
+            let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
+            let heavier = mass / own;
+            if !(heavier > 1.0 && mass.is_finite()) {
+                continue;
+            }
+            let pushes = scratch.touches().filter(|(body, ..)| *body == index);
+            let (push, count) = pushes.fold((0.0, 0.0), |(push, count), (_, _, load)| (push + load, count + 1.0));
+            if count > 0.0 || scratch.contacts.is_near(index) {
+                borne = borne.max(scratch.borne);
+            }
+            if push > bound * count {
+                borne = borne.max(heavier.sqrt().min(MOST_DRIVEN).ceil() as u32);
+            }
+        }
+        scratch.borne = borne;
     }
 
     /// Prepares a frame of as many substeps as asked for, or as `stepping` says. None begins when no time passes or the
@@ -586,6 +628,7 @@ impl Stepped<'_> {
             scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
+        self.bear(scratch);
         let bound = if scratch.is_calm() { 2.0 * CALM_SPEED } else { CALM_SPEED };
         // False for what is not a number.
         scratch.slow_for = if speed2 <= bound * bound { (scratch.slow_for + frame.dt).min(1.0) } else { 0.0 };

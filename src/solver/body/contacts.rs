@@ -143,6 +143,11 @@ impl BodyContacts {
         })
     }
 
+    /// Whether particles could have met a body in the last frame.
+    pub(crate) fn is_near(&self, body: usize) -> bool {
+        self.parts.iter().any(|part| part.body as usize == body)
+    }
+
     /// Bound on how far a particle can get in this frame by itself [m], as of the last [`Self::gather`] that had bodies.
     pub(crate) fn way(&self) -> f32 {
         self.way

@@ -242,6 +242,11 @@ impl Coupling {
         })
     }
 
+    /// Mass of body `slot` [kg] along the axis along which it is least; infinite if cloth cannot move it.
+    pub(crate) fn mass(&self, slot: u32) -> f32 {
+        self.slots.get(slot as usize).map_or(f32::INFINITY, |slot| slot.rigid.inverse_mass.max_element().recip())
+    }
+
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
