@@ -145,7 +145,8 @@ impl ClothParticles {
     }
 
     /// Gives an impulse [N·s] to the particles within `radius` [m] of a point in the world [m], as one piece, fading towards the rim. Held
-    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite.
+    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite or
+    /// `radius` not above 0.
     pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
         let point = (point.as_dvec3() - self.origin).as_vec3();
         kick::impulse(self.state_mut(), point, impulse, radius)
@@ -153,7 +154,7 @@ impl ClothParticles {
 
     /// Blows the particles within `radius` [m] away from a point in the world [m]. `impulse` [N·s] is what the whole cloth gets close by;
     /// it fades to nothing at `radius`. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took
-    /// part; none when a number is not finite.
+    /// part; none when a number is not finite or `radius` not above 0.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
         let center = (center.as_dvec3() - self.origin).as_vec3();
         kick::explosion(self.state_mut(), center, impulse, radius)

@@ -25,10 +25,10 @@ pub(crate) enum ColliderError {
 pub(crate) fn shape_of(shape: &ColliderShape, mesh: Option<&Mesh>) -> Result<SharedShape, ColliderError> {
     Ok(match shape {
         ColliderShape::Ball { radius } => shape::ball(*radius)?,
-        ColliderShape::Capsule { radius, length } => shape::capsule(*radius, 0.5 * length)?,
-        ColliderShape::Cuboid { size } => shape::cuboid(0.5 * *size)?,
-        ColliderShape::Cylinder { radius, height } => shape::cylinder(*radius, 0.5 * height)?,
-        ColliderShape::Cone { radius, height } => shape::cone(*radius, 0.5 * height)?,
+        ColliderShape::Capsule { radius, length } => shape::capsule(*radius, 0.5 * length).map_err(whole)?,
+        ColliderShape::Cuboid { size } => shape::cuboid(0.5 * *size).map_err(whole)?,
+        ColliderShape::Cylinder { radius, height } => shape::cylinder(*radius, 0.5 * height).map_err(whole)?,
+        ColliderShape::Cone { radius, height } => shape::cone(*radius, 0.5 * height).map_err(whole)?,
         ColliderShape::HalfSpace { normal } => shape::half_space(*normal)?,
         ColliderShape::ConvexHull { points } => shape::convex_hull(points)?,
         ColliderShape::TriMesh { vertices, triangles, solid: false } => shape::trimesh(vertices.clone(), triangles.clone())?,
@@ -47,6 +47,20 @@ pub(crate) fn shape_of(shape: &ColliderShape, mesh: Option<&Mesh>) -> Result<Sha
         ColliderShape::Mesh(fit) => fitted(*fit, mesh.ok_or(ColliderError::NoMesh)?)?,
         ColliderShape::Parry(shape) => shape.0.clone().ok_or(ShapeError::Empty)?,
     })
+}
+
+/// Names the field that was given: the solver takes halves.
+fn whole(error: ShapeError) -> ShapeError {
+    let ShapeError::Size { what, value } = error else { return error };
+    let what = match what {
+        "half extent x" => "size x",
+        "half extent y" => "size y",
+        "half extent z" => "size z",
+        "half length" => "length",
+        "half height" => "height",
+        _ => return error,
+    };
+    ShapeError::Size { what, value: 2.0 * value }
 }
 
 fn part_of(part: &ColliderPart, mesh: Option<&Mesh>) -> Result<(Pose, SharedShape), ColliderError> {

@@ -36,6 +36,7 @@ pub fn explosion(state: &mut ClothState, center: Vec3, impulse: f32, radius: f32
 }
 
 fn falloff(distance_squared: f32, radius: f32) -> f32 {
+    let radius = radius.max(0.0);
     let left = (1.0 - distance_squared / (radius * radius)).max(0.0);
     left * left
 }
@@ -90,7 +91,7 @@ mod tests {
     fn nonsense_does_nothing() {
         let mut state = row(4);
         let before = state.clone();
-        for (j, r) in [(Vec3::NAN, 1.0), (Vec3::X, 0.0), (Vec3::X, f32::NAN), (Vec3::INFINITY, 1.0)] {
+        for (j, r) in [(Vec3::NAN, 1.0), (Vec3::X, 0.0), (Vec3::X, -1.0), (Vec3::X, f32::NAN), (Vec3::INFINITY, 1.0)] {
             assert_eq!(impulse(&mut state, Vec3::ZERO, j, r), 0, "{j} {r}");
             assert_eq!(explosion(&mut state, Vec3::ZERO, j.x, r), 0, "{j} {r}");
         }

@@ -372,10 +372,14 @@ impl Stepped<'_> {
         let own = self.mass();
         let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
         let driving = || input.bodies.iter().filter(|body| mass(body) > own);
-        let way = |body: &Body| (body.to.translation - body.from.translation - mean).length();
-        let enough = count as f32 * DRIVEN * fabric.thickness;
-        let farthest = driving().map(way).filter(|way| way.is_finite()).fold(0.0, f32::max);
-        let times = (farthest / enough).ceil().clamp(1.0, MOST_DRIVEN) as u32;
+        // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
+        let haste = |body: &Body| {
+            let driven = DRIVEN * fabric.thickness;
+            let most = if mass(body).is_finite() { driven.max(self.pressed()) } else { driven };
+            (body.to.translation - body.from.translation - mean).length() / (count as f32 * most)
+        };
+        let fastest = driving().map(haste).filter(|haste| haste.is_finite()).fold(0.0, f32::max);
+        let times = fastest.ceil().clamp(1.0, MOST_DRIVEN) as u32;
         if times == 1 {
             return count * borne;
         }
@@ -386,9 +390,14 @@ impl Stepped<'_> {
             let (low, high) = points.fold(none, |(low, high), x| (low.min(x), high.max(x)));
             driving().any(|body| body.sweeps(low - fabric.thickness, high + fabric.thickness))
         };
-        scratch.driven = near && driving().any(|body| mass(body) == f32::INFINITY && way(body) > enough);
+        scratch.driven = near && driving().any(|body| !mass(body).is_finite() && haste(body) > 1.0);
         scratch.borne = if near { times.max(borne) } else { borne };
         count * scratch.borne
+    }
+
+    /// How far a heavier body may press the cloth in a substep [m].
+    fn pressed(&self) -> f32 {
+        PRESSED * self.fabric.strain_limit * self.rest.mean_edge
     }
 
     /// Mass of the cloth [kg], if bodies take what it does to them; 0 otherwise.
@@ -400,10 +409,9 @@ impl Stepped<'_> {
     /// Finds out how many times as many substeps the cloth takes from now on for heavier bodies that lie on it: as the root of what they are heavier by,
     /// from when one presses it too far until none is near. Not by how hard it is pressed: more substeps in cloth that is drawn out already throw it up.
     fn bear(&self, scratch: &mut Scratch) {
-        let Self { rest, fabric, input, .. } = *self;
-        let (own, bound) = (self.mass(), PRESSED * fabric.strain_limit * rest.mean_edge);
+        let (own, bound) = (self.mass(), self.pressed());
         let mut borne = 1;
-        for (index, body) in input.bodies.iter().enumerate() {
+        for (index, body) in self.input.bodies.iter().enumerate() {
             let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
             let heavier = mass / own;
             if !(heavier > 1.0 && mass.is_finite()) {

@@ -95,6 +95,19 @@ fn cleaning_a_mesh_is_not_worth_a_warning() {
 }
 
 #[test]
+fn sizes_of_colliders_are_named_as_they_were_given() {
+    let lines = warnings(app(), |app| {
+        app.world_mut().spawn((ClothCollider::cuboid(1.0, -1.0, 1.0), Name::new("crate")));
+        app.world_mut().spawn((ClothCollider::capsule(0.1, -0.5), Name::new("arm")));
+        app.world_mut().spawn((ClothCollider::cylinder(0.0, 1.0), Name::new("drum")));
+        run(app, 5);
+    });
+    for (name, what) in [("crate", "size y is -1:"), ("arm", "length is -0.5:"), ("drum", "radius is 0:")] {
+        assert!(lines.iter().any(|line| line.contains(name) && line.contains(what)), "{lines:#?}");
+    }
+}
+
+#[test]
 fn a_collider_whose_mesh_never_comes_is_one_warning_after_five_seconds() {
     let lines = |frames| {
         warnings(app(), |app| {
