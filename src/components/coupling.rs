@@ -11,11 +11,11 @@ use crate::systems::couple::CoupledBody;
 /// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives a body
 /// something does not sleep ([`ClothSleep`](crate::ClothSleep)).
 ///
-/// A body lighter than the cloth is as stable as a heavier one. One that is much heavier takes more substeps to be held: a net of 0.3 kg
-/// catches 1 kg at the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz, 3 kg at 720 Hz and 10 kg at 1440
-/// Hz; with fewer they stretch it until they slip through between its particles. A net that gives way
-/// ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) brings what falls into it to rest; one
-/// at its strain limit quivers.
+/// A body lighter than the cloth is as stable as a heavier one. One that is heavier takes more substeps to be held, as the root of what it is heavier
+/// by and up to eight times as many, from when it comes or presses until it has gone: at the default
+/// [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz a net of 0.3 kg bears 1 and 3 kg that fall on it from 0.6 m. What is
+/// more than thirty times as heavy may stretch its way through or be thrown out: give it a higher rate. Elastic nets
+/// ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) throw back what falls into them for longer.
 ///
 /// ```
 /// # use bevy::prelude::*;

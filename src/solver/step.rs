@@ -346,6 +346,8 @@ const DRIVEN: f32 = 0.4;
 /// How far a heavier body may press cloth in a substep, in the mean over what it touches, in edges at the strain limit beyond their length at rest
 /// (dimensionless): what springs cannot draw back in one the next adds to, and the cloth bears it no longer.
 const PRESSED: f32 = 0.25;
+/// The strain limit at the most that counts there (dimensionless): springs of what is elastic draw back no sooner.
+const ELASTIC: f32 = 0.1;
 
 /// Substeps that a cloth that nothing drives takes for a frame of `dt` [s].
 #[must_use]
@@ -397,7 +399,7 @@ impl Stepped<'_> {
 
     /// How far a heavier body may press the cloth in a substep [m].
     fn pressed(&self) -> f32 {
-        PRESSED * self.fabric.strain_limit * self.rest.mean_edge
+        PRESSED * self.fabric.strain_limit.min(ELASTIC) * self.rest.mean_edge
     }
 
     /// Mass of the cloth [kg], if bodies take what it does to them; 0 otherwise.
