@@ -274,6 +274,37 @@ fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
     }
 }
 
+#[test]
+fn a_fast_body_far_away_costs_nothing() {
+    let mut cloth = sheet(16, 1.0, Vec3::Y * 0.01, fabric(), |_, _| false);
+    let floor = Body::at_rest(SharedShape::halfspace(Vec3::Y), Pose::IDENTITY);
+    let pose = |x: f32| Pose::from_parts(Vec3::new(x, 1.0, 0.0), Quat::IDENTITY);
+    let coupling = cloth.scratch.coupling_mut();
+    let (from, to) = (pose(100.0), pose(100.5));
+    let rigid = Rigid {
+        inverse_mass: Vec3::splat(0.001),
+        inverse_inertia: Mat3::IDENTITY,
+        from: from.translation,
+        to: to.translation,
+        velocity: None,
+    };
+    let heavy = Some(coupling.add(rigid));
+    prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+    for (rigid, from, near) in [(None, 100.0, false), (heavy, 100.0, false), (None, 0.0, true), (heavy, 0.0, true)] {
+        let body = Body { rigid, ..Body::new(SharedShape::ball(0.2), pose(from), pose(from + 0.5)) };
+        let bodies = [floor.clone(), body];
+        let wind = Wind::default();
+        let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind };
+        let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
+        // Once the floor is known to be near; what is high above comes down on it.
+        let rise = if near { 0.9 } else { 0.0 };
+        state.positions.iter_mut().chain(&mut state.previous).for_each(|x| x.y += rise);
+        let done = (0..3).map(|_| step(rest, fabric, stepping, anchors, &input, state, scratch)).last().expect("a report");
+        state.positions.iter_mut().chain(&mut state.previous).for_each(|x| x.y -= rise);
+        assert_eq!(done.substeps > 6, near, "{} substeps with a body at {from} m, {rigid:?}", done.substeps);
+    }
+}
+
 /// Cotton that is stretched out flat gives way by nothing but its strain limit, or its springs. Once, balls heavier than it went through.
 #[test]
 fn a_flat_sheet_bears_a_heavy_ball_at_the_default_rate() {

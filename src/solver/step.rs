@@ -373,27 +373,28 @@ impl Stepped<'_> {
         // What is lighter than the cloth gives way to it.
         let own = self.mass();
         let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
-        let driving = || input.bodies.iter().filter(|body| mass(body) > own);
         // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
         let haste = |body: &Body| {
             let driven = DRIVEN * fabric.thickness;
             let most = if mass(body).is_finite() { driven.max(self.pressed()) } else { driven };
             (body.to.translation - body.from.translation - mean).length() / (count as f32 * most)
         };
-        let fastest = driving().map(haste).filter(|haste| haste.is_finite()).fold(0.0, f32::max);
-        let times = fastest.ceil().clamp(1.0, MOST_DRIVEN) as u32;
-        if times == 1 {
+        let drives = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
+        if !input.bodies.iter().any(drives) {
             return count * borne;
         }
-        // What was near in the last frame, or comes in this one from afar.
-        let near = scratch.contacts.candidates() > 0 || {
-            let points = state.positions.iter().map(|x| x.truncate());
-            let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-            let (low, high) = points.fold(none, |(low, high), x| (low.min(x), high.max(x)));
-            driving().any(|body| body.sweeps(low - fabric.thickness, high + fabric.thickness))
-        };
-        scratch.driven = near && driving().any(|body| !mass(body).is_finite() && haste(body) > 1.0);
-        scratch.borne = if near { times.max(borne) } else { borne };
+        let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
+        let (mut times, mut driven) = (1.0, false);
+        for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| drives(body)) {
+            // What was near in the last frame, or comes in this one from afar.
+            if scratch.contacts.is_near(index) || body.sweeps(low - fabric.thickness, high + fabric.thickness) {
+                times = haste(body).max(times);
+                driven |= !mass(body).is_finite();
+            }
+        }
+        scratch.driven = driven;
+        scratch.borne = borne.max(times.ceil().min(MOST_DRIVEN) as u32);
         count * scratch.borne
     }
 
