@@ -44,12 +44,14 @@ impl Notices {
                 Some(Values { given, used, range: (low, high), of_length }) => {
                     let length = if of_length { "a length of " } else { "" };
                     warn!(
-                        "{what} {entity} has `{field}` out of range, which is {low} to {high} in the unit that its documentation has: \
+                        "{what} {entity} has `{field}` out of range, which is {low} to {high} (in the unit in brackets in its documentation): \
                          {length}{used} is used in place of {given}"
                     );
                 }
                 None => {
-                    warn!("{what} {entity} has a `{field}` that cannot be used: a number in it is not finite or not allowed");
+                    warn!(
+                        "{what} {entity} has a `{field}` that cannot be used: set numbers that are finite and that its documentation allows"
+                    );
                 }
             }
         }

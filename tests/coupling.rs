@@ -305,6 +305,29 @@ fn a_fast_body_far_away_costs_nothing() {
     }
 }
 
+#[test]
+fn a_fast_body_costs_no_more_once_it_has_gone_though_another_lies_on_the_cloth() {
+    let mut cloth = sheet(16, 1.0, Vec3::ZERO, fabric(), border(16));
+    let (at, far) = (Vec3::Y * 0.12, Pose::from_translation(Vec3::X * 100.0));
+    let rigid =
+        Rigid { inverse_mass: Vec3::splat(3.0), inverse_inertia: Mat3::IDENTITY, from: at, to: at, velocity: Some(Vec3::ZERO) };
+    let slot = cloth.scratch.coupling_mut().add(rigid);
+    let lies = Pose::from_translation(at);
+    let heavier = Body { rigid: Some(slot), ..Body::new(SharedShape::ball(0.2), lies, lies) };
+    prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+    let passes = Pose::from_parts(Vec3::new(-0.6, 0.04, 0.4), Quat::IDENTITY);
+    let steps = [(far, far), (far, far), (passes, Pose::from_translation(passes.translation + Vec3::X)), (far, far)];
+    let [_, before, during, after] = steps.map(|(from, to)| {
+        let bodies = [heavier.clone(), Body::new(SharedShape::ball(0.05), from, to)];
+        let wind = Wind::default();
+        let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind };
+        let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
+        let frames = (0..10).map(|_| step(rest, fabric, stepping, anchors, &input, state, scratch).substeps);
+        frames.take(if from == to { 10 } else { 1 }).last().expect("a frame")
+    });
+    assert_eq!([before, during, after], [12, 48, 12]);
+}
+
 /// Cotton that is stretched out flat gives way by nothing but its strain limit, or its springs. Once, balls heavier than it went through.
 #[test]
 fn a_flat_sheet_bears_a_heavy_ball_at_the_default_rate() {

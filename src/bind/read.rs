@@ -20,7 +20,9 @@ pub(crate) fn read(mesh: &Mesh) -> Result<Authored, ClothError> {
     if !matches!(topology, PrimitiveTopology::TriangleList | PrimitiveTopology::TriangleStrip) {
         return Err(ClothError {
             kind: ClothErrorKind::NotTriangles,
-            detail: format!("its mesh is a {topology:?}; cloth needs triangles"),
+            detail: format!(
+                "its mesh is a {topology:?}; cloth needs triangles: build it as a `TriangleList` or `TriangleStrip`"
+            ),
         });
     }
     let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {

@@ -10,7 +10,7 @@ use crate::systems::colliders::ColliderBody;
 /// Pushes cloth away from its entity.
 ///
 /// It moves with the entity, fast or slow, and is not moved by the cloth. Which cloths it touches is up to [`ClothLayers`](crate::ClothLayers).
-/// Entities with `Disabled` push nothing.
+/// Entities with `Disabled` push nothing; on a cloth it pushes other cloths, not its own.
 ///
 /// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that moves fast
 /// can still poke out for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh finer.

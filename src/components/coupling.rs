@@ -121,10 +121,11 @@ impl ClothRigidBody {
         Self::solid(mass, Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y) * (mass / 12.0))
     }
 
-    /// A body of `mass` [kg] and principal moments `inertia` [kg m²] along the axes of the entity.
+    /// A body of `mass` [kg] and principal moments `inertia` [kg m²] along the axes of the entity. Cloth does not move what has no mass, or turn
+    /// what has no inertia; numbers below 0 or NaN do no more, and are told of when the body takes part.
     #[must_use]
     pub fn solid(mass: f32, inertia: Vec3) -> Self {
-        let inverse = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let inverse = |x: f32| if x == 0.0 { 0.0 } else { x.recip() };
         Self {
             inverse_mass: Vec3::splat(inverse(mass)),
             inverse_inertia: Mat3::from_diagonal(Vec3::new(inverse(inertia.x), inverse(inertia.y), inverse(inertia.z))),

@@ -99,7 +99,7 @@ pub struct Scratch {
     give: f32,
     /// Whether a body that moves much faster than the pins may meet the cloth in the frame to come.
     driven: bool,
-    /// How many times as many substeps it takes for the bodies that it bears; 0: not known yet.
+    /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
     borne: u32,
     /// For how long it was slow [s].
     slow_for: f32,
@@ -366,7 +366,8 @@ impl Stepped<'_> {
         if input.bodies.is_empty() {
             return count;
         }
-        let borne = scratch.borne.max(1);
+        // Of bodies that cloth cannot stop, and of others: those may stay.
+        let (mut driven, mut borne) = (1, scratch.borne.max(1));
         // What hangs on a character that runs goes with it.
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
@@ -385,17 +386,15 @@ impl Stepped<'_> {
         }
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
-        let (mut times, mut driven) = (1.0, false);
         for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| drives(body)) {
             // What was near in the last frame, or comes in this one from afar.
             if scratch.contacts.is_near(index) || body.sweeps(low - fabric.thickness, high + fabric.thickness) {
-                times = haste(body).max(times);
-                driven |= !mass(body).is_finite();
+                let most = if mass(body).is_finite() { &mut borne } else { &mut driven };
+                *most = (*most).max(haste(body).min(MOST_DRIVEN).ceil() as u32);
             }
         }
-        scratch.driven = driven;
-        scratch.borne = borne.max(times.ceil().min(MOST_DRIVEN) as u32);
-        count * scratch.borne
+        (scratch.driven, scratch.borne) = (driven > 1, borne);
+        count * borne.max(driven)
     }
 
     /// How far a heavier body may press the cloth in a substep [m].

@@ -135,7 +135,10 @@ pub(crate) fn shapes(
         if !scale.is_finite() {
             // It keeps the shape it had; the place of one that has none is told of here, of others with their pose.
             if body.shape.is_none() && notices.first(entity, "scale") {
-                warn!("collider {} pushes nothing: the scale of its transform is not finite", label(entity, name));
+                warn!(
+                    "collider {} pushes nothing: the scale of its transform is not finite: set finite numbers",
+                    label(entity, name)
+                );
             }
         } else if !((scale - body.scale).abs().max_element() <= 1.0e-4 * scale.abs().max_element()) {
             body.scale = scale;

@@ -125,7 +125,8 @@ pub(crate) fn recoveries(
         if level != RecoveryLevel::Frozen {
             if notices.first(entity, "recovered") {
                 warn!(
-                    "cloth {} blew up ({cause:?}) and was taken back ({level:?}); this is said once, `ClothReport` counts on",
+                    "cloth {} blew up ({cause:?}) and was taken back ({level:?}): if it does so again, raise `ClothSolver::substep_rate` or \
+                     let what pushes it be slower or lighter; this is said once, `ClothReport` counts on",
                     label(entity, name)
                 );
             }

@@ -54,7 +54,7 @@ fn a_mesh_that_cannot_be_a_cloth_is_one_warning_with_name_and_cure() {
         run(app, 400);
     });
     assert_eq!(lines.len(), 1, "{lines:#?}");
-    assert!(lines[0].contains("washing line") && lines[0].contains("needs triangles"), "{lines:#?}");
+    assert!(lines[0].contains("washing line") && lines[0].contains("`TriangleList`"), "{lines:#?}");
 }
 
 #[test]
@@ -105,6 +105,30 @@ fn sizes_of_colliders_are_named_as_they_were_given() {
     for (name, what) in [("crate", "size y is -1:"), ("arm", "length is -0.5:"), ("drum", "radius is 0:")] {
         assert!(lines.iter().any(|line| line.contains(name) && line.contains(what)), "{lines:#?}");
     }
+}
+
+#[test]
+fn bodies_with_masses_that_are_none_and_places_that_are_nowhere_are_named_with_a_cure() {
+    let lines = warnings(app(), |app| {
+        for (mass, name) in [(-1.0, "balloon"), (f32::NAN, "ghost"), (0.0, "wall"), (f32::INFINITY, "world")] {
+            let body = (ClothCollider::ball(0.1), ClothCoupling::TwoWay, ClothRigidBody::ball(mass, 0.1));
+            app.world_mut().spawn((body, Name::new(name)));
+        }
+        let crate_ = app.world_mut().spawn((ClothCollider::ball(0.1), Name::new("crate"))).id();
+        run(app, 5);
+        app.world_mut().get_mut::<Transform>(crate_).expect("a crate").translation.x = f32::NAN;
+        run(app, 5);
+    });
+    let told = |name: &str, what: &str, cure: &str| {
+        let lines = lines.iter().filter(|line| line.contains(&format!("`{name}`")) && line.contains(what));
+        lines.filter(|line| line.contains(cure)).count()
+    };
+    for name in ["balloon", "ghost"] {
+        assert_eq!(told(name, "`inverse_mass`", "0 to 1000000"), 1, "{lines:#?}");
+        assert_eq!(told(name, "`inverse_inertia`", "set numbers that are finite"), 1, "{lines:#?}");
+    }
+    assert_eq!(told("crate", "`transform`", "set numbers that are finite"), 1, "{lines:#?}");
+    assert_eq!(lines.len(), 5, "{lines:#?}");
 }
 
 #[test]

@@ -34,8 +34,8 @@ use super::seams::{loose, rest_box, runs_along_a_side, seams};
 use super::surface::{Surface, is_sane};
 use crate::solver::rest::NONE;
 
-/// Faces per leaf at most.
-const LEAF: usize = 8;
+/// Faces per leaf at most: as many as there are bits in [`Node::marked`].
+const LEAF: usize = u8::BITS as usize;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
 /// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°. See the module.
