@@ -22,6 +22,10 @@ use crate::solver::couple::Coupling;
 /// have pushed. Two sheets on a floor go on creeping by 0.15 mm in a second with 0, by 0.08 with this; over a box they shake longer with more.
 const LET_BE: f32 = 0.6;
 
+/// Deepest that cloth is laid from, in distances kept (dimensionless): with one, what hangs on a corner and was drawn deeper would be too deep to
+/// be laid and too stretched to get out.
+const DEEPEST: f32 = 2.0;
+
 /// Where particles were before they were laid, and where to [m].
 #[derive(Clone, Debug, Default)]
 pub struct Laid {
@@ -99,7 +103,7 @@ impl Ground {
         let end = self.to_body[1] * (now - *translation1);
         let gap = plane.gap(end);
         let reach = if self.friction.is_some() { BAND * kept } else { 0.0 };
-        (gap < reach && gap > -2.0 * kept).then(|| {
+        (gap < reach && gap > -DEEPEST * kept).then(|| {
             let n = plane.normal;
             let held = self.friction.map_or(Vec3A::ZERO, |friction| {
                 let moved = end - self.to_body[0] * (old - *translation0);
