@@ -290,14 +290,16 @@ fn a_fast_body_far_away_costs_nothing() {
     };
     let heavy = Some(coupling.add(rigid));
     prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
-    for (rigid, from, near) in [(None, 100.0, false), (heavy, 100.0, false), (None, 0.0, true), (heavy, 0.0, true)] {
+    // The third passes by at 30 m/s, 0.3 m above.
+    let cases = [(None, 100.0, 0.0), (heavy, 100.0, 0.0), (None, 0.0, 0.5), (None, 0.0, 0.9), (heavy, 0.0, 0.9)];
+    for (rigid, from, rise) in cases {
         let body = Body { rigid, ..Body::new(SharedShape::ball(0.2), pose(from), pose(from + 0.5)) };
         let bodies = [floor.clone(), body];
         let wind = Wind::default();
         let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind };
         let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
+        let near = rise > 0.8;
         // Once the floor is known to be near; what is high above comes down on it.
-        let rise = if near { 0.9 } else { 0.0 };
         state.positions.iter_mut().chain(&mut state.previous).for_each(|x| x.y += rise);
         let done = (0..3).map(|_| step(rest, fabric, stepping, anchors, &input, state, scratch)).last().expect("a report");
         state.positions.iter_mut().chain(&mut state.previous).for_each(|x| x.y -= rise);
@@ -326,6 +328,21 @@ fn a_fast_body_costs_no_more_once_it_has_gone_though_another_lies_on_the_cloth()
         frames.take(if from == to { 10 } else { 1 }).last().expect("a frame")
     });
     assert_eq!([before, during, after], [12, 48, 12]);
+}
+
+#[test]
+fn cloth_that_lies_on_a_heavier_body_takes_no_more_substeps() {
+    let mut cloth = sheet(60, 0.5, Vec3::Y * 0.25, fabric(), |_, _| false);
+    let mut most = 0;
+    for f in 0..240 {
+        // A crate of 20 kg on the ground.
+        let mut crate_ = Ball::new(20.0, 0.2, Vec3::ZERO);
+        crate_.gravity = 0.0;
+        frame(&mut cloth, Some(&mut crate_), &[], &[], Vec3::NEG_Y * G);
+        assert!(f < 60 || crate_.given.linear.y < 0.0, "frame {f}: the cloth should lie on it: {:?}", crate_.given);
+        most = most.max(cloth.report.substeps);
+    }
+    assert_eq!(most, 6, "substeps");
 }
 
 /// Cotton that is stretched out flat gives way by nothing but its strain limit, or its springs. Once, balls heavier than it went through.

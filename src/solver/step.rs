@@ -97,7 +97,7 @@ pub struct Scratch {
     taut: bool,
     /// By how much of their length at rest tethers give way to bodies (dimensionless).
     give: f32,
-    /// Whether a body that moves much faster than the pins may meet the cloth in the frame to come.
+    /// Whether a body that cloth cannot stop moves much faster than the pins and may meet the cloth in the frame to come.
     driven: bool,
     /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
     borne: u32,
@@ -346,8 +346,10 @@ const DRIVEN: f32 = 0.4;
 /// How far a heavier body may press cloth in a substep, in the mean over what it touches, in edges at the strain limit beyond their length at rest
 /// (dimensionless): what springs cannot draw back in one the next adds to, and the cloth bears it no longer.
 const PRESSED: f32 = 0.25;
-/// The strain limit at the most that counts there (dimensionless): springs of what is elastic draw back no sooner.
+/// Largest strain limit that counts there (dimensionless): springs of what is elastic draw back no sooner.
 const ELASTIC: f32 = 0.1;
+/// Cosine of the angle to gravity within which what cloth gives a body is its own weight: 60°.
+const LIES: f32 = 0.5;
 
 /// Substeps that a cloth that nothing drives takes for a frame of `dt` [s].
 #[must_use]
@@ -376,8 +378,8 @@ impl Stepped<'_> {
         let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
         // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
         let haste = |body: &Body| {
-            let driven = DRIVEN * fabric.thickness;
-            let most = if mass(body).is_finite() { driven.max(self.pressed()) } else { driven };
+            let free = DRIVEN * fabric.thickness;
+            let most = if mass(body).is_finite() { free.max(self.most_pressed()) } else { free };
             (body.to.translation - body.from.translation - mean).length() / (count as f32 * most)
         };
         let drives = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
@@ -386,11 +388,13 @@ impl Stepped<'_> {
         }
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
+        let (low, high) = (low.min(low + mean) - fabric.thickness, high.max(high + mean) + fabric.thickness);
         for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| drives(body)) {
-            // What was near in the last frame, or comes in this one from afar.
-            if scratch.contacts.is_near(index) || body.sweeps(low - fabric.thickness, high + fabric.thickness) {
-                let most = if mass(body).is_finite() { &mut borne } else { &mut driven };
-                *most = (*most).max(haste(body).min(MOST_DRIVEN).ceil() as u32);
+            let (finite, times) = (mass(body).is_finite(), haste(body).min(MOST_DRIVEN).ceil() as u32);
+            // What cloth is to stop finds it in small steps already.
+            if body.sweeps(low, high) || (finite && scratch.contacts.is_near(index)) {
+                let most = if finite { &mut borne } else { &mut driven };
+                *most = (*most).max(times);
             }
         }
         (scratch.driven, scratch.borne) = (driven > 1, borne);
@@ -398,7 +402,7 @@ impl Stepped<'_> {
     }
 
     /// How far a heavier body may press the cloth in a substep [m].
-    fn pressed(&self) -> f32 {
+    fn most_pressed(&self) -> f32 {
         PRESSED * self.fabric.strain_limit.min(ELASTIC) * self.rest.mean_edge
     }
 
@@ -409,9 +413,10 @@ impl Stepped<'_> {
     }
 
     /// Finds out how many times as many substeps the cloth takes from now on for heavier bodies that lie on it: as the root of what they are heavier by,
-    /// from when one presses it too far until none is near. Not by how hard it is pressed: more substeps in cloth that is drawn out already throw it up.
+    /// from when one presses it too far, or as many as for the speed with which one came, until none is near. Not by how hard it is pressed: more substeps
+    /// in cloth that is drawn out already throw it up. What the cloth lies on, and presses down, is none of them.
     fn bear(&self, scratch: &mut Scratch) {
-        let (own, bound) = (self.mass(), self.pressed());
+        let (own, bound) = (self.mass(), self.most_pressed());
         let mut borne = 1;
         for (index, body) in self.input.bodies.iter().enumerate() {
             let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
@@ -424,7 +429,9 @@ impl Stepped<'_> {
             if count > 0.0 || scratch.contacts.is_near(index) {
                 borne = borne.max(scratch.borne);
             }
-            if push > bound * count {
+            let given = body.rigid.map_or(Vec3::ZERO, |slot| scratch.coupling.given(slot).linear);
+            let lies_on_it = given.dot(self.input.gravity) > LIES * given.length() * self.input.gravity.length();
+            if push > bound * count && !lies_on_it {
                 borne = borne.max(heavier.sqrt().min(MOST_DRIVEN).ceil() as u32);
             }
         }

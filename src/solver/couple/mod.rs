@@ -242,7 +242,8 @@ impl Coupling {
         })
     }
 
-    /// Mass of body `slot` [kg] along the axis along which it is least; infinite if cloth cannot move it.
+    /// Mass of body `slot` [kg] along the axis along which it is least, or the cloth's share of it where several give it something; infinite if cloth
+    /// cannot move it.
     pub(crate) fn mass(&self, slot: u32) -> f32 {
         self.slots.get(slot as usize).map_or(f32::INFINITY, |slot| slot.rigid.inverse_mass.max_element().recip())
     }
