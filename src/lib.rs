@@ -23,6 +23,7 @@ pub mod debug;
 mod diagnostics;
 pub mod solver;
 pub mod scenes;
+pub mod lab;
 
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,

@@ -187,6 +187,7 @@ impl ClothParticles {
             *x = at.extend(x.w);
             *old = *x;
         }
+        state.folds.clear();
         self.before.clear();
         self.display.reset();
         self.recovery.start(&self.state);

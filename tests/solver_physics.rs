@@ -23,7 +23,7 @@ fn vacuum(cloth: SceneCloth) -> Scene {
 }
 
 fn undamped() -> Fabric {
-    Fabric { damping: 0.0, drag: 0.0, ..fabric() }
+    Fabric { damping: 0.0, drag: 0.0, bend_hysteresis: 0.0, ..fabric() }
 }
 
 /// Frame lengths [s] that wander between 4 and 40 ms, the same in every run.

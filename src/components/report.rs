@@ -15,6 +15,9 @@ use crate::solver::rest::BuildReport;
 pub struct ClothReport {
     /// Substeps taken in the last frame.
     pub substeps: u32,
+    /// Substeps per second [Hz] from which this mesh drapes as its fabric does on a disk, within three points of its drape coefficient:
+    /// 7 m/s over the mean edge. With fewer it hangs limper, since one pass over springs cannot hold the membrane of a fine mesh.
+    pub drape_rate: f32,
     /// Largest edge length over rest length (dimensionless).
     pub worst_edge: f32,
     /// Mean edge length over rest length (dimensionless).

@@ -147,6 +147,8 @@ impl Recovery {
             *x = good.extend(if x.w.is_finite() { x.w } else { 0.0 });
             *old = *x;
         }
+        // Folds may have seen the bad state.
+        state.folds.clear();
     }
 }
 

@@ -36,6 +36,8 @@ const MARGIN: f32 = 0.005;
 const SLACK: f32 = 0.1;
 /// Bending stiffness that is as good as none [N·m].
 const LIMP: f32 = 1.0e-9;
+/// Curvature held by friction that is as good as none [1/m].
+const SLIPPERY: f32 = 0.01;
 /// Thinnest fabric [m].
 const THIN: f32 = 1.0e-4;
 
@@ -130,6 +132,7 @@ fn between(from: &Fabric, to: &Fabric, share: f32) -> Fabric {
         stretch_stiffness: go(from.stretch_stiffness, to.stretch_stiffness, SLACK),
         shear_stiffness: go(from.shear_stiffness, to.shear_stiffness, SLACK),
         bend_stiffness: go(from.bend_stiffness, to.bend_stiffness, LIMP),
+        bend_hysteresis: go(from.bend_hysteresis, to.bend_hysteresis, SLIPPERY),
         thickness: go(from.thickness, to.thickness, THIN),
         ..to.clone()
     }

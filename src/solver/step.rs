@@ -103,8 +103,6 @@ pub struct Scratch {
     borne: u32,
     /// For how long it was slow [s].
     slow_for: f32,
-    /// Substeps between those in which the factors of bending are for.
-    bend_every: u64,
     frame: Option<Frame>,
     /// Substep the factors were computed for [s]; 0: none yet.
     factors_for: f32,
@@ -183,9 +181,8 @@ impl Scratch {
 /// Wind forces are evaluated at least this often [Hz].
 const WIND_RATE: f32 = 60.0;
 
-/// Bending elements are solved once in this many substeps, with the impulse of as many; in every substep of a calm cloth, which the
-/// alternation would keep from rest.
-const BEND_EVERY: u64 = 2;
+/// Tethers are solved once in this many substeps; in every substep of a calm cloth, which the alternation would keep from rest.
+const TETHER_EVERY: u64 = 2;
 
 /// Root mean square of the speeds over a frame below which a cloth becomes calm [m/s]; at twice that it no longer is.
 const CALM_SPEED: f32 = 0.03;
@@ -276,6 +273,7 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     let longest =
         |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
     scratch.longest_edge = rest.topology.edges.iter().fold(0.0, longest).sqrt();
+    scratch.bends.update(&rest.bends, fabric, &rest.areas, &state.positions);
     scratch.factors_for = 0.0;
 }
 
@@ -323,8 +321,7 @@ struct Frame {
     strained: bool,
     taut: bool,
     calm: bool,
-    /// Substeps between those with bending, and drag [1/s].
-    bend_every: u64,
+    /// Drag [1/s].
     drag: f32,
     report: StepReport,
 }
@@ -452,20 +449,15 @@ impl Stepped<'_> {
         let h = dt / substeps as f32;
         if scratch.factors_for != h {
             scratch.springs.update(&rest.springs, fabric, &state.positions, h);
-            scratch.bend_every = 0;
             scratch.hubs.update(&rest.net, &state.positions);
             scratch.factors_for = h;
         }
         let calm = scratch.is_calm();
-        let bend_every = if calm { 1 } else { BEND_EVERY };
-        if scratch.bend_every != bend_every {
-            scratch.bends.update(&rest.bends, fabric.bend_stiffness, &state.positions, h * h * bend_every as f32);
-            scratch.bend_every = bend_every;
-        }
+        scratch.bends.fold(&rest.bends, fabric, &state.positions, &mut state.folds);
         if fabric.damping > 0.0 {
-            let Scratch { motion, bends, .. } = &mut *scratch;
+            let Scratch { motion, .. } = &mut *scratch;
             damp::note(&state.positions, &state.previous, motion);
-            bend::rub(&rest.bends, bends, fabric.bend_stiffness, dt, state.substep, motion);
+            bend::rub(&rest.bends, fabric, dt, state.substep, motion);
             damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
             damp::apply(&state.positions, motion, &mut state.previous);
         }
@@ -513,7 +505,6 @@ impl Stepped<'_> {
             strained,
             taut,
             calm,
-            bend_every,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
             report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
         });
@@ -556,11 +547,13 @@ impl Stepped<'_> {
         scratch.coupling.advance(h);
         scratch.coupling.place(anchors, s, x);
         scratch.pulls.solve(s, h, x);
-        // Turn about: tethers are at a bound, which holds for more than one substep. Both at once in a calm cloth.
-        if state.substeps.is_multiple_of(frame.bend_every) {
-            bend::solve(&rest.bends, &scratch.bends, x);
+        // Folds turn within a frame; in a calm cloth what lags behind would keep it from rest.
+        if frame.calm && n > 0 {
+            scratch.bends.fold(&rest.bends, fabric, x, &mut state.folds);
         }
-        if frame.calm || !state.substeps.is_multiple_of(frame.bend_every) {
+        scratch.bends.solve(&rest.bends, h, frame.calm, x);
+        // They are at a bound, which holds for more than one substep.
+        if frame.calm || !state.substeps.is_multiple_of(TETHER_EVERY) {
             scratch.tethers.solve(fabric.tether_scale + scratch.give, x);
         }
         if frame.strained {

@@ -15,6 +15,7 @@ use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::group::{self, Members};
 use crate::solver::recover::{Cause, Level};
+use crate::solver::settings::drape_rate;
 use crate::solver::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 
 type Stepping<'w, 's, 'a> = Query<
@@ -194,6 +195,7 @@ fn finish(
         scratch.fresh = true;
     }
     report.substeps = done.substeps;
+    report.drape_rate = drape_rate(rest.0.mean_edge);
     report.worst_edge = done.worst_edge;
     report.mean_edge = done.mean_edge;
     report.body_contacts = done.body_contacts;

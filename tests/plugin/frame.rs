@@ -208,6 +208,7 @@ fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
             stretch_stiffness: bad,
             shear_stiffness: bad,
             bend_stiffness: bad,
+            bend_hysteresis: bad,
             damping: bad,
             drag: bad,
             strain_limit: bad,

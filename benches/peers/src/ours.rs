@@ -6,9 +6,6 @@ use bevy_drape::solver::group::UntangleSettings;
 
 use crate::peer::{FRAME, Peer, Scene, Solved};
 
-/// Bending elements are solved once in this many substeps.
-const BEND_EVERY: u64 = 2;
-
 /// Tethers of a free particle: one to each group of touching pins, and no more than this.
 const TETHERS: u64 = 2;
 
@@ -42,7 +39,7 @@ impl Peer for Ours {
         for (cloth, sweeps) in self.scene.cloths.iter().zip(sweeps) {
             let substeps = u64::from(cloth.report.substeps);
             let springs = cloth.rest.springs.count as u64 * sweeps * substeps;
-            let bending = cloth.rest.bends.count as u64 * substeps / BEND_EVERY;
+            let bending = cloth.rest.bends.count as u64 * substeps;
             solved.springs += springs;
             solved.all += springs + bending + tethers(cloth) * substeps;
         }

@@ -6,7 +6,7 @@ const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<
     Setting::new(Part::Material, name, unit, Kind::Number(scale, field), tips)
 }
 
-pub(super) const MATERIAL: [Setting; 14] = [
+pub(super) const MATERIAL: [Setting; 15] = [
     row(
         "density",
         "kg/m²",
@@ -46,9 +46,20 @@ pub(super) const MATERIAL: [Setting; 14] = [
         Scale::real(0.0, 1.0).slider(1.0e-7, 1.0e-2).log(),
         |s| Some(&mut s.material.bend_stiffness),
         [
-            "Resistance to being bent. Silk 3e-6, shirt 1e-5, jeans 1e-4.",
+            "Resistance to being bent. Silk 1.5e-6, shirt 1.1e-5, jeans 6e-5.",
             "Crumples into folds as fine as the mesh.",
-            "Keeps its shape at rest; on fine meshes the solver caps it, see the substep rate.",
+            "Keeps its shape at rest.",
+        ],
+    ),
+    row(
+        "bend_hysteresis",
+        "1/m",
+        Scale::real(0.0, 1000.0).slider(1.0, 200.0).log(),
+        |s| Some(&mut s.material.bend_hysteresis),
+        [
+            "Curvature that the friction between yarns holds. Silk 18, wool 25, shirt 40.",
+            "Folds open all the way, and the cloth swings.",
+            "Stays as it was crumpled, like paper.",
         ],
     ),
     row(

@@ -19,6 +19,10 @@ use glam::{BVec4A, Mat4, Vec4};
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
 
+/// Stiffness of a diagonal over what `k = K · ΣA / L²` makes of the shear stiffness `G` (dimensionless): sheared by `γ`, the diagonal of a square of
+/// side `a` lengthens by `γ a / √2`, and stores the `½ G γ² a²` of the square with `k = 2 G`, where `ΣA / L²` is ½.
+const DIAGONAL: f32 = 4.0;
+
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpringFactors {
@@ -46,8 +50,8 @@ impl SpringFactors {
             let weights = |ends: [u32; LANES]| Vec4::from_array(ends.map(|i| positions[i as usize].w));
             let (wa, wb) = (weights(springs.a[k]), weights(springs.b[k]));
             let w = wa + wb;
-            let membrane =
-                Vec4::splat(fabric.stretch_stiffness) + springs.shear[k] * (fabric.shear_stiffness - fabric.stretch_stiffness);
+            let shear = DIAGONAL * fabric.shear_stiffness;
+            let membrane = Vec4::splat(fabric.stretch_stiffness) + springs.shear[k] * (shear - fabric.stretch_stiffness);
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
             let some = w.max(Vec4::splat(f32::MIN_POSITIVE));
             self.give.push(w / (w + (stiffness * h * h).recip()));

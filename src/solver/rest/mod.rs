@@ -102,7 +102,6 @@ impl RestShape {
                 .map(|c| if c == NONE { NONE } else { number[c as usize] })
                 .collect(),
             springs: Springs::new(&topology, &positions),
-            bends: Bends::new(&topology, &positions),
             ..Self::default()
         };
         for face in &topology.faces {
@@ -111,6 +110,7 @@ impl RestShape {
                 shape.areas[p as usize] += (b - a).cross(c - a).length() / 6.0;
             }
         }
+        shape.bends = Bends::new(&topology, &positions, &shape.areas);
         let length: f64 =
             topology.edges.iter().map(|e| f64::from(positions[e[0] as usize].distance(positions[e[1] as usize]))).sum();
         shape.mean_edge = (length / topology.edges.len() as f64) as f32;
@@ -172,7 +172,7 @@ impl RestShape {
             + size_of_val(&self.net.around[..])
             + size_of_val(&self.net.weights[..])
             + self.net.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
-            + self.bends.rest.len() * (size_of::<[[u32; 4]; LANES]>() + 6 * 16)
+            + self.bends.bytes()
     }
 }
 

@@ -52,11 +52,11 @@ impl Springs {
                 around / length(e).powi(2)
             })));
             springs.shear.push(Vec4::from_array(batch.map(|e| {
-                let diagonal = topology.edge_faces[e as usize].iter().all(|&f| {
-                    f != NONE
-                        && topology.face_edges[f as usize]
-                            .iter()
-                            .all(|&other| other == e || length(e) > DIAGONAL_RATIO * length(other))
+                // A border may cut quads in half.
+                let diagonal = topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE).all(|&f| {
+                    topology.face_edges[f as usize]
+                        .iter()
+                        .all(|&other| other == e || length(e) > DIAGONAL_RATIO * length(other))
                 });
                 f32::from(u8::from(diagonal))
             })));
