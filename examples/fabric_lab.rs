@@ -14,7 +14,7 @@ use clap::Parser;
 #[derive(Parser)]
 struct Args {
     /// Edges of the specimens of the drape test [m].
-    #[arg(long, default_value_t = 0.0075)]
+    #[arg(long, default_value_t = 0.0075, value_parser = edge)]
     edge: f32,
     /// Substeps per second of the drape test [Hz]; as many as the mesh needs without.
     #[arg(long)]
@@ -31,6 +31,12 @@ struct Args {
     /// Folder for the draped specimens, as OBJ.
     #[arg(long)]
     out: Option<PathBuf>,
+}
+
+/// An edge that a specimen of 0.3 m can be cut into.
+fn edge(text: &str) -> Result<f32, String> {
+    let edge: f32 = text.parse().map_err(|e: core::num::ParseFloatError| e.to_string())?;
+    if (0.001..=0.05).contains(&edge) { Ok(edge) } else { Err("an edge is 0.001 to 0.05 m".into()) }
 }
 
 #[expect(clippy::print_stdout, reason = "its output")]

@@ -15,9 +15,12 @@ use crate::solver::rest::BuildReport;
 pub struct ClothReport {
     /// Substeps taken in the last frame.
     pub substeps: u32,
-    /// Substeps per second [Hz] from which this mesh drapes as its fabric does on a disk, within three points of its drape coefficient:
-    /// 7 m/s over the mean edge. With fewer it hangs limper, since one pass over springs cannot hold the membrane of a fine mesh.
+    /// Substeps per second [Hz] from which cotton on this mesh drapes on a disk as cotton does, within three points of its drape coefficient:
+    /// 7 m/s over the mean edge. With fewer any fabric hangs limper, since one pass over springs cannot hold the membrane of a fine mesh.
     pub drape_rate: f32,
+    /// Share of the bending stiffness that the substeps of the last frame held (dimensionless): less than 1 where the mesh is very fine for them, or the
+    /// fabric very stiff. A higher [`substep_rate`](crate::ClothSolver::substep_rate) holds more.
+    pub bend_held: f32,
     /// Largest edge length over rest length (dimensionless).
     pub worst_edge: f32,
     /// Mean edge length over rest length (dimensionless).

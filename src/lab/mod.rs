@@ -21,7 +21,7 @@ pub const FRAME_RATE: f32 = 60.0;
 /// Speed below which a specimen lies still [m/s].
 pub const STILL: f32 = 1.0e-3;
 
-/// Drape coefficient that each preset is to show [%], within 5: of measured fabrics of that name, but rubber, of theory.
+/// Drape coefficient that each preset is to show [%], within 5: of measured fabrics of that name; that of rubber is theory, and shows less on coarse meshes.
 pub const DRAPES: [(&str, f32); 7] = [
     ("cotton", 65.0),
     ("silk", 35.0),
@@ -50,7 +50,7 @@ pub fn rate(edge: f32) -> f32 {
 /// A cloth held at the vertices `pins`, alone in still air.
 fn specimen(mesh: &SourceMesh, fabric: &Fabric, pins: &[u32], substep_rate: f32) -> Scene {
     let rest = RestShape::build(mesh).map(|(rest, _)| rest).unwrap_or_default();
-    // Where it comes to rest does not depend on how soon.
+    // So that it comes to rest soon.
     let fabric = Fabric { drag: fabric.drag.max(DRAG), ..fabric.clone() };
     let mut cloth = SceneCloth::new(Arc::new(rest), fabric, Vec3::ZERO, pins);
     cloth.stepping.substep_rate = substep_rate;

@@ -66,6 +66,8 @@ pub enum Level {
 #[derive(Clone, Debug, Default)]
 pub struct Recovery {
     good: Vec<Vec3>,
+    /// What [`ClothState::folds`] were with it.
+    folds: Vec<Vec4>,
     restores: u32,
     /// Restores, less what good frames since have forgiven.
     weary: f32,
@@ -124,6 +126,7 @@ impl Recovery {
             return Some((Level::LastGood, cause));
         }
         (self.restores, self.weary) = (0, 0.0);
+        self.folds.clear();
         let now = state.time;
         self.resets.retain(|&at| now - at <= WINDOW);
         self.resets.push_back(now);
@@ -139,6 +142,7 @@ impl Recovery {
     fn remember(&mut self, state: &ClothState) {
         self.good.clear();
         self.good.extend(state.positions.iter().map(|x| x.truncate()));
+        self.folds.clone_from(&state.folds);
     }
 
     fn put_back(&self, state: &mut ClothState) {
@@ -147,8 +151,7 @@ impl Recovery {
             *x = good.extend(if x.w.is_finite() { x.w } else { 0.0 });
             *old = *x;
         }
-        // Folds may have seen the bad state.
-        state.folds.clear();
+        state.folds.clone_from(&self.folds);
     }
 }
 

@@ -15,7 +15,7 @@ pub struct Fabric {
     /// range 0 to 1.
     pub bend_stiffness: f32,
     /// Curvature that the friction between yarns holds [1/m]: the moment of hysteresis over the stiffness, `HB / B` (2HB and B of Kawabata 1980).
-    /// Default 0, range 0 to 1000. Folds tighter than that stay that tight; 0: they open all the way, and swing.
+    /// Default 0, range 0 to 1000. What was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most; 0: folds open all the way, and swing.
     pub bend_hysteresis: f32,
     /// Damping of the springs [1/s]: rate at which stretching velocity decays. Default 2, range 0 to 1000.
     pub damping: f32,
@@ -76,7 +76,7 @@ impl Default for Fabric {
 /// coefficient of cotton on a disk of 9 cm falls by more than three points, on edges of 5 to 15 mm.
 const DRAPE_SPEED: f32 = 7.0;
 
-/// Substeps per second [Hz] from which a mesh with edges of `mean_edge` [m] drapes as its fabric does; it hangs limper with fewer.
+/// Substeps per second [Hz] from which cotton on a mesh with edges of `mean_edge` [m] drapes as cotton does; any fabric hangs limper with fewer.
 #[must_use]
 pub fn drape_rate(mean_edge: f32) -> f32 {
     DRAPE_SPEED / mean_edge

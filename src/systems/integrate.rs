@@ -196,6 +196,7 @@ fn finish(
     }
     report.substeps = done.substeps;
     report.drape_rate = drape_rate(rest.0.mean_edge);
+    report.bend_held = done.bend_held;
     report.worst_edge = done.worst_edge;
     report.mean_edge = done.mean_edge;
     report.body_contacts = done.body_contacts;

@@ -35,7 +35,7 @@ pub(super) const MATERIAL: [Setting; 15] = [
         Scale::real(0.0, 1.0e7).slider(1.0, 1.0e5).log(),
         |s| Some(&mut s.material.shear_stiffness),
         [
-            "Stiffness across the diagonals of the weave.",
+            "Stiffness against shearing: force per metre of width at an angle of one radian. Woven cloth has 20 to 200.",
             "Quads shear freely: drapes finely, but a square may hang as a diamond.",
             "Folds like paper or leather instead of draping.",
         ],

@@ -20,6 +20,11 @@
 //! ```text
 //! M = B (κ - κ_rest) + GRIP · B (κ - κ_set)        |κ - κ_set| <= κ_y
 //! ```
+//!
+//! Flat cloth that was pressed to `κ_p` and is let go stays at `(κ_p - κ_y) / 2`, but at `κ_y = HB / B` at most, from `κ_p = 3 κ_y` on.
+//!
+//! What keeps the curvature points where it did when it was found, once a frame: cloth that turns by a large angle in a frame is braked by it, the more
+//! the stiffer and the more bent it is.
 
 use glam::{BVec4A, Mat4, Vec4};
 
@@ -37,14 +42,14 @@ const SWING: f32 = 1.353;
 /// Most stages in a substep: what needs more is made softer, and [`BendFactors::held`] tells.
 const MOST_STAGES: u32 = 32;
 
+/// Share of the reach of the most stages that is made use of (dimensionless): the eigenvalue is an estimate, and beyond the reach they grow without bound.
+const WITHIN: f32 = 0.9;
+
 /// Curvature that friction holds in any cloth [1/m], far less than measured in any: 0, and it trembles for long; much more, and folds creep to their place.
 const TREMBLE: f32 = 4.0;
 
 /// Share of a rate that one element may take (dimensionless), since elements overlap.
 const RUB_SHARE: f32 = 0.25;
-
-/// By how much farther than the largest eigenvalue the polynomial of a calm cloth reaches (dimensionless).
-const CALM_REACH: f32 = 4.0;
 
 /// Share of the curvature that friction holds below which an element counts as flat (dimensionless).
 const FLAT: f32 = 0.1;
@@ -56,8 +61,12 @@ const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 pub struct BendFactors {
     /// `(1 + GRIP) B` [N·m].
     stiffness: f32,
-    /// Bound of the eigenvalues of `W K` [1/s²].
+    /// Largest eigenvalue of `W K` [1/s²], an estimate.
     fastest: f32,
+    /// Largest eigenvalue of `h² W K` that the most stages hold.
+    most: f32,
+    /// The polynomial for an eigenvalue of `h² W K`.
+    chosen: Option<(f32, Polynomial)>,
     /// `f` [N], what keeps the curvature at rest and folds; empty where nothing does.
     folds: Vec<Vec4>,
     /// `r` [m].
@@ -106,13 +115,14 @@ impl BendFactors {
         // A pin on a light body may be lighter than the cloth around it.
         let lightest = positions.iter().zip(areas).map(|(x, area)| x.w * fabric.density * area).fold(1.0, f32::max);
         self.fastest = self.stiffness / fabric.density * bends.fastest * lightest;
+        self.most = WITHIN * Polynomial::new(MOST_STAGES).reach;
     }
 
     /// Share of the stiffness that substeps of `h` [s] hold (dimensionless): 1, unless the mesh is very fine for them.
     #[must_use]
     pub fn held(&self, h: f32) -> f32 {
-        // NaN, of a cloth that does not bend, is not less than 1.
-        (Polynomial::new(MOST_STAGES).reach / (h * h * self.fastest)).min(1.0)
+        // Nothing to hold is infinitely much of it.
+        (self.most / (h * h * self.fastest)).min(1.0)
     }
 
     /// Finds what keeps the curvature at rest, and folds, where the cloth is now; once a frame. `set`: the curvature [1/m] from which friction holds each
@@ -120,11 +130,12 @@ impl BendFactors {
     pub fn fold(&mut self, bends: &Bends, fabric: &Fabric, positions: &[Vec4], set: &mut Vec<Vec4>) {
         self.folds.clear();
         let grip = grip(fabric);
-        if grip == 0.0 && bends.is_flat {
+        if self.stiffness == 0.0 || (grip == 0.0 && bends.is_flat) {
             set.clear();
             return;
         }
-        if set.len() != bends.rest.len() {
+        // Without friction it follows the cloth, and is not kept.
+        if grip == 0.0 || set.len() != bends.rest.len() {
             set.clone_from(&bends.rest);
         }
         self.folds.resize(positions.len(), Vec4::ZERO);
@@ -155,15 +166,19 @@ impl BendFactors {
         }
     }
 
-    /// Bends the cloth in a substep of `h` [s]; `calm`: with more stages than are stable, so that nothing swings from substep to substep.
-    pub fn solve(&mut self, bends: &Bends, h: f32, calm: bool, positions: &mut [Vec4]) {
+    /// Bends the cloth in a substep of `h` [s].
+    pub fn solve(&mut self, bends: &Bends, h: f32, positions: &mut [Vec4]) {
         let fastest = h * h * self.fastest;
         if !(fastest > 0.0) {
             return;
         }
-        let Polynomial { stages, w0, w1, reach } = Polynomial::reaching(if calm { CALM_REACH * fastest } else { fastest });
-        // More than it can hold is made softer.
-        let hh = h * h * (reach / fastest).min(1.0);
+        let polynomial = match self.chosen {
+            Some((of, polynomial)) if of == fastest => polynomial,
+            _ => Polynomial::reaching(fastest),
+        };
+        self.chosen = Some((fastest, polynomial));
+        let Polynomial { stages, w0, w1, .. } = polynomial;
+        let hh = h * h * self.held(h);
         let hhb = hh * self.stiffness;
         let matrix = &bends.matrix;
         let Self { folds, residual, moves: [moves, before], .. } = self;
@@ -359,7 +374,7 @@ mod tests {
             factors.update(&rest.bends, &fabric, &rest.areas, &x);
             for _ in 0..100 {
                 factors.fold(&rest.bends, &fabric, &x, &mut set);
-                factors.solve(&rest.bends, 1.0 / 360.0, false, &mut x);
+                factors.solve(&rest.bends, 1.0 / 360.0, &mut x);
             }
             let moved = x.iter().zip(&before).map(|(a, b)| (*a - *b).truncate().length()).fold(0.0, f32::max);
             assert!(moved < 1.0e-5, "turned by {turn}, friction {bend_hysteresis}/m: moved by {moved} m");
@@ -385,7 +400,7 @@ mod tests {
             let mut x = lay(r);
             factors.fold(&rest.bends, &fabric, &x, &mut set.to_vec());
             let before = x.clone();
-            factors.solve(&rest.bends, 1.0e-4, false, &mut x);
+            factors.solve(&rest.bends, 1.0e-4, &mut x);
             x.iter().zip(&before).map(|(x, old)| (*x - *old).truncate().length_squared()).sum()
         };
         let radii: Vec<f32> = (0..60).map(|k| 0.006 * 1.05f32.powi(k)).collect();
