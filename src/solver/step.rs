@@ -691,9 +691,15 @@ fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: 
     scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
     // A cloth that is stretched as a whole would be crumpled.
     if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.leash.is_empty() {
+        let worst = spring::strain(&rest.springs, x).0;
+        scratch.displaced.clone_from(x);
         scratch.leash.solve(rest, bound, x);
         // Each particle was drawn to the last of its neighbours: even that out.
         scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
+        // Where what was drawn to one pin meets what was drawn to another, it does not fit.
+        if spring::strain(&rest.springs, x).0 > worst {
+            x.clone_from(&scratch.displaced);
+        }
     }
     // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked for.
     let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
