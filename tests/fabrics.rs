@@ -86,6 +86,32 @@ fn a_strip_bends_as_theory_says_in_three_directions_at_any_stiffness() {
     }
 }
 
+#[test]
+fn a_strip_along_the_warp_bends_as_much_less_as_is_asked() {
+    for (ratio, cut) in [(1.6_f32, Cut::Straight), (2.3, Cut::Straight), (0.5, Cut::Alternating), (2.3, Cut::Alternating)] {
+        let along = |warp_angle| {
+            let fabric = Fabric { bend_ratio: ratio, warp_angle, bend_hysteresis: 0.0, ..preset("cotton") };
+            cantilever::test(&fabric, 10, cut, lab::rate(0.2 * bending_length(&fabric)))
+        };
+        let (warp, weft) = (along(0.0), along(core::f32::consts::FRAC_PI_2));
+        assert!(
+            (warp / weft / ratio.cbrt() - 1.0).abs() < 0.08,
+            "{ratio}, {cut:?}: {warp} m along the warp, {weft} m along the weft"
+        );
+    }
+}
+
+#[test]
+fn triangles_of_all_shapes_drape_as_even_ones_do() {
+    for name in ["silk", "cotton", "denim"] {
+        let seen = [drape::grid(0.01, 0.0, true), drape::irregular(0.01, 1), drape::irregular(0.01, 2)]
+            .each_ref()
+            .map(|mesh| coefficient(mesh, 0.01, &preset(name)));
+        let spread = seen.iter().copied().fold(0.0, f32::max) - seen.iter().copied().fold(100.0, f32::min);
+        assert!(spread < 5.0, "{name}: {seen:?}");
+    }
+}
+
 /// A strip along the threads relaxes sideways and is a little softer than its stiffness: 8 % in the length of the loop.
 #[test]
 fn a_heart_loop_is_as_long_as_theory_says() {

@@ -75,7 +75,8 @@ fn a_pendulum_swings_with_the_period_of_theory() {
     // A triangle hinged along one side is a point mass on a rod of its height.
     let (length, angle) = (0.8f32, 0.1f32);
     let tip = vec3(length * angle.sin(), -length * angle.cos(), 0.0);
-    let mesh = SourceMesh { positions: vec![vec3(0.0, 0.0, -0.5), vec3(0.0, 0.0, 0.5), tip], triangles: vec![[0, 1, 2]] };
+    let positions = vec![vec3(0.0, 0.0, -0.5), vec3(0.0, 0.0, 0.5), tip];
+    let mesh = SourceMesh { positions, triangles: vec![[0, 1, 2]], ..SourceMesh::default() };
     let rest = build(&mesh);
     let mut weights = [0.0; 3];
     weights[rest.particle_of_vertex[2] as usize] = 1.0;

@@ -33,6 +33,7 @@ impl RestCache {
         let mesh = SourceMesh {
             positions: authored.positions.iter().map(|&p| bake * p).collect(),
             triangles: authored.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] }).collect(),
+            uvs: authored.uvs.clone(),
         };
         let (shape, report) = RestShape::build(&mesh)?;
         let shape = Arc::new(shape);

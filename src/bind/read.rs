@@ -12,6 +12,8 @@ pub(crate) struct Authored {
     pub positions: Vec<Vec3>,
     /// Corners of its triangles; indices may be past the end.
     pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates, `Mesh::ATTRIBUTE_UV_0`; empty without.
+    pub uvs: Vec<Vec2>,
 }
 
 /// Triangle lists and strips, indexed or not; anything else is an error.
@@ -50,7 +52,11 @@ pub(crate) fn read(mesh: &Mesh) -> Result<Authored, ClothError> {
         (_, Some(indices)) => list(indices.iter().map(|i| i as u32)),
         (_, None) => list((0..positions.len()).map(|i| i as u32)),
     };
-    Ok(Authored { positions, triangles })
+    let uvs = match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0) {
+        Ok(VertexAttributeValues::Float32x2(uvs)) => uvs.iter().map(|&uv| Vec2::from(uv)).collect(),
+        _ => Vec::new(),
+    };
+    Ok(Authored { positions, triangles, uvs })
 }
 
 /// Why mesh data cannot be read, and what helps.

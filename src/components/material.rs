@@ -1,5 +1,7 @@
 //! What a cloth is made of.
 
+use core::f32::consts::PI;
+
 use bevy::prelude::*;
 
 use super::checked::Checked;
@@ -37,6 +39,16 @@ pub struct ClothMaterial {
     /// rest. Held down to edges of a few millimetres, see [`ClothReport::bend_held`](crate::ClothReport::bend_held); how a fabric drapes also takes a membrane that gives way little, see
     /// [`ClothReport::drape_rate`](crate::ClothReport::drape_rate).
     pub bend_stiffness: f32,
+    /// Stretch stiffness along the warp over that along the weft (dimensionless); `stretch_stiffness` is their mean. Default 1, range 0.1 to 10. The warp
+    /// runs along `v` of the mesh's texture coordinates (`Mesh::ATTRIBUTE_UV_0`), the weft along `u`; without coordinates there is none, and a warning.
+    pub stretch_ratio: f32,
+    /// Bending stiffness along the warp over that along the weft (dimensionless); `bend_stiffness` is their mean. Default 1, range 0.1 to 10; woven fabrics
+    /// have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their bending length; equilateral triangles up to a ratio of 3; squares
+    /// cut in four at 45° to the threads not at all.
+    pub bend_ratio: f32,
+    /// Angle by which the warp is turned from `v` towards `u` of the texture [rad], as a piece is cut. Default 0, range -π to π; π / 4 is cut on the bias.
+    /// A mirrored texture has it mirrored, like a left sleeve beside a right one.
+    pub warp_angle: f32,
     /// Curvature that the friction between its yarns holds [1/m], `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0 to 1000; silk 18, wool 25, cotton
     /// 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most, and cloth stops at once; 0: folds open all the way, and it
     /// swings. More than 0 makes it twice as stiff where it begins to bend.
@@ -78,6 +90,9 @@ impl ClothMaterial {
         stretch_stiffness: 2000.0,
         shear_stiffness: 50.0,
         bend_stiffness: 1.0e-5,
+        stretch_ratio: 1.0,
+        bend_ratio: 1.0,
+        warp_angle: 0.0,
         bend_hysteresis: 0.0,
         damping: 2.0,
         drag: 0.1,
@@ -97,6 +112,7 @@ impl ClothMaterial {
         stretch_stiffness: 12_000.0,
         shear_stiffness: 85.0,
         bend_stiffness: 1.1e-5,
+        bend_ratio: 1.6,
         bend_hysteresis: 40.0,
         strain_limit: 0.05,
         thickness: 0.005,
@@ -111,6 +127,7 @@ impl ClothMaterial {
         stretch_stiffness: 9_000.0,
         shear_stiffness: 22.0,
         bend_stiffness: 1.55e-6,
+        bend_ratio: 1.4,
         bend_hysteresis: 18.0,
         damping: 1.0,
         strain_limit: 0.05,
@@ -126,6 +143,7 @@ impl ClothMaterial {
         stretch_stiffness: 8_000.0,
         shear_stiffness: 40.0,
         bend_stiffness: 1.25e-5,
+        bend_ratio: 1.4,
         bend_hysteresis: 25.0,
         damping: 3.0,
         strain_limit: 0.06,
@@ -141,6 +159,7 @@ impl ClothMaterial {
         stretch_stiffness: 20_000.0,
         shear_stiffness: 190.0,
         bend_stiffness: 6.5e-5,
+        bend_ratio: 2.3,
         bend_hysteresis: 35.0,
         damping: 4.0,
         strain_limit: 0.03,
@@ -208,6 +227,9 @@ impl ClothMaterial {
             "stretch_stiffness" => &mut self.stretch_stiffness,
             "shear_stiffness" => &mut self.shear_stiffness,
             "bend_stiffness" => &mut self.bend_stiffness,
+            "stretch_ratio" => &mut self.stretch_ratio,
+            "bend_ratio" => &mut self.bend_ratio,
+            "warp_angle" => &mut self.warp_angle,
             "bend_hysteresis" => &mut self.bend_hysteresis,
             "damping" => &mut self.damping,
             "drag" => &mut self.drag,
@@ -221,6 +243,11 @@ impl ClothMaterial {
             "lift_coefficient" => &mut self.lift_coefficient,
             _ => return None,
         })
+    }
+
+    /// Whether it is stiffer along one direction of the texture than along another.
+    pub(crate) fn is_directed(&self) -> bool {
+        self.stretch_ratio != 1.0 || self.bend_ratio != 1.0
     }
 
     /// What the solver sees, numbers out of range clamped.
@@ -237,6 +264,9 @@ impl ClothMaterial {
             stretch_stiffness: checked.within("stretch_stiffness", self.stretch_stiffness, base.stretch_stiffness, 0.0, 1.0e7),
             shear_stiffness: checked.within("shear_stiffness", self.shear_stiffness, base.shear_stiffness, 0.0, 1.0e7),
             bend_stiffness: checked.within("bend_stiffness", self.bend_stiffness, base.bend_stiffness, 0.0, 1.0),
+            stretch_ratio: checked.within("stretch_ratio", self.stretch_ratio, base.stretch_ratio, 0.1, 10.0),
+            bend_ratio: checked.within("bend_ratio", self.bend_ratio, base.bend_ratio, 0.1, 10.0),
+            warp_angle: checked.within("warp_angle", self.warp_angle, base.warp_angle, -PI, PI),
             bend_hysteresis: checked.within("bend_hysteresis", self.bend_hysteresis, base.bend_hysteresis, 0.0, 1000.0),
             damping: checked.within("damping", self.damping, base.damping, 0.0, 1000.0),
             drag: checked.within("drag", self.drag, base.drag, 0.0, 100.0),

@@ -108,13 +108,15 @@ pub struct ClothBuildReport {
     pub duplicate: u32,
     /// Vertices that no simulated triangle uses; they ride on the nearest particle.
     pub isolated: u32,
+    /// Triangles simulated whose texture coordinates tell no direction of the threads: all of them without coordinates.
+    pub without_warp: u32,
     /// Pins that name a vertex the mesh does not have; ignored.
     pub bad_pins: Vec<u32>,
 }
 
 impl ClothBuildReport {
     pub(crate) fn new(report: &BuildReport) -> Self {
-        let BuildReport { vertices, particles, faces, out_of_range, degenerate, duplicate, isolated } = *report;
+        let BuildReport { vertices, particles, faces, out_of_range, degenerate, duplicate, isolated, without_warp } = *report;
         let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         Self {
             vertices: count(vertices),
@@ -124,6 +126,7 @@ impl ClothBuildReport {
             degenerate: count(degenerate),
             duplicate: count(duplicate),
             isolated: count(isolated),
+            without_warp: count(without_warp),
             bad_pins: Vec::new(),
         }
     }

@@ -5,7 +5,7 @@
 //!                      '-.       is 2 c; other overhangs by the elastica, solved once
 //! ```
 
-use glam::{Vec3, vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles, vec2, vec3};
 
 use super::{FRAME_RATE, bending_length, settle, specimen};
 use crate::solver::rest::SourceMesh;
@@ -52,7 +52,7 @@ pub fn test(fabric: &Fabric, cells: u32, cut: Cut, substep_rate: f32) -> f32 {
     (end - clamp) / (l0 + (l1 - l0) * (angle - a0) / (a1 - a0))
 }
 
-/// A strip along x of `columns` by `rows` squares of side `edge` [m].
+/// A strip along x of `columns` by `rows` squares of side `edge` [m], its warp along x, or at 45° to it, as it is cut.
 pub(super) fn strip(columns: u32, rows: u32, edge: f32, cut: Cut) -> SourceMesh {
     let mut mesh = SourceMesh::default();
     let at = |i: f32, j: f32| vec3(i * edge, 0.0, (j - 0.5 * rows as f32) * edge);
@@ -72,5 +72,7 @@ pub(super) fn strip(columns: u32, rows: u32, edge: f32, cut: Cut) -> SourceMesh 
             _ => mesh.triangles.extend([[a, b, c], [b, d, c]]),
         }
     }
+    let way = Vec2::from_angle(if cut == Cut::Bias { core::f32::consts::FRAC_PI_4 } else { 0.0 });
+    mesh.uvs = mesh.positions.iter().map(|x| vec2(way.perp().dot(x.xz()), way.dot(x.xz()))).collect();
     mesh
 }

@@ -8,7 +8,7 @@
 
 use core::f32::consts::TAU;
 
-use glam::{Vec2, Vec3, vec2, vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles, vec2, vec3};
 
 use super::{FRAME_RATE, rate, settle, specimen};
 use crate::scenes::Scene;
@@ -218,7 +218,7 @@ fn peaks(radius: &[f32], prominence: f32) -> u32 {
     count
 }
 
-/// A disk of radius [`SPECIMEN`] in rings, of triangles with edges of about `edge` [m], one ring at [`DISK`].
+/// A disk of radius [`SPECIMEN`] in rings, its warp along z, of triangles with edges of about `edge` [m], one ring at [`DISK`].
 #[must_use]
 pub fn rings(edge: f32) -> SourceMesh {
     let inner = (DISK / edge).round().max(1.0) as u32;
@@ -256,10 +256,11 @@ pub fn rings(edge: f32) -> SourceMesh {
         }
         before = (start, count);
     }
+    mesh.uvs = mesh.positions.iter().map(|p| p.xz()).collect();
     mesh
 }
 
-/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` [m], turned by `angle` [rad]; diagonals all one way, or turn about.
+/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` [m], turned by `angle` [rad], its warp with it; diagonals all one way, or turn about.
 /// Vertices near the rim and near the edge of the disk are moved onto them.
 #[must_use]
 pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
@@ -290,6 +291,40 @@ pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
         let first = whole(&cuts[turned]);
         mesh.triangles.extend(if first.is_empty() { whole(&cuts[1 - turned]) } else { first });
     }
+    mesh.uvs = mesh.positions.iter().map(|p| Vec2::from_angle(-angle).rotate(p.xz())).collect();
+    mesh
+}
+
+/// The disk of [`grid`] with its vertices shaken by up to 0.3 edges, those on the circles along them, and each quad cut along its shorter diagonal: no two
+/// triangles are alike.
+#[must_use]
+pub fn irregular(edge: f32, seed: u64) -> SourceMesh {
+    const SHAKEN: f32 = 0.3;
+    let mut mesh = grid(edge, 0.0, false);
+    let mut rng = fastrand::Rng::with_seed(seed);
+    for p in &mut mesh.positions {
+        let r = p.length();
+        let way = Vec2::new(2.0 * rng.f32() - 1.0, 2.0 * rng.f32() - 1.0) * (SHAKEN * edge);
+        *p += vec3(way.x, 0.0, way.y);
+        if let Some(circle) = [DISK, SPECIMEN].into_iter().find(|circle| (r - circle).abs() < 1.0e-5) {
+            *p *= circle / p.length();
+        }
+    }
+    // Two halves of a quad follow each other.
+    let mut k = 0;
+    while k + 1 < mesh.triangles.len() {
+        let ([a, b, c], [b2, d, c2]) = (mesh.triangles[k], mesh.triangles[k + 1]);
+        let at = |v: u32| mesh.positions[v as usize];
+        if (b, c) == (b2, c2) {
+            if at(a).distance(at(d)) < at(b).distance(at(c)) {
+                mesh.triangles[k] = [a, b, d];
+                mesh.triangles[k + 1] = [a, d, c];
+            }
+            k += 1;
+        }
+        k += 1;
+    }
+    mesh.uvs = mesh.positions.iter().map(|p| p.xz()).collect();
     mesh
 }
 
@@ -333,7 +368,7 @@ mod tests {
 
     #[test]
     fn every_mesh_covers_the_specimen_and_has_vertices_on_the_edge_of_the_disk() {
-        let meshes = [rings(0.01), grid(0.01, 0.3, false), grid(0.0075, 0.0, true)];
+        let meshes = [rings(0.01), grid(0.01, 0.3, false), grid(0.0075, 0.0, true), irregular(0.01, 1)];
         for mesh in &meshes {
             let flat = Drape::of(&mesh.positions, &mesh.triangles);
             assert!((flat.coefficient - 100.0).abs() < 4.0, "{flat:?}");

@@ -55,7 +55,7 @@ mod tests {
         let positions = positions.map(|(u, v)| Vec3::new(u, 0.7 * v, (0.8 * u).sin())).collect();
         let triangles =
             (0..6).flat_map(|i| (0..4).map(move |j| 5 * i + j)).flat_map(|a| [[a, a + 1, a + 5], [a + 1, a + 6, a + 5]]);
-        let mesh = SourceMesh { positions, triangles: triangles.collect() };
+        let mesh = SourceMesh { positions, triangles: triangles.collect(), ..SourceMesh::default() };
         let (rest, _) = RestShape::build(&mesh).expect("a sheet");
         let turn = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 2.0);
         let there: Vec<Vec4> = rest.positions.iter().map(|p| (turn * p.as_dvec3() + DVec3::Y).as_vec3().extend(1.0)).collect();

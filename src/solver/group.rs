@@ -293,6 +293,14 @@ impl Group {
         self.note_start(cloths);
         let crowded = !self.contacts.is_empty();
         for part in 0..parts {
+            let range = self.surface.parts[part].particles.clone();
+            let own = |p: u32| range.contains(&p).then(|| p - range.start);
+            if let Some(m) = cloths.member(part) {
+                if !self.contours().is_empty() {
+                    m.scratch.leave_air();
+                }
+                m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
+            }
             if let Some(m) = cloths.member(part)
                 && let Some(report) = m.cloth.finish(crowded, m.state, m.scratch)
             {

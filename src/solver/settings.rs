@@ -14,6 +14,14 @@ pub struct Fabric {
     /// Bending stiffness `B` [N·m]: moment per unit of width and curvature, of the quadratic isometric model (Bergou et al. 2006). Default 1e-5,
     /// range 0 to 1.
     pub bend_stiffness: f32,
+    /// Stretch stiffness along the warp over that along the weft (dimensionless), [`stretch_stiffness`](Self::stretch_stiffness) being their mean. Default 1,
+    /// range 0.1 to 10. Without texture coordinates that tell the warp nothing.
+    pub stretch_ratio: f32,
+    /// Bending stiffness along the warp over that along the weft (dimensionless), [`bend_stiffness`](Self::bend_stiffness) being their mean. Default 1,
+    /// range 0.1 to 10. Without texture coordinates that tell the warp nothing.
+    pub bend_ratio: f32,
+    /// Angle of the warp from `v` towards `u` of the texture [rad], as a piece is cut. Default 0, range -π to π.
+    pub warp_angle: f32,
     /// Curvature that the friction between yarns holds [1/m]: the moment of hysteresis over the stiffness, `HB / B` (2HB and B of Kawabata 1980).
     /// Default 0, range 0 to 1000. What was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most; 0: folds open all the way, and swing.
     pub bend_hysteresis: f32,
@@ -42,11 +50,13 @@ pub struct Fabric {
 
 impl Fabric {
     /// What masses and factors of constraints are made of: density [kg/m²], stiffness against stretch and shear [N/m], and against bending
-    /// [N·m], and whether yarns rub (0 or 1). While these stay, [`prepare`](super::step::prepare) has nothing to do.
+    /// [N·m], by how much more along the warp, where that is [rad], and whether yarns rub (0 or 1). While these stay, [`prepare`](super::step::prepare) has nothing to do.
     #[must_use]
-    pub fn prepared(&self) -> [f32; 5] {
+    pub fn prepared(&self) -> [f32; 8] {
         let rubs = f32::from(u8::from(self.bend_hysteresis > 0.0));
-        [self.density, self.stretch_stiffness, self.shear_stiffness, self.bend_stiffness, rubs]
+        let Self { density, stretch_stiffness, shear_stiffness, bend_stiffness, stretch_ratio, bend_ratio, warp_angle, .. } =
+            *self;
+        [density, stretch_stiffness, shear_stiffness, bend_stiffness, stretch_ratio, bend_ratio, warp_angle, rubs]
     }
 }
 
@@ -57,6 +67,9 @@ impl Default for Fabric {
             stretch_stiffness: 2000.0,
             shear_stiffness: 50.0,
             bend_stiffness: 1.0e-5,
+            stretch_ratio: 1.0,
+            bend_ratio: 1.0,
+            warp_angle: 0.0,
             bend_hysteresis: 0.0,
             damping: 2.0,
             drag: 0.1,

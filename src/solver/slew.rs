@@ -132,6 +132,8 @@ fn between(from: &Fabric, to: &Fabric, share: f32) -> Fabric {
         stretch_stiffness: go(from.stretch_stiffness, to.stretch_stiffness, SLACK),
         shear_stiffness: go(from.shear_stiffness, to.shear_stiffness, SLACK),
         bend_stiffness: go(from.bend_stiffness, to.bend_stiffness, LIMP),
+        stretch_ratio: go(from.stretch_ratio, to.stretch_ratio, 0.0),
+        bend_ratio: go(from.bend_ratio, to.bend_ratio, 0.0),
         bend_hysteresis: go(from.bend_hysteresis, to.bend_hysteresis, SLIPPERY),
         thickness: go(from.thickness, to.thickness, THIN),
         ..to.clone()

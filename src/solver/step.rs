@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::body::{Approach, Body, BodyContacts, FaceContacts, Grounds, Laid, Sheet, Touch};
 use super::couple::{Coupling, Pull};
-use super::integrate::{anchor, bend, damp, leash, net, predict, pull, spring, tether};
+use super::integrate::{air, anchor, bend, damp, leash, net, predict, pull, spring, tether};
 use super::respond::CALM_PASSES;
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
@@ -77,6 +77,9 @@ pub struct Scratch {
     contacts: BodyContacts,
     faces: FaceContacts,
     laid: Laid,
+    carried: air::Carried,
+    /// Area at rest [m²].
+    area: f32,
     /// Longest edge at rest [m].
     longest_edge: f32,
     coupling: Coupling,
@@ -127,6 +130,16 @@ impl Scratch {
         self.contacts.touching().chain(self.faces.touching())
     }
 
+    /// Takes no air along in this frame: what is tangled has none between its layers.
+    pub fn leave_air(&mut self) {
+        self.carried.clear();
+    }
+
+    /// Notes which particles lie on cloth, before the frame ends: no air is between.
+    pub fn lies_on_cloth(&mut self, particles: impl Iterator<Item = u32>) {
+        self.carried.leave_out(particles);
+    }
+
     /// Whether the cloth has been slow for a while.
     #[must_use]
     pub fn is_calm(&self) -> bool {
@@ -174,6 +187,7 @@ impl Scratch {
             + self.tethers.bytes()
             + self.hubs.bytes()
             + self.leash.bytes()
+            + self.carried.bytes()
             + size_of_val(&self.acceleration[..])
             + size_of_val(&self.motion[..])
             + size_of_val(&self.before[..])
@@ -275,6 +289,7 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     let longest =
         |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
     scratch.longest_edge = rest.topology.edges.iter().fold(0.0, longest).sqrt();
+    scratch.area = rest.areas.iter().sum();
     scratch.bends.update(&rest.bends, fabric, &rest.areas, &state.positions);
     scratch.factors_for = 0.0;
 }
@@ -323,6 +338,8 @@ struct Frame {
     strained: bool,
     taut: bool,
     calm: bool,
+    /// Share of the air in what moves across the cloth (dimensionless).
+    air: f32,
     /// Drag [1/s].
     drag: f32,
     report: StepReport,
@@ -463,6 +480,9 @@ impl Stepped<'_> {
             damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
             damp::apply(&state.positions, motion, &mut state.previous);
         }
+        // Where little moves the air does nothing.
+        let air = if calm { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };
+        scratch.carried.note(air, state.substep, &state.positions, &state.previous);
         let approach = Approach {
             dt,
             substep: state.substep,
@@ -507,6 +527,7 @@ impl Stepped<'_> {
             strained,
             taut,
             calm,
+            air,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
             report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
         });
@@ -628,6 +649,8 @@ impl Stepped<'_> {
         let mut report = frame.report;
         state.time += f64::from(frame.dt);
         report.bend_held = scratch.bends.held(frame.h);
+        scratch.carried.leave_out(scratch.contacts.touching().chain(scratch.faces.touching()));
+        scratch.carried.keep(frame.air, rest, state.substep, &state.positions, &mut state.previous);
         if frame.calm && fabric.damping > 0.0 {
             slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
         }

@@ -8,10 +8,11 @@ use super::sleep::reaches;
 use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
 use crate::components::checked::Checked;
 use crate::components::{
-    Cloth, ClothGravity, ClothLayers, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSolver, ClothTargetLost,
-    ClothTeleported, ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone, WindZoneShape,
+    Cloth, ClothBuildReport, ClothGravity, ClothLayers, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSolver,
+    ClothTargetLost, ClothTeleported, ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone,
+    WindZoneShape,
 };
-use crate::notices::Notices;
+use crate::notices::{Notices, label};
 use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body::{Body, Pose};
@@ -74,6 +75,7 @@ pub(crate) fn settings(
             &SkipFrame,
             &ClothLod,
             Option<&ClothWind>,
+            &ClothBuildReport,
             &mut ClothInputs,
             &mut ClothReport,
         ),
@@ -81,7 +83,7 @@ pub(crate) fn settings(
     >,
     time: Res<Time>,
 ) {
-    for (entity, name, material, solver, pins, untangle, skip, lod, own_wind, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, pins, untangle, skip, lod, own_wind, build, mut inputs, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -117,6 +119,15 @@ pub(crate) fn settings(
             report.clamped.clone_from(&checked.clamped);
         }
         notices.clamped(entity, name, "cloth", checked);
+        if build.without_warp > 0 && material.is_directed() && notices.first(entity, "warp") {
+            warn!(
+                "cloth {} is to be stiffer along its warp (`bend_ratio`, `stretch_ratio`), and {} of its {} triangles have no texture coordinates that tell \
+                 where that is: they are as stiff in all directions; unwrap its mesh (`Mesh::ATTRIBUTE_UV_0`), or set the ratios to 1",
+                label(entity, name),
+                build.without_warp,
+                build.faces,
+            );
+        }
     }
 }
 

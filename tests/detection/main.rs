@@ -163,7 +163,7 @@ fn a_flap_sewn_on_a_sheet_is_seen_to_cross_it() {
 fn halves_with_different_fronts_that_are_folded_on_each_other_are_seen_to_cross() {
     let n = 17;
     let mut mesh = flat(n);
-    let SourceMesh { positions, triangles } = &mut mesh;
+    let SourceMesh { positions, triangles, .. } = &mut mesh;
     for t in triangles.iter_mut().filter(|t| t.iter().map(|&v| positions[v as usize].x).sum::<f32>() > 1.5) {
         t.swap(0, 1);
     }
@@ -183,7 +183,7 @@ fn slit(n: u32, gap: f32) -> SourceMesh {
         mesh.positions.push(mesh.positions[(i * n + middle) as usize]);
     }
     let own = |v: u32| if v % n == middle && v / n < middle { first + v / n } else { v };
-    let SourceMesh { positions, triangles } = &mut mesh;
+    let SourceMesh { positions, triangles, .. } = &mut mesh;
     for t in triangles.iter_mut() {
         if t.iter().any(|&v| v < first && v % n > middle) {
             *t = t.map(own);
@@ -232,7 +232,7 @@ fn faces_that_cross_beside_the_end_of_a_slit_are_seen() {
             vec3(radius * angle.cos(), y, radius * angle.sin())
         });
         let positions = core::iter::once(Vec3::ZERO).chain(rim).collect();
-        SourceMesh { positions, triangles: (1..=8).map(|k| [0, k + 1, k]).collect() }
+        SourceMesh { positions, triangles: (1..=8).map(|k| [0, k + 1, k]).collect(), ..SourceMesh::default() }
     };
     let (rest, _) = RestShape::build(&fan(-0.05, 0.0)).expect("a disc with a slit");
     let crossed = fan(0.25, 0.05).positions;

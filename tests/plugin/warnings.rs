@@ -223,3 +223,24 @@ fn a_recovery_is_one_warning() {
     let lines: Vec<_> = lines.iter().filter(|line| line.contains("`torn`")).collect();
     assert!(lines.len() == 1 && lines[0].contains("NotFinite"), "{lines:#?}");
 }
+
+#[test]
+fn a_warp_without_texture_coordinates_is_one_warning_and_one_with_them_is_none() {
+    let lines = warnings(app(), |app| {
+        let mut bare = sheet(5);
+        bare.remove_attribute(Mesh::ATTRIBUTE_UV_0);
+        spawn(app, bare, (ClothMaterial::DENIM, Name::new("bare"), border()));
+        let mut flat = sheet(5);
+        flat.insert_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.5, 0.5]; flat.count_vertices()]);
+        spawn(app, flat, (ClothMaterial { stretch_ratio: 2.0, ..default() }, Name::new("flat"), border()));
+        spawn(app, sheet(5), (ClothMaterial::DENIM, Name::new("mapped"), border()));
+        let mut plain = sheet(5);
+        plain.remove_attribute(Mesh::ATTRIBUTE_UV_0);
+        spawn(app, plain, (ClothMaterial::RUBBER, Name::new("plain"), border()));
+        run(app, 100);
+    });
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+    for name in ["bare", "flat"] {
+        assert!(lines.iter().any(|line| line.contains(name) && line.contains("unwrap")), "{lines:#?}");
+    }
+}

@@ -6,7 +6,7 @@ const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<
     Setting::new(Part::Material, name, unit, Kind::Number(scale, field), tips)
 }
 
-pub(super) const MATERIAL: [Setting; 15] = [
+pub(super) const MATERIAL: [Setting; 18] = [
     row(
         "density",
         "kg/m²",
@@ -49,6 +49,39 @@ pub(super) const MATERIAL: [Setting; 15] = [
             "Resistance to being bent. Silk 1.5e-6, shirt 1.1e-5, jeans 6e-5.",
             "Crumples into folds as fine as the mesh.",
             "Keeps its shape at rest.",
+        ],
+    ),
+    row(
+        "stretch_ratio",
+        "",
+        Scale::real(0.1, 10.0).log(),
+        |s| Some(&mut s.material.stretch_ratio),
+        [
+            "Stretch stiffness along the warp (v of the texture) over that along the weft (u), their mean being kept.",
+            "Gives along the warp.",
+            "Gives along the weft.",
+        ],
+    ),
+    row(
+        "bend_ratio",
+        "",
+        Scale::real(0.1, 10.0).log(),
+        |s| Some(&mut s.material.bend_ratio),
+        [
+            "Bending stiffness along the warp (v of the texture) over that along the weft (u), their mean being kept. Woven cloth 0.7 to 2.5.",
+            "Its folds run along the weft.",
+            "Its folds run along the warp.",
+        ],
+    ),
+    row(
+        "warp_angle",
+        "rad",
+        Scale::real(-core::f64::consts::PI, core::f64::consts::PI),
+        |s| Some(&mut s.material.warp_angle),
+        [
+            "Angle of the warp from v towards u of the texture, as the piece is cut. Shows where a ratio is not 1.",
+            "Turned the other way.",
+            "0.785 is cut on the bias.",
         ],
     ),
     row(

@@ -109,7 +109,7 @@ mod tests {
         let positions = (0..N * N).map(at).collect();
         let cells = (0..N * (N - 1)).filter(|i| i % N < N - 1);
         let triangles = cells.flat_map(|i| [[i, i + 1, i + N], [i + 1, i + N + 1, i + N]]).collect();
-        let (rest, _) = RestShape::build(&SourceMesh { positions, triangles }).expect("a sheet");
+        let (rest, _) = RestShape::build(&SourceMesh { positions, triangles, ..SourceMesh::default() }).expect("a sheet");
         let (topology, rest) = (&rest.topology, &rest.positions);
         Surface::new(&[PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 }]).expect("one cloth")
     }

@@ -28,7 +28,7 @@
 
 use glam::{BVec4A, Mat4, Vec4};
 
-use crate::solver::rest::{Bends, LANES};
+use crate::solver::rest::{Bends, LANES, Weave};
 use crate::solver::settings::Fabric;
 
 /// Stiffness of the friction between yarns over that of the fabric (dimensionless): a fabric that begins to bend is about twice as stiff as one that
@@ -65,6 +65,10 @@ pub struct BendFactors {
     fastest: f32,
     /// Largest eigenvalue of `h² W K` that the most stages hold.
     most: f32,
+    /// Where the warp is stiffer than the weft or the other way round: its own `K` [1/m²] and shares of stiffness that elements keep.
+    weave: Option<Weave>,
+    matrix: Vec<[f32; LANES]>,
+    keeps: Vec<Vec4>,
     /// The polynomial for an eigenvalue of `h² W K`.
     chosen: Option<(f32, Polynomial)>,
     /// `f` [N], what keeps the curvature at rest and folds; empty where nothing does.
@@ -106,7 +110,10 @@ impl BendFactors {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let [a, b] = &self.moves;
-        [&self.folds, &self.residual, a, b].map(|v| size_of_val(&v[..])).iter().sum()
+        let weave = self.weave.as_ref().map_or(0, |weave| size_of_val(&weave.along[..]) + size_of_val(&weave.matrix[..]));
+        [&self.folds, &self.residual, a, b, &self.keeps].map(|v| size_of_val(&v[..])).iter().sum::<usize>()
+            + size_of_val(&self.matrix[..])
+            + weave
     }
 
     /// Must follow a change of the fabric or of inverse masses, in `w` of `positions` [1/kg]; `areas` [m²] around particles.
@@ -114,8 +121,32 @@ impl BendFactors {
         self.stiffness = (1.0 + grip(fabric)) * fabric.bend_stiffness;
         // A pin on a light body may be lighter than the cloth around it.
         let lightest = positions.iter().zip(areas).map(|(x, area)| x.w * fabric.density * area).fold(1.0, f32::max);
-        self.fastest = self.stiffness / fabric.density * bends.fastest * lightest;
+        let fastest = self.weave(bends, fabric, areas);
+        self.fastest = self.stiffness / fabric.density * fastest * lightest;
         self.most = WITHIN * Polynomial::new(MOST_STAGES).reach;
+    }
+
+    /// Makes the directions of the fabric as stiff as asked; the largest eigenvalue of `A⁻¹ K` [1/m⁴].
+    fn weave(&mut self, bends: &Bends, fabric: &Fabric, areas: &[f32]) -> f32 {
+        self.matrix.clear();
+        self.keeps.clear();
+        if fabric.bend_ratio == 1.0 {
+            self.weave = None;
+        } else if self
+            .weave
+            .as_ref()
+            .is_none_or(|weave| weave.angle != fabric.warp_angle || weave.along.len() != bends.hinges.len())
+        {
+            self.weave = Weave::new(bends, areas, fabric.warp_angle);
+        }
+        let Some(weave) = &self.weave else { return bends.fastest };
+        let (alpha, share) = weave.split(fabric.bend_ratio);
+        let both =
+            |(k, along): (&[f32; LANES], &[f32; LANES])| std::array::from_fn(|lane| share * (k[lane] + alpha * along[lane]));
+        self.matrix.extend(bends.matrix.iter().zip(&weave.matrix).map(both));
+        self.keeps
+            .extend(bends.keeps.iter().zip(&weave.along).map(|(keeps, along)| keeps * (Vec4::ONE + along * alpha) * share));
+        share * weave.fastest(alpha)
     }
 
     /// Share of the stiffness that substeps of `h` [s] hold (dimensionless): 1, unless the mesh is very fine for them.
@@ -142,7 +173,8 @@ impl BendFactors {
         let slip = Vec4::splat(fabric.bend_hysteresis / GRIP);
         let share = grip / (1.0 + grip);
         let elements = bends.hinges.iter().zip(&bends.coefficients).zip(&bends.area).zip(&bends.rest).zip(&bends.lean);
-        for (((((hinges, c), &area), &rest), lean), (set, &keeps)) in elements.zip(set.iter_mut().zip(&bends.keeps)) {
+        let keeps = if self.keeps.is_empty() { &bends.keeps } else { &self.keeps };
+        for (((((hinges, c), &area), &rest), lean), (set, &keeps)) in elements.zip(set.iter_mut().zip(keeps)) {
             let x: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| hinges[lane].map(|p| positions[p as usize]));
             let rows = |of: &dyn Fn(usize) -> Vec4| Rows::from(std::array::from_fn(of));
             let v = rows(&|l| x[l][0] * c[l].x + x[l][1] * c[l].y + x[l][2] * c[l].z + x[l][3] * c[l].w);
@@ -180,8 +212,8 @@ impl BendFactors {
         let Polynomial { stages, w0, w1, .. } = polynomial;
         let hh = h * h * self.held(h);
         let hhb = hh * self.stiffness;
-        let matrix = &bends.matrix;
-        let Self { folds, residual, moves: [moves, before], .. } = self;
+        let Self { folds, residual, moves: [moves, before], matrix, .. } = self;
+        let matrix = if matrix.is_empty() { &bends.matrix } else { &*matrix };
         for buffer in [&mut *residual, &mut *moves, &mut *before] {
             buffer.resize(positions.len(), Vec4::ZERO);
         }

@@ -3,6 +3,7 @@
 pub mod damp;
 pub mod predict;
 pub mod pull;
+pub mod air;
 pub mod anchor;
 pub mod bend;
 pub mod tether;

@@ -14,7 +14,7 @@
 //!
 //! In the code `L/|d| = 1/3 + u`, `u = (8/9) / (q + 1/3)`, and `s` is taken times `w_a + w_b`, of which each end has its share.
 
-use glam::{BVec4A, Mat4, Vec4};
+use glam::{BVec4A, Mat4, Vec2, Vec4};
 
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
@@ -43,6 +43,9 @@ impl SpringFactors {
 
     /// Recomputes all factors for a substep of `h` [s].
     pub fn update(&mut self, springs: &Springs, fabric: &Fabric, positions: &[Vec4], h: f32) {
+        // `K (1 + r cos 2(φ - φ₀))`: `2 ρ / (1 + ρ)` of `K` along the warp and `2 / (1 + ρ)` along the weft.
+        let uneven = (fabric.stretch_ratio - 1.0) / (fabric.stretch_ratio + 1.0);
+        let threads = Vec2::from_angle(2.0 * fabric.warp_angle);
         self.give.clear();
         self.share_a.clear();
         self.share_b.clear();
@@ -51,7 +54,9 @@ impl SpringFactors {
             let (wa, wb) = (weights(springs.a[k]), weights(springs.b[k]));
             let w = wa + wb;
             let shear = DIAGONAL * fabric.shear_stiffness;
-            let membrane = Vec4::splat(fabric.stretch_stiffness) + springs.shear[k] * (shear - fabric.stretch_stiffness);
+            let along = springs.warp.get(k).map_or(Vec4::ZERO, |[cos, sin]| *cos * threads.x + *sin * threads.y);
+            let stretch = fabric.stretch_stiffness * (Vec4::ONE + along * uneven);
+            let membrane = stretch + springs.shear[k] * (Vec4::splat(shear) - stretch);
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
             let some = w.max(Vec4::splat(f32::MIN_POSITIVE));
             self.give.push(w / (w + (stiffness * h * h).recip()));

@@ -17,9 +17,10 @@
 //! On a cylinder that is the energy of a plate. A strip with free edges is up to 20 % softer along the threads, where it relaxes sideways, and stiffer at 45°:
 //! bending lengths, which go with the third root, are within 8 % of theory (`lab::cantilever`).
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::batch::LANES;
+use super::weave::Threads;
 use super::{NONE, Topology};
 
 /// Bending elements in batches of four, and the pattern of their matrix. Per-batch arrays hold one entry for each of four lanes; lanes beyond the
@@ -51,6 +52,10 @@ pub struct Bends {
     pub fastest: f32,
     /// Share of the stiffness that each element keeps (dimensionless), by lane: less than all where triangles are much smaller than the rest.
     pub keeps: Vec<Vec4>,
+    /// `cos 2φ` and `sin 2φ` by lane, `φ` the angle of the direction in which it bends from the warp towards the weft; empty where nothing tells it.
+    pub warp: Vec<[Vec4; 2]>,
+    /// What it takes for curvature (dimensionless), by lane: `κ = H_00 κ_warp + 2 H_01 κ_twist + H_11 κ_weft`; as [`Self::warp`].
+    pub shape: Vec<[Vec4; 3]>,
 }
 
 /// Share of the particles whose elements keep all of their stiffness (dimensionless): the few smallest triangles of a mesh would ask for steps that
@@ -92,14 +97,14 @@ impl Bends {
         bends.is_flat = bends.rest.iter().all(|rest| *rest == Vec4::ZERO);
         bends.find_rows(positions.len());
         bends.keeps = vec![Vec4::ONE; bends.hinges.len()];
-        bends.fill();
+        bends.matrix = bends.matrix_of(|_| Vec4::ONE);
         bends.soften(areas);
-        bends.fill();
+        bends.matrix = bends.matrix_of(|_| Vec4::ONE);
         // Power iteration comes from below, Gershgorin's bound from above.
         bends.fastest = (0..areas.len())
             .map(|i| bends.width(i, areas))
             .fold(0.0, f32::max)
-            .min(POWER_MARGIN * bends.largest_eigenvalue(areas));
+            .min(POWER_MARGIN * bends.largest_eigenvalue(&bends.matrix, areas));
         bends
     }
 
@@ -122,21 +127,55 @@ impl Bends {
         }
     }
 
-    fn fill(&mut self) {
-        self.matrix.clear();
-        self.matrix.resize(self.columns.len(), [0.0; LANES]);
+    /// The matrix of a cloth whose elements have a `share` of the stiffness they keep (dimensionless), by batch.
+    fn matrix_of(&self, share: impl Fn(usize) -> Vec4) -> Vec<[f32; LANES]> {
+        let mut matrix = vec![[0.0; LANES]; self.columns.len()];
         for (k, hinges) in self.hinges.iter().enumerate() {
-            let stiffness = self.keeps[k] / self.area[k];
+            let stiffness = self.keeps[k] * share(k) / self.area[k];
             for (lane, hinge) in hinges.iter().enumerate() {
                 let c = self.coefficients[k][lane];
                 for (i, &row) in hinge.iter().enumerate() {
                     for (j, &column) in hinge.iter().enumerate() {
                         if let Some((at, place)) = self.entry(row, column) {
-                            self.matrix[at][place] += stiffness[lane] * c[i] * c[j];
+                            matrix[at][place] += stiffness[lane] * c[i] * c[j];
                         }
                     }
                 }
             }
+        }
+        matrix
+    }
+
+    /// Notes where the warp is: by `twice` the angle of each edge, and by the directions of each face.
+    pub(super) fn weave(&mut self, topology: &Topology, positions: &[Vec3], twice: &[Vec2], threads: &[Threads]) {
+        if twice.is_empty() {
+            return;
+        }
+        // In the order of the hinges.
+        let edges: Vec<u32> = (0..topology.edges.len() as u32)
+            .filter(|&e| {
+                let [f, g] = topology.edge_faces[e as usize];
+                g != NONE && topology.opposite(e, f) != topology.opposite(e, g)
+            })
+            .collect();
+        for (batch, edges) in edges.chunks(LANES).enumerate() {
+            // It bends at a right angle to its edge.
+            let twice: [Vec2; LANES] = std::array::from_fn(|lane| edges.get(lane).map_or(Vec2::ZERO, |&e| -twice[e as usize]));
+            self.warp.push([Vec4::from_array(twice.map(|t| t.x)), Vec4::from_array(twice.map(|t| t.y))]);
+            let shapes: [Vec3; LANES] = std::array::from_fn(|lane| {
+                edges.get(lane).map_or(Vec3::ZERO, |&e| {
+                    let [f, g] = topology.edge_faces[e as usize].map(|f| threads[f as usize]);
+                    let x = self.hinges[batch][lane].map(|p| positions[p as usize]);
+                    let at = |threads: &Threads, x: Vec3| Vec2::new(x.dot(threads.warp), x.dot(threads.weft));
+                    let [along, first, second] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
+                    let flat = [0.5 * (at(&f, along) + at(&g, along)), at(&f, first), at(&g, second)];
+                    let c = self.coefficients[batch][lane] / self.area[batch][lane];
+                    let of = |(c, p): (f32, Vec2)| 0.5 * c * Vec3::new(p.x * p.x, p.x * p.y, p.y * p.y);
+                    [c.y, c.z, c.w].into_iter().zip(flat).map(of).sum()
+                })
+            });
+            let row = |of: fn(Vec3) -> f32| Vec4::from_array(shapes.map(of));
+            self.shape.push([row(|s| s.x), row(|s| s.y), row(|s| s.z)]);
         }
     }
 
@@ -164,7 +203,7 @@ impl Bends {
     }
 
     /// Largest eigenvalue of `A⁻¹ K` [1/m⁴], by power iteration: from below.
-    fn largest_eigenvalue(&self, areas: &[f32]) -> f32 {
+    fn largest_eigenvalue(&self, matrix: &[[f32; LANES]], areas: &[f32]) -> f32 {
         // Noise that is the same in every run.
         let noise = |i: usize| ((i as u32).wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 23) as f32 - 1.0;
         let norm = |x: &[f32]| x.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt() as f32;
@@ -174,7 +213,7 @@ impl Bends {
         for _ in 0..POWER_STEPS {
             let size = norm(&x);
             for (i, y) in y.iter_mut().enumerate() {
-                let entries = self.columns[self.row(i)].as_flattened().iter().zip(self.matrix[self.row(i)].as_flattened());
+                let entries = self.columns[self.row(i)].as_flattened().iter().zip(matrix[self.row(i)].as_flattened());
                 *y = entries.map(|(column, k)| x[*column as usize] * k).sum::<f32>() / (areas[i] * size);
             }
             largest = norm(&y);
@@ -200,8 +239,91 @@ impl Bends {
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.hinges.len() * (size_of::<[[u32; 4]; LANES]>() + 8 * size_of::<Vec4>())
+            + (self.warp.len() * 2 + self.shape.len() * 3) * size_of::<Vec4>()
             + size_of_val(&self.row_start[..])
             + 2 * size_of_val(&self.columns[..])
+    }
+}
+
+/// What makes bending along the warp as stiff as asked beside bending along the weft: each element is `1 + α cos 2(φ - φ₀)` times as stiff, `φ` the direction
+/// in which it bends and `φ₀` the warp's, and `α` is found from what the elements of this mesh take for curvature along the two.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weave {
+    /// Angle of the warp in the texture, `φ₀` [rad].
+    pub angle: f32,
+    /// `cos 2(φ - φ₀)`, by lane.
+    pub along: Vec<Vec4>,
+    /// The matrix of the elements times [`Self::along`] [1/m²].
+    pub matrix: Vec<[f32; LANES]>,
+    /// Largest eigenvalue for `α` of -1, 0 and 1 [1/m⁴].
+    fastest: [f32; 3],
+    /// Mean of `κ²` of the elements where only the warp bends, and only the weft, and the same times [`Self::along`].
+    even: Vec2,
+    uneven: Vec2,
+}
+
+/// Largest `α` (dimensionless): no element may be without stiffness. Grids along the threads reach a ratio of 40, equilateral triangles one of 3 in their
+/// worst direction.
+const MOST_UNEVEN: f32 = 0.95;
+
+/// By how much `α` moves the ratio where edges have all directions alike (dimensionless), as on equilateral triangles. Meshes on which it moves it less, as
+/// squares cut into four at 45° to the threads, which it does not move at all, get less of it.
+const SPREAD: f32 = 4.0 / 3.0;
+
+impl Weave {
+    /// Of a mesh whose warp is at `angle` [rad] in its texture; none where nothing tells it.
+    #[must_use]
+    pub fn new(bends: &Bends, areas: &[f32], angle: f32) -> Option<Self> {
+        if bends.warp.is_empty() {
+            return None;
+        }
+        let way = Vec2::from_angle(2.0 * angle);
+        let along: Vec<Vec4> = bends.warp.iter().map(|[cos, sin]| *cos * way.x + *sin * way.y).collect();
+        let (sin, cos) = angle.sin_cos();
+        let (mut even, mut uneven) = (Vec2::ZERO, Vec2::ZERO);
+        for (k, [h00, h01, h11]) in bends.shape.iter().enumerate() {
+            let weight = bends.area[k] * bends.keeps[k];
+            let warp = *h00 * (cos * cos) + *h01 * (2.0 * cos * sin) + *h11 * (sin * sin);
+            let weft = *h00 * (sin * sin) - *h01 * (2.0 * cos * sin) + *h11 * (cos * cos);
+            let squares = [warp * warp * weight, weft * weft * weight];
+            even += Vec2::from_array(squares.map(|s| s.dot(Vec4::ONE)));
+            uneven += Vec2::from_array(squares.map(|s| s.dot(along[k])));
+        }
+        let matrix = bends.matrix_of(|k| along[k]);
+        let fastest = [-1.0, 0.0, 1.0].map(|alpha| {
+            if alpha == 0.0 {
+                return bends.fastest;
+            }
+            let both: Vec<[f32; LANES]> = bends
+                .matrix
+                .iter()
+                .zip(&matrix)
+                .map(|(k, along)| std::array::from_fn(|lane| k[lane] + alpha * along[lane]))
+                .collect();
+            POWER_MARGIN * bends.largest_eigenvalue(&both, areas)
+        });
+        Some(Self { angle, along, matrix, fastest, even, uneven })
+    }
+
+    /// `α`, and the share of all stiffness that keeps the mean of the two directions (dimensionless), for a `ratio` of the warp's stiffness to the weft's.
+    #[must_use]
+    pub fn split(&self, ratio: f32) -> (f32, f32) {
+        let Self { even, uneven, .. } = self;
+        // (even.x + α uneven.x) / (even.y + α uneven.y) = ratio
+        let alpha = (ratio * even.y - even.x) / (uneven.x - ratio * uneven.y);
+        let spread = uneven.x / even.x - uneven.y / even.y;
+        let most = MOST_UNEVEN * (spread / SPREAD).clamp(0.0, 1.0);
+        let alpha = if alpha.is_finite() && most.is_finite() { alpha.clamp(-most, most) } else { 0.0 };
+        let mean = even.element_sum();
+        let share = mean / (mean + alpha * uneven.element_sum());
+        (alpha, if share.is_finite() { share } else { 1.0 })
+    }
+
+    /// Largest eigenvalue for `α` [1/m⁴], from above: it is convex in `α`.
+    #[must_use]
+    pub fn fastest(&self, alpha: f32) -> f32 {
+        let [below, at, above] = self.fastest;
+        at + alpha.abs() * (if alpha < 0.0 { below } else { above } - at)
     }
 }
 

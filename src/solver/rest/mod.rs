@@ -9,10 +9,11 @@ mod order;
 mod source;
 mod springs;
 mod topology;
+mod weave;
 mod weld;
 
 pub use batch::LANES;
-pub use bends::Bends;
+pub use bends::{Bends, Weave};
 pub use net::Net;
 pub use source::{BuildReport, RestError, SourceMesh};
 pub use springs::Springs;
@@ -66,7 +67,7 @@ impl RestShape {
         let diagonal = low.distance(high);
         let leader = weld::weld(&mesh.positions, weld::WELD_FRACTION * diagonal);
         let mut report = BuildReport { vertices, ..BuildReport::default() };
-        let triangles = clean(mesh, &leader, AREA_FRACTION * diagonal * diagonal, &mut report);
+        let (triangles, threads) = clean(mesh, &leader, AREA_FRACTION * diagonal * diagonal, &mut report);
         if triangles.is_empty() {
             return Err(RestError::NoTriangles {
                 given: mesh.triangles.len(),
@@ -90,9 +91,11 @@ impl RestShape {
         for (old, &v) in origin.iter().enumerate() {
             positions[number[old] as usize] = mesh.positions[v as usize];
         }
-        let mut faces: Vec<[u32; 3]> = given.faces.iter().map(|t| t.map(|p| number[p as usize])).collect();
-        faces.sort_by_key(|t| (t.iter().copied().max(), *t));
-        let topology = Topology::new(origin.len() as u32, faces);
+        let mut faces: Vec<([u32; 3], usize)> = (given.faces.iter().map(|t| t.map(|p| number[p as usize]))).zip(0..).collect();
+        faces.sort_by_key(|(t, _)| (t.iter().copied().max(), *t));
+        let threads: Vec<weave::Threads> = faces.iter().filter_map(|(_, old)| threads.get(*old).copied()).collect();
+        let topology = Topology::new(origin.len() as u32, faces.into_iter().map(|(t, _)| t).collect());
+        let twice = weave::of_edges(&topology, &positions, &threads);
 
         let mut shape = Self {
             areas: vec![0.0; positions.len()],
@@ -101,7 +104,7 @@ impl RestShape {
                 .map(|&l| compact[l as usize])
                 .map(|c| if c == NONE { NONE } else { number[c as usize] })
                 .collect(),
-            springs: Springs::new(&topology, &positions),
+            springs: Springs::new(&topology, &positions, &twice),
             ..Self::default()
         };
         for face in &topology.faces {
@@ -111,6 +114,7 @@ impl RestShape {
             }
         }
         shape.bends = Bends::new(&topology, &positions, &shape.areas);
+        shape.bends.weave(&topology, &positions, &twice, &threads);
         let length: f64 =
             topology.edges.iter().map(|e| f64::from(positions[e[0] as usize].distance(positions[e[1] as usize]))).sum();
         shape.mean_edge = (length / topology.edges.len() as f64) as f32;
@@ -169,6 +173,7 @@ impl RestShape {
             + size_of_val(&t.neighbour_start[..])
             + size_of_val(&t.neighbours[..])
             + self.springs.a.len() * (2 * size_of::<[u32; LANES]>() + 3 * 16)
+            + size_of_val(&self.springs.warp[..])
             + size_of_val(&self.net.around[..])
             + size_of_val(&self.net.weights[..])
             + self.net.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
@@ -181,9 +186,9 @@ fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
 }
 
-/// Welded triangles without those that are out of range, degenerate or repeated, either way round.
-fn clean(mesh: &SourceMesh, leader: &[u32], area: f32, report: &mut BuildReport) -> Vec<[u32; 3]> {
-    let mut kept: Vec<([u32; 3], [u32; 3])> = Vec::with_capacity(mesh.triangles.len());
+/// Welded triangles without those that are out of range, degenerate or repeated, either way round; and the directions of their threads, if any has one.
+fn clean(mesh: &SourceMesh, leader: &[u32], area: f32, report: &mut BuildReport) -> (Vec<[u32; 3]>, Vec<weave::Threads>) {
+    let mut kept: Vec<([u32; 3], [u32; 3], Option<weave::Threads>)> = Vec::with_capacity(mesh.triangles.len());
     for triangle in &mesh.triangles {
         if triangle.iter().any(|&v| v as usize >= leader.len()) {
             report.out_of_range += 1;
@@ -197,7 +202,8 @@ fn clean(mesh: &SourceMesh, leader: &[u32], area: f32, report: &mut BuildReport)
         }
         let mut key = corners;
         key.sort_unstable();
-        kept.push((key, corners));
+        let uv = (mesh.uvs.len() == mesh.positions.len()).then(|| triangle.map(|v| mesh.uvs[v as usize]));
+        kept.push((key, corners, uv.and_then(|uv| weave::Threads::new([a, b, c], uv))));
     }
     let mut order: Vec<usize> = (0..kept.len()).collect();
     order.sort_by_key(|&i| (kept[i].0, i));
@@ -206,5 +212,9 @@ fn clean(mesh: &SourceMesh, leader: &[u32], area: f32, report: &mut BuildReport)
         repeated[pair[1]] = kept[pair[0]].0 == kept[pair[1]].0;
     }
     report.duplicate = repeated.iter().filter(|r| **r).count();
-    kept.into_iter().zip(repeated).filter(|(_, r)| !r).map(|((_, corners), _)| corners).collect()
+    let kept = kept.into_iter().zip(repeated).filter(|(_, r)| !r).map(|(triangle, _)| triangle);
+    let (triangles, threads): (Vec<_>, Vec<_>) = kept.map(|(_, corners, threads)| (corners, threads)).unzip();
+    report.without_warp = threads.iter().filter(|t| t.is_none()).count();
+    let any = report.without_warp < threads.len();
+    (triangles, if any { threads.into_iter().map(Option::unwrap_or_default).collect() } else { Vec::new() })
 }

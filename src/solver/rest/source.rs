@@ -1,6 +1,6 @@
 //! What comes in: a triangle soup, and what was wrong with it.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Farthest coordinate of a vertex [m]: squares of areas of what is farther out would overflow.
 pub(super) const FARTHEST: f32 = 1.0e9;
@@ -12,6 +12,9 @@ pub struct SourceMesh {
     pub positions: Vec<Vec3>,
     /// Corners of each triangle; may be out of range, degenerate or repeated: [`RestShape::build`](super::RestShape::build) cleans up.
     pub triangles: Vec<[u32; 3]>,
+    /// Texture coordinates of the vertices (dimensionless), which tell the threads' directions: `u` runs along the weft, `v` along the warp. As many as
+    /// positions, or none.
+    pub uvs: Vec<Vec2>,
 }
 
 /// What had to be repaired while a [`RestShape`](super::RestShape) was built.
@@ -31,6 +34,8 @@ pub struct BuildReport {
     pub duplicate: usize,
     /// Vertices no simulated triangle refers to; they ride on the nearest particle.
     pub isolated: usize,
+    /// Triangles simulated whose texture coordinates tell no direction of the threads: all of them without coordinates.
+    pub without_warp: usize,
 }
 
 /// Why a mesh cannot become a cloth.

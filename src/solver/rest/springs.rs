@@ -1,6 +1,6 @@
 //! Springs along the edges of the mesh: stretch, and shear along the diagonals of quads.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::batch::{LANES, batches};
 use super::{NONE, Topology};
@@ -21,14 +21,16 @@ pub struct Springs {
     pub width_ratio: Vec<Vec4>,
     /// 1 where the spring is the diagonal of a quad, else 0.
     pub shear: Vec<Vec4>,
+    /// `cos 2φ` and `sin 2φ`, `φ` its angle from the warp towards the weft; empty where nothing tells it.
+    pub warp: Vec<[Vec4; 2]>,
     /// Number of springs, lanes that repeat not counted.
     pub count: usize,
 }
 
 impl Springs {
-    /// One spring per edge of `topology`, at rest at `positions` [m].
+    /// One spring per edge of `topology`, at rest at `positions` [m]; `twice`: cosine and sine of twice the angle of each edge from the warp, or none.
     #[must_use]
-    pub fn new(topology: &Topology, positions: &[Vec3]) -> Self {
+    pub fn new(topology: &Topology, positions: &[Vec3], twice: &[Vec2]) -> Self {
         let length = |e: u32| {
             let [a, b] = topology.edges[e as usize];
             positions[a as usize].distance(positions[b as usize])
@@ -51,6 +53,10 @@ impl Springs {
                 let around: f32 = topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE).map(|&f| area(f)).sum();
                 around / length(e).powi(2)
             })));
+            if !twice.is_empty() {
+                let twice = batch.map(|e| twice[e as usize]);
+                springs.warp.push([Vec4::from_array(twice.map(|t| t.x)), Vec4::from_array(twice.map(|t| t.y))]);
+            }
             springs.shear.push(Vec4::from_array(batch.map(|e| {
                 // A border may cut quads in half.
                 let diagonal = topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE).all(|&f| {
