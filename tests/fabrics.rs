@@ -2,7 +2,7 @@
 
 use bevy_drape::ClothMaterial;
 use bevy_drape::lab::cantilever::{self, Cut};
-use bevy_drape::lab::{self, DRAPES, bending_length, drape, extension, heart};
+use bevy_drape::lab::{self, SAMPLES, Sample, bending_length, curtain, drape, extension, heart};
 use bevy_drape::solver::rest::SourceMesh;
 use bevy_drape::solver::settings::Fabric;
 
@@ -14,15 +14,19 @@ fn coefficient(mesh: &SourceMesh, edge: f32, fabric: &Fabric) -> f32 {
     drape::test(mesh, fabric, drape::Run::new(edge)).coefficient
 }
 
+fn spread(seen: &[f32]) -> f32 {
+    seen.iter().copied().fold(f32::NEG_INFINITY, f32::max) - seen.iter().copied().fold(f32::INFINITY, f32::min)
+}
+
 /// Rubber shows 36 to 40 where theory has 46: nothing rubs in it, and its membrane is soft.
 #[test]
 fn presets_show_the_drape_coefficients_that_are_measured_on_meshes_of_three_kinds() {
     let edge = 0.01;
     let meshes = [drape::rings(edge), drape::grid(edge, 0.0, true), drape::grid(edge, 0.5, false)];
-    for (name, asked) in DRAPES.into_iter().filter(|d| d.0 != "rubber") {
+    for Sample { name, drape, .. } in SAMPLES.into_iter().filter(|sample| sample.name != "rubber") {
         let seen = meshes.each_ref().map(|mesh| coefficient(mesh, edge, &preset(name)));
         let mean = seen.iter().sum::<f32>() / 3.0;
-        assert!((mean - asked).abs() < 5.0, "{name}: {seen:?}, {asked} asked");
+        assert!((mean - drape).abs() < 5.0, "{name}: {seen:?}, {drape} asked");
     }
 }
 
@@ -30,8 +34,7 @@ fn presets_show_the_drape_coefficients_that_are_measured_on_meshes_of_three_kind
 fn a_finer_mesh_drapes_the_same() {
     for name in ["silk", "cotton", "denim"] {
         let seen = [0.01, 0.0075, 0.005].map(|edge| coefficient(&drape::rings(edge), edge, &preset(name)));
-        let spread = seen.iter().copied().fold(0.0, f32::max) - seen.iter().copied().fold(100.0, f32::min);
-        assert!(spread < 5.0, "{name}: {seen:?}");
+        assert!(spread(&seen) < 5.0, "{name}: {seen:?}");
     }
 }
 
@@ -40,8 +43,7 @@ fn the_rate_of_frames_does_not_show_in_a_drape() {
     for name in ["silk", "cotton", "denim"] {
         let run = |frame_rate| drape::Run { frame_rate, ..drape::Run::new(0.01) };
         let seen = [30.0, 60.0, 144.0].map(|rate| drape::test(&drape::rings(0.01), &preset(name), run(rate)).coefficient);
-        let spread = seen.iter().copied().fold(0.0, f32::max) - seen.iter().copied().fold(100.0, f32::min);
-        assert!(spread < 3.0, "{name}: {seen:?}");
+        assert!(spread(&seen) < 3.0, "{name}: {seen:?}");
     }
 }
 
@@ -51,6 +53,85 @@ fn only_stiffness_over_density_counts() {
     let heavy = Fabric { density: 4.0 * cotton.density, bend_stiffness: 4.0 * cotton.bend_stiffness, ..cotton.clone() };
     let seen = [&cotton, &heavy].map(|fabric| coefficient(&drape::rings(0.01), 0.01, fabric));
     assert!((seen[0] - seen[1]).abs() < 2.0, "{seen:?}");
+}
+
+/// 12 - DC / 13 is the line through 25 real fabrics; limp ones fold finer without the unevenness of real cloth.
+#[test]
+fn nodes_are_as_many_as_real_fabrics_have_and_limp_ones_hang_lower() {
+    let seen: Vec<_> = SAMPLES
+        .iter()
+        .map(|sample| (sample.name, drape::test(&drape::rings(0.01), &preset(sample.name), drape::Run::new(0.01))))
+        .collect();
+    for (name, drape) in &seen {
+        let (line, within) = (11.9 - 0.076 * drape.coefficient, if drape.coefficient < 40.0 { 5.0 } else { 3.0 });
+        assert!((drape.nodes as f32 - line).abs() <= within, "{name}: {drape:?}, real ones have {line}");
+    }
+    let of = |name| seen.iter().find(|s| s.0 == name).map_or(f32::NAN, |s| s.1.coefficient);
+    for (limp, stiff) in [
+        ("viscose", "faille"),
+        ("faille", "silk"),
+        ("silk", "rubber"),
+        ("silk", "wool"),
+        ("rubber", "cotton"),
+        ("wool", "cotton"),
+        ("wool", "leather"),
+        ("cotton", "denim"),
+        ("leather", "denim"),
+        ("washed_denim", "denim"),
+    ] {
+        assert!(of(limp) < of(stiff), "{limp} {}, {stiff} {}", of(limp), of(stiff));
+    }
+}
+
+#[test]
+fn neither_noise_nor_the_way_a_mesh_is_turned_shows_in_a_drape() {
+    for name in ["silk", "cotton", "denim"] {
+        let fabric = preset(name);
+        let noise = [1, 2, 3]
+            .map(|seed| drape::test(&drape::rings(0.01), &fabric, drape::Run { seed, ..drape::Run::new(0.01) }).coefficient);
+        let turned =
+            [0.0_f32, 15.0, 30.0, 45.0].map(|angle| coefficient(&drape::grid(0.01, angle.to_radians(), true), 0.01, &fabric));
+        assert!(spread(&noise) < 3.0 && spread(&turned) < 3.0, "{name}: {noise:?}, turned {turned:?}");
+    }
+}
+
+#[test]
+fn shearing_matters_little_to_a_drape() {
+    for name in ["silk", "cotton", "denim"] {
+        let seen = [22.0, 85.0, 220.0]
+            .map(|shear_stiffness| coefficient(&drape::rings(0.01), 0.01, &Fabric { shear_stiffness, ..preset(name) }));
+        assert!(spread(&seen) < 5.0, "{name}: {seen:?}");
+    }
+}
+
+/// Chance decides where folds join: the mean of two curtains, and one more or less in half of their width.
+#[test]
+fn curtains_of_any_mesh_have_as_many_folds_and_as_wide_as_theory_says() {
+    for name in ["silk", "cotton", "denim"] {
+        let fabric = preset(name);
+        let counts = [16, 32, 64].map(|n| {
+            let folds = [1, 2].map(|seed| curtain::test(&fabric, n, seed));
+            assert!(folds.iter().all(|f| (f.height / curtain::SIZE.1 - 1.0).abs() < 0.02), "{name}, {n}: {folds:?}");
+            0.5 * (folds[0].count + folds[1].count)
+        });
+        let mean = counts.iter().sum::<f32>() / 3.0;
+        assert!(counts.iter().all(|count| (count - mean).abs() <= 2.0), "{name}: {counts:?} folds");
+        for count in counts {
+            let off = curtain::GATHERED * curtain::SIZE.0 / count / curtain::theory(&fabric);
+            assert!((1.0 / 1.5..1.5).contains(&off), "{name}: {off} times the wavelength of theory");
+        }
+    }
+}
+
+/// Not leather and rubber, whose shearing stiffness is a part of it.
+#[test]
+fn a_strip_lengthens_as_theory_says_along_warp_and_weft() {
+    for (name, stretch_ratio) in [("silk", 1.0), ("wool", 1.0), ("cotton", 3.0), ("denim", 0.5)] {
+        let fabric = Fabric { stretch_ratio, ..preset(name) };
+        let (seen, theory) = (extension::test(&fabric), extension::theory(&fabric));
+        let off = [0, 1].map(|k| (seen[k] / theory[k] - 1.0).abs());
+        assert!(off[0].max(off[1]) < 0.05, "{name}, warp to weft {stretch_ratio}: {seen:?} for {theory:?}");
+    }
 }
 
 #[test]
@@ -107,8 +188,7 @@ fn triangles_of_all_shapes_drape_as_even_ones_do() {
         let seen = [drape::grid(0.01, 0.0, true), drape::irregular(0.01, 1), drape::irregular(0.01, 2)]
             .each_ref()
             .map(|mesh| coefficient(mesh, 0.01, &preset(name)));
-        let spread = seen.iter().copied().fold(0.0, f32::max) - seen.iter().copied().fold(100.0, f32::min);
-        assert!(spread < 5.0, "{name}: {seen:?}");
+        assert!(spread(&seen) < 5.0, "{name}: {seen:?}");
     }
 }
 
@@ -123,7 +203,7 @@ fn a_heart_loop_is_as_long_as_theory_says() {
 #[test]
 fn a_strip_at_45_degrees_lengthens_as_theory_says() {
     for name in ["silk", "wool", "cotton", "denim"] {
-        let (seen, theory) = (extension::test(&preset(name)), extension::theory(&preset(name)));
+        let (seen, theory) = (extension::bias(&preset(name)), extension::bias_theory(&preset(name)));
         assert!((seen / theory - 1.0).abs() < 0.1, "{name}: {seen} for {theory}");
     }
 }

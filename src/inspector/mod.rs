@@ -34,6 +34,7 @@ mod plugin;
 mod row;
 mod setting;
 mod settings;
+mod specimen;
 mod state;
 mod table;
 mod tangle;

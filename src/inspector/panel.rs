@@ -52,6 +52,7 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
     status(ui, world, cloth, crossings);
     let mut edit = Edit::new(settings);
     actions(ui, state, cloth);
+    state.specimen.show(ui, &edit.settings.material);
     ui.separator();
     let mut asked: Vec<Ask> = Vec::new();
     ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {

@@ -6,6 +6,7 @@ use super::actions::Action;
 use super::history::{History, Sample};
 use super::plots::Curves;
 use super::settings::ClothSettings;
+use super::specimen::Specimen;
 use crate::components::{Cloth, ClothReport, SkipFrame};
 use crate::simulation::ClothParticles;
 
@@ -33,6 +34,7 @@ pub struct ClothInspector {
     /// The cloth that the history is of.
     pub(super) recorded: Option<Entity>,
     pub(super) curves: Curves,
+    pub(super) specimen: Specimen,
 }
 
 impl ClothInspector {

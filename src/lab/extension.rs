@@ -1,15 +1,20 @@
-//! The bias extension test (FAST-3): a strip at 45° to the threads under load, by how much its middle third lengthens.
+//! The extension tests (FAST-3): a strip under load, by how much its middle third lengthens.
 //!
 //! ```text
-//! ε = T / 4 (1 / G + 2 / K)        T: load per width [N/m]
+//! ε = T / 4 (1 / G + 1 / K_warp + 1 / K_weft)     at 45° to the threads      T: load per width [N/m]
+//! ε = T / K                                       along them
 //! ```
+
+use core::f32::consts::FRAC_PI_2;
 
 use super::cantilever::{Cut, strip};
 use super::{FRAME_RATE, settle, specimen, vertex};
 use crate::solver::settings::Fabric;
 
-/// Load of the test [N/m].
-pub const LOAD: f32 = 4.9;
+/// Load on a strip at 45° [N/m].
+pub const BIAS_LOAD: f32 = 4.9;
+/// Load on a strip along the threads [N/m].
+pub const LOAD: f32 = 98.0;
 
 /// Cells across a strip; it is three times as long as wide.
 const ACROSS: u32 = 8;
@@ -17,33 +22,50 @@ const ACROSS: u32 = 8;
 const EDGE: f32 = 0.05;
 const RATE: f32 = 6000.0;
 
-/// What theory says of the elongation (dimensionless).
+/// What theory says of a strip at 45° (dimensionless).
 #[must_use]
-pub fn theory(fabric: &Fabric) -> f32 {
-    0.25 * LOAD * (1.0 / fabric.shear_stiffness + 2.0 / fabric.stretch_stiffness)
+pub fn bias_theory(fabric: &Fabric) -> f32 {
+    0.25 * BIAS_LOAD * (1.0 / fabric.shear_stiffness + 2.0 / fabric.stretch_stiffness)
 }
 
-/// Elongation of the middle third of a strip (dimensionless).
+/// Elongation of a strip at 45° (dimensionless).
 #[must_use]
-pub fn test(fabric: &Fabric) -> f32 {
+pub fn bias(fabric: &Fabric) -> f32 {
+    elongation(fabric, Cut::Bias, BIAS_LOAD)
+}
+
+/// What theory says of strips along warp and weft (dimensionless).
+#[must_use]
+pub fn theory(fabric: &Fabric) -> [f32; 2] {
+    let weft = 2.0 * fabric.stretch_stiffness / (1.0 + fabric.stretch_ratio);
+    [LOAD / (fabric.stretch_ratio * weft), LOAD / weft]
+}
+
+/// Elongation of strips along warp and weft (dimensionless).
+#[must_use]
+pub fn test(fabric: &Fabric) -> [f32; 2] {
+    [0.0, FRAC_PI_2].map(|warp_angle| elongation(&Fabric { warp_angle, ..fabric.clone() }, Cut::Alternating, LOAD))
+}
+
+/// Elongation of the middle third of a strip under `load` [N/m].
+fn elongation(fabric: &Fabric, cut: Cut, load: f32) -> f32 {
     let columns = 3 * ACROSS;
-    // Its own weight is not in the formula.
-    let heaviest = LOAD / (9.81 * columns as f32 * EDGE);
+    // As heavy as its load: one far heavier than the strip would need far more substeps.
     let free = Fabric {
-        density: fabric.density.min(heaviest),
+        density: load / (9.81 * columns as f32 * EDGE),
         strain_limit: f32::INFINITY,
         tether_scale: f32::INFINITY,
         ..fabric.clone()
     };
-    let mut mesh = strip(columns, ACROSS, EDGE, Cut::Bias);
+    let mut mesh = strip(columns, ACROSS, EDGE, cut);
     // The loaded end near the origin, where a substep's fall is more than rounding.
     mesh.positions.iter_mut().for_each(|x| x.x -= columns as f32 * EDGE);
     let pins: Vec<u32> = (0..=ACROSS).collect();
     let mut scene = specimen(&mesh, &free, &pins, RATE);
     scene.gravity = glam::Vec3::X * 9.81;
     let row = |i: u32| i * (ACROSS + 1)..(i + 1) * (ACROSS + 1);
-    // The load hangs on the last row, half as much on its ends; the strip bears half of itself, too.
-    let load = LOAD - 0.5 * free.density * 9.81 * columns as f32 * EDGE;
+    // The load hangs on the last row, half as much on its ends; the middle of the strip bears half of itself, too.
+    let load = load - 0.5 * free.density * 9.81 * columns as f32 * EDGE;
     let cloth = &mut scene.cloths[0];
     for v in row(columns) {
         let p = cloth.rest.particle_of_vertex[v as usize] as usize;

@@ -12,7 +12,7 @@ use core::f32::consts::PI;
 use glam::vec3;
 
 use super::cantilever::{Cut, strip};
-use super::{FRAME_RATE, bending_length, settle, specimen};
+use super::{FRAME_RATE, bending_length, hold, settle, specimen};
 use crate::solver::settings::Fabric;
 
 /// Length of the strip over the bending length, and `l` over that length.
@@ -54,10 +54,7 @@ pub fn test(fabric: &Fabric, length: f32, cells: u32, substep_rate: f32) -> f32 
         let (across, up) = place(rest.x);
         *x = vec3(across, up, rest.z).extend(x.w);
     }
-    cloth.state.previous.clone_from(&cloth.state.positions);
-    let targets = cloth.anchors.particles.iter().map(|&p| cloth.state.positions[p as usize].truncate());
-    cloth.anchors.to = targets.collect();
-    cloth.anchors.from.clone_from(&cloth.anchors.to);
+    hold(cloth);
     settle(&mut scene, FRAME_RATE, 10.0);
     (-scene.cloths[0].lowest() - 0.5 * edge) / free
 }

@@ -286,3 +286,29 @@ fn the_line_of_a_clean_cloth_tells_of_crossings_elsewhere() {
     let panel = Panel::over(app, cloth, one);
     assert!(panel.shows(&format!("0 crossings ({crossings} in all)")));
 }
+
+#[test]
+fn the_fabric_that_is_tuned_is_draped_on_a_disk_and_again_when_it_changes() {
+    let mut panel = Panel::new();
+    let measured = |panel: &mut Panel| -> String {
+        for _ in 0..800 {
+            panel.steps(1);
+            if let Some(label) = panel.text("drape coefficient ") {
+                return label;
+            }
+        }
+        String::new()
+    };
+    panel.click("preset denim");
+    panel.click("drape on a disk");
+    assert!(panel.shows("drape coefficient: it still moves"));
+    let denim = measured(&mut panel);
+    assert!(denim.ends_with("; denim shows 82 ± 6"), "{denim}");
+    panel.click("preset silk");
+    assert!(panel.shows("drape coefficient: it still moves"), "the specimen is still of denim");
+    let silk = measured(&mut panel);
+    let number = |text: &str| text.split_whitespace().nth(2).and_then(|n| n.parse::<f32>().ok()).expect("a number");
+    assert!((number(&denim) - 82.0).abs() < 6.0 && (number(&silk) - 35.0).abs() < 8.0, "{denim}, {silk}");
+    panel.click("put the disk away");
+    assert!(!panel.shows("drape coefficient"));
+}

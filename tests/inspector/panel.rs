@@ -119,6 +119,12 @@ impl Panel {
         self.steps(1);
     }
 
+    /// The first text with these words that is shown.
+    pub fn text(&self, words: &str) -> Option<String> {
+        let node = self.harness.query_all_by_label_contains(words).next()?.accesskit_node();
+        node.label().or_else(|| node.value())
+    }
+
     /// Whether a text with these words is shown.
     pub fn shows(&self, words: &str) -> bool {
         self.harness.query_all_by_label_contains(words).next().is_some()
