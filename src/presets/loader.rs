@@ -200,12 +200,12 @@ mod tests {
     }
 
     #[test]
-    fn the_error_in_the_readme_is_that_of_its_file() {
-        let readme = include_str!("../../README.md");
-        let file = readme.split("```ron\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a file");
+    fn the_error_in_the_guide_is_that_of_its_file() {
+        let guide = include_str!("../../docs/fabrics.md");
+        let file = guide.split("```ron\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a file");
         let misspelt = file.replace("stretch", "strech");
         let error = wrong(&misspelt).replace("a.cloth.ron", "fabric.cloth.ron");
-        assert!(readme.contains(&format!("``{error}``")), "{error}");
+        assert!(guide.contains(&format!("``{error}``")), "{error}");
     }
 
     #[test]
