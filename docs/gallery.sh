@@ -24,6 +24,9 @@ pictures=(
     "inspector.png inspector --frames 90 --out"
     "tangled.gif tangled --width 720 --frames 180 --out"
     "units.png tangled --unit 0 --frames 55 --out"
+    "fabrics.png fabrics --width 1440 --frames 300 --out"
+    "curtains.png fabrics --curtains --width 1440 --frames 420 --out"
+    "specimens.png fabric_lab --quick --edge 0.005 --picture"
     "figure_6.png paper_tables --largest 30 --runs 5 --figure"
 )
 for picture in "${pictures[@]}"; do

@@ -61,3 +61,16 @@ pub mod prelude {
     #[cfg(feature = "presets")]
     pub use crate::{ClothPreset, ClothPresetHandle};
 }
+
+/// The code in the guide compiles, too.
+#[cfg(doctest)]
+mod guide {
+    #[doc = include_str!("../docs/components.md")]
+    mod components {}
+    #[doc = include_str!("../docs/panel.md")]
+    mod panel {}
+    #[doc = include_str!("../docs/resolution.md")]
+    mod resolution {}
+    #[doc = include_str!("../docs/tools.md")]
+    mod tools {}
+}
