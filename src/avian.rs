@@ -21,6 +21,8 @@ use avian3d::prelude::{
 use bevy::prelude::*;
 
 use crate::components::{ClothCollider, ClothCoupling, ClothImpulse, ClothLayers, ClothRigidBody, NoClothCollision};
+use crate::notices::{Notices, label};
+use crate::solver::body::shape;
 use crate::systems::colliders::{ColliderBody, WorldBodies, WorldBody, jumped};
 
 impl From<CollisionLayers> for ClothLayers {
@@ -92,6 +94,7 @@ fn free(locked: &LockedAxes, first: u8) -> Vec3 {
 
 type Colliders<'a> = (
     Entity,
+    Option<&'a Name>,
     &'a Collider,
     &'a ColliderOf,
     &'a GlobalTransform,
@@ -110,9 +113,10 @@ pub(crate) fn colliders(
     mut world: ResMut<WorldBodies>,
     default_friction: Option<Res<DefaultFriction>>,
     bodies: Query<Option<&Friction>, (With<RigidBody>, Without<RigidBodyDisabled>, Without<NoClothCollision>)>,
+    mut notices: ResMut<Notices>,
     mut colliders: Query<Colliders, Meets>,
 ) {
-    for (entity, collider, of, global, layers, own_layers, friction, margin, body) in &mut colliders {
+    for (entity, name, collider, of, global, layers, own_layers, friction, margin, body) in &mut colliders {
         let Some(mut body) = body else {
             commands.entity(entity).try_insert(ColliderBody::default());
             continue;
@@ -123,9 +127,23 @@ pub(crate) fn colliders(
             continue;
         };
         let shape = collider.shape_scaled();
+        if !body.has_made(shape) {
+            match shape::checked(shape.clone()) {
+                Ok(shape) => body.make(Some(shape)),
+                Err(error) => {
+                    body.make(None);
+                    if notices.first(entity, "shape") {
+                        warn!("collider {} pushes no cloth: {error}", label(entity, name));
+                    }
+                }
+            }
+        }
+        if !body.has_made(shape) {
+            body.pose = None;
+            continue;
+        }
         let to = Isometry3d::new(translation, rotation.normalize());
-        let reach = shape.compute_local_bounding_sphere().radius;
-        let from = body.pose.filter(|from| !jumped(from, &to, reach)).unwrap_or(to);
+        let from = body.pose.filter(|from| !jumped(from, &to, body.reach())).unwrap_or(to);
         body.pose = Some(to);
         let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
         world.bodies.push(WorldBody {

@@ -45,7 +45,7 @@ pub(crate) fn shape_of(shape: &ColliderShape, mesh: Option<&Mesh>) -> Result<Sha
         // A plane needs no mesh.
         ColliderShape::Mesh(MeshFit::HalfSpace) => shape::half_space(Vec3::Y)?,
         ColliderShape::Mesh(fit) => fitted(*fit, mesh.ok_or(ColliderError::NoMesh)?)?,
-        ColliderShape::Parry(shape) => shape.0.clone().ok_or(ShapeError::Empty)?,
+        ColliderShape::Parry(shape) => shape::checked(shape.0.clone().ok_or(ShapeError::Empty)?)?,
     })
 }
 

@@ -123,7 +123,8 @@ fn shadow(points: &[Vec2], faces: &[[u32; 3]], reach: f32) -> f32 {
         let [a, b, c] = face.map(|p| points[p as usize]);
         let (low, high) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
         let line = |y: f32| ((y + reach) / step - 0.5).clamp(0.0, LINES as f32 - 1.0);
-        for k in line(low).floor() as usize..=line(high).ceil() as usize {
+        let (from, to) = (line(low).floor() as usize, line(high).ceil() as usize);
+        for (k, line) in spans.iter_mut().enumerate().take(to + 1).skip(from) {
             let y = (k as f32 + 0.5) * step - reach;
             let mut span = [f32::INFINITY, f32::NEG_INFINITY];
             for (p, q) in [(a, b), (b, c), (c, a)] {
@@ -133,7 +134,7 @@ fn shadow(points: &[Vec2], faces: &[[u32; 3]], reach: f32) -> f32 {
                 }
             }
             if span[1] > span[0] {
-                spans[k].push(span);
+                line.push(span);
             }
         }
     }

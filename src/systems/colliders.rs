@@ -24,6 +24,26 @@ pub(crate) struct ColliderBody {
     reach: f32,
 }
 
+impl ColliderBody {
+    /// Whether this shape was made from that of another crate last.
+    #[cfg(feature = "avian")]
+    pub fn has_made(&self, shape: &SharedShape) -> bool {
+        self.shape.as_ref().is_some_and(|made| std::sync::Arc::ptr_eq(&made.0, &shape.0))
+    }
+
+    /// Takes a shape that was checked.
+    pub fn make(&mut self, shape: Option<SharedShape>) {
+        self.reach = shape.as_ref().map_or(0.0, |shape| shape.compute_local_bounding_sphere().radius);
+        self.shape = shape;
+    }
+
+    /// Radius of the ball around it [m].
+    #[cfg(feature = "avian")]
+    pub fn reach(&self) -> f32 {
+        self.reach
+    }
+}
+
 /// How far a shape is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Stage {
@@ -142,7 +162,7 @@ pub(crate) fn shapes(
             }
         } else if !((scale - body.scale).abs().max_element() <= 1.0e-4 * scale.abs().max_element()) {
             body.scale = scale;
-            body.shape = body.unscaled.as_ref().and_then(|unscaled| match shape::scaled(unscaled, scale) {
+            let scaled = body.unscaled.as_ref().and_then(|unscaled| match shape::scaled(unscaled, scale) {
                 Ok(shape) => Some(shape),
                 Err(error) => {
                     if notices.first(entity, "scale") {
@@ -151,7 +171,7 @@ pub(crate) fn shapes(
                     None
                 }
             });
-            body.reach = body.shape.as_ref().map_or(0.0, |s| s.compute_local_bounding_sphere().radius);
+            body.make(scaled);
         }
     }
 }

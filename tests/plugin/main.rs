@@ -6,6 +6,7 @@ mod common;
 #[cfg(feature = "avian")]
 mod avian;
 mod bind;
+mod bits;
 mod bodies;
 mod contact;
 mod debug;

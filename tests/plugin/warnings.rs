@@ -107,6 +107,27 @@ fn sizes_of_colliders_are_named_as_they_were_given() {
     }
 }
 
+/// Those of other crates are not checked when they are made.
+#[test]
+fn shapes_of_parry_that_are_none_are_one_warning_and_push_nothing() {
+    use bevy_drape::solver::body::SharedShape;
+    let lines = warnings(app(), |app| {
+        let shapes = [
+            SharedShape::round_cylinder(0.2, 0.2, -0.1),
+            SharedShape::halfspace(Vec3::splat(f32::NAN)),
+            SharedShape::ball(0.2),
+        ];
+        for (shape, name) in shapes.into_iter().zip(["drum", "floor", "marble"]) {
+            app.world_mut().spawn((Transform::default(), ClothCollider::parry(shape), Name::new(name)));
+        }
+        let cloth = spawn(app, sheet(5), border());
+        run(app, 60);
+        assert!(finite(app, cloth) && report(app, cloth).restores == 0);
+    });
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+    assert!(lines[0].contains("drum") && lines[0].contains("border radius") && lines[1].contains("floor"), "{lines:#?}");
+}
+
 #[test]
 fn bodies_with_masses_that_are_none_and_places_that_are_nowhere_are_named_with_a_cure() {
     let lines = warnings(app(), |app| {

@@ -3,6 +3,7 @@
 //! parry's own constructors index out of bounds on bad indices and assert on flat or non-finite input, so everything is checked before.
 
 use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
 use parry3d::shape::{Compound, ConvexPolyhedron, HeightField, SharedShape, TriMesh, TriMeshFlags, TypedShape};
 use parry3d::utils::Array2;
@@ -144,6 +145,62 @@ pub fn cone(radius: f32, half_height: f32) -> Result<SharedShape, ShapeError> {
 pub fn half_space(normal: Vec3) -> Result<SharedShape, ShapeError> {
     let normal = if normal.is_finite() { normal.try_normalize() } else { None };
     Ok(SharedShape::halfspace(normal.ok_or(ShapeError::Normal)?))
+}
+
+/// A shape that was made elsewhere, if its sizes are those of a shape.
+///
+/// # Errors
+/// The first size, point or normal that is not.
+pub fn checked(shape: SharedShape) -> Result<SharedShape, ShapeError> {
+    is_sound(shape.as_typed_shape())?;
+    Ok(shape)
+}
+
+fn is_sound(shape: TypedShape<'_>) -> Result<(), ShapeError> {
+    let cylinder = |radius, half_height| size("radius", radius).and(size("half height", half_height));
+    let cuboid = |half_extents: Vec3| half_extents.to_array().into_iter().try_for_each(|e| size("half extent", e).map(drop));
+    // No border is none.
+    let border = |radius: f32| if radius == 0.0 { Ok(0.0) } else { size("border radius", radius) };
+    match shape {
+        TypedShape::Ball(s) => size("radius", s.radius).map(drop),
+        TypedShape::Capsule(s) => size("radius", s.radius).and(points(&[s.segment.a, s.segment.b])),
+        TypedShape::Cuboid(s) => cuboid(s.half_extents),
+        TypedShape::Cylinder(s) => cylinder(s.radius, s.half_height).map(drop),
+        TypedShape::Cone(s) => cylinder(s.radius, s.half_height).map(drop),
+        // Bad ones are far from unit length, or not numbers.
+        TypedShape::HalfSpace(s) if s.normal.is_normalized() => Ok(()),
+        TypedShape::HalfSpace(_) => Err(ShapeError::Normal),
+        TypedShape::Segment(s) => points(&[s.a, s.b]),
+        TypedShape::Triangle(s) => points(&[s.a, s.b, s.c]),
+        TypedShape::TriMesh(s) => points(s.vertices()),
+        TypedShape::Polyline(s) => points(s.vertices()),
+        TypedShape::ConvexPolyhedron(s) => points(s.points()),
+        TypedShape::Compound(s) => s.shapes().iter().enumerate().try_for_each(|(index, (pose, part))| {
+            if !(pose.translation.is_finite() && pose.rotation.is_finite()) {
+                return Err(ShapeError::Pose { index });
+            }
+            is_sound(part.as_typed_shape())
+        }),
+        TypedShape::RoundCuboid(s) => border(s.border_radius).and(cuboid(s.inner_shape.half_extents)),
+        TypedShape::RoundTriangle(s) => {
+            border(s.border_radius).and(points(&[s.inner_shape.a, s.inner_shape.b, s.inner_shape.c]))
+        }
+        TypedShape::RoundCylinder(s) => {
+            border(s.border_radius).and(cylinder(s.inner_shape.radius, s.inner_shape.half_height)).map(drop)
+        }
+        TypedShape::RoundCone(s) => {
+            border(s.border_radius).and(cylinder(s.inner_shape.radius, s.inner_shape.half_height)).map(drop)
+        }
+        TypedShape::RoundConvexPolyhedron(s) => border(s.border_radius).and(points(s.inner_shape.points())),
+        TypedShape::HeightField(s) => box_of(s.local_aabb()),
+        TypedShape::Voxels(s) => box_of(s.local_aabb()),
+        TypedShape::Custom(s) => box_of(s.compute_local_aabb()),
+    }
+}
+
+/// Whether the box around a shape is one.
+fn box_of(bounds: Aabb) -> Result<(), ShapeError> {
+    points(&[bounds.mins, bounds.maxs])
 }
 
 /// The convex hull of a cloud of points [m].
@@ -410,6 +467,11 @@ mod tests {
             ("compound", compound(vec![])),
             ("compound", compound(vec![(bad_pose, ball_shape.clone())])),
             ("compound", compound(vec![(Pose::IDENTITY, mesh.clone())])),
+            ("round cylinder", checked(SharedShape::round_cylinder(0.2, 0.2, -0.1))),
+            ("round cuboid", checked(SharedShape::round_cuboid(0.2, nan, 0.2, 0.1))),
+            ("made elsewhere", checked(SharedShape::ball(-1.0))),
+            ("made elsewhere", checked(SharedShape::halfspace(Vec3::new(0.0, 3.0, 0.0)))),
+            ("made elsewhere", checked(SharedShape::halfspace(Vec3::splat(nan)))),
             ("scale", scaled(&ball_shape, Vec3::new(1.0, 0.0, 1.0))),
             ("scale", scaled(&mesh, Vec3::splat(nan))),
         ];

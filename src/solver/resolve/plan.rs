@@ -35,6 +35,8 @@ struct Plan {
 pub(super) struct Plans {
     list: Vec<Plan>,
     live: usize,
+    /// Numbers of the live ones, ascending.
+    numbers: Vec<u32>,
     last: u32,
     /// Particles to be settled when the rest of a side follows.
     farthest: BinaryHeap<(u32, u32)>,
@@ -44,6 +46,7 @@ impl Plans {
     /// Gives all plans up.
     pub fn clear(&mut self) {
         self.live = 0;
+        self.numbers.clear();
     }
 
     /// Gives up those that move particles that were `put` elsewhere.
@@ -57,6 +60,16 @@ impl Plans {
                 k += 1;
             }
         }
+        self.count();
+    }
+
+    /// Lists the numbers of live plans after some have ended.
+    fn count(&mut self) {
+        if self.numbers.len() != self.live {
+            self.numbers.clear();
+            self.numbers.extend(self.list[..self.live].iter().map(|plan| plan.number));
+            self.numbers.sort_unstable();
+        }
     }
 
     /// Whether any plan is being carried out.
@@ -66,7 +79,7 @@ impl Plans {
 
     /// Whether a plan is still being carried out.
     pub fn is_live(&self, number: u32) -> bool {
-        self.list[..self.live].iter().any(|p| p.number == number)
+        self.numbers.binary_search(&number).is_ok()
     }
 
     /// One iteration of every plan.
@@ -85,11 +98,12 @@ impl Plans {
                 k += 1;
             }
         }
+        self.count();
     }
 
     /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` [m]. Returns its number, never 0.
     pub fn carry_out(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], probe: &mut Probe, step: f32) -> u32 {
-        let Self { list, live, last, farthest } = self;
+        let Self { list, live, numbers, last, farthest } = self;
         if *live == list.len() {
             list.push(Plan::default());
         }
@@ -97,6 +111,7 @@ impl Plans {
         *live += 1;
         *last = last.wrapping_add(1).max(1);
         plan.number = *last;
+        numbers.push(*last);
         plan.moves.clear();
         let room =
             (ROOM * probe.edge + thickness(view, probe)).min(apart_at_rest(view, graph, set).max(LEAST_ROOM * probe.edge));
