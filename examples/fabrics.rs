@@ -28,11 +28,13 @@ const TABLE: (f32, f32) = (0.16, 0.36);
 /// Side of a table cloth and its edges [m].
 const CLOTH: (f32, f32) = (0.6, 0.01);
 /// Distance between two tables, and between two curtains [m].
-const APART: (f32, f32) = (0.62, 0.85);
+const APART: (f32, f32) = (0.68, 1.05);
 /// Width and height of a curtain, its edges, and how high it hangs [m].
 const CURTAIN: (f32, f32, f32) = (1.0, 0.025, 1.15);
 /// How long a curtain is drawn, from its whole width to that of [`GATHERED`] [s].
-const DRAWN: f32 = 1.0;
+const DRAWN: f32 = 2.0;
+/// How far hooks stand off the plane of the rail [m]: a sheet in one plane has no side to fold to.
+const OFF: f32 = 0.01;
 /// Width of a curtain that is drawn over that of its cloth.
 const GATHERED: f32 = 0.7;
 
@@ -43,9 +45,9 @@ struct Hook(f32, f32);
 fn main() -> AppExit {
     let Arguments { stage, curtains } = Arguments::parse();
     let camera = if curtains {
-        OrbitCamera::around(Vec3::new(0.0, 0.62, 0.0), 6.0).from(0.2, 0.12)
+        OrbitCamera::around(Vec3::new(0.0, 0.62, 0.0), 6.2).from(0.15, 0.12)
     } else {
-        OrbitCamera::around(Vec3::new(0.0, 0.2, 0.1), 4.1).from(0.0, 0.5)
+        OrbitCamera::around(Vec3::new(0.0, 0.2, 0.05), 2.7).from(0.0, 0.6)
     };
     let mut app = Stage::from_args("fabrics", stage).camera(camera).hint("R: again").report(report).build();
     app.add_plugins(ClothPlugin::default());
@@ -57,9 +59,10 @@ fn main() -> AppExit {
     app.run()
 }
 
-/// Where the `k`th of them is along the row [m].
-fn place(k: usize, apart: f32) -> f32 {
-    (k as f32 - 0.5 * (FABRICS.len() - 1) as f32) * apart
+/// Where the `k`th table stands: three in a row, the limp ones behind [m].
+fn table(k: usize) -> (f32, f32) {
+    let columns = FABRICS.len() / 2;
+    (((k % columns) as f32 - 1.0) * APART.0, ((k / columns) as f32 - 0.5) * APART.0)
 }
 
 fn tables(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
@@ -70,17 +73,17 @@ fn tables(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut material
     let top = meshes.add(Cylinder::new(radius - 0.01, 0.02).mesh().resolution(96));
     let leg = meshes.add(Cylinder::new(0.02, height - 0.02));
     for k in 0..FABRICS.len() {
-        let x = place(k, APART.0);
+        let (x, z) = table(k);
         commands.spawn((
             Mesh3d(top.clone()),
             MeshMaterial3d(wood.clone()),
-            Transform::from_xyz(x, height - 0.012, 0.0),
+            Transform::from_xyz(x, height - 0.012, z),
             ClothCollider::cylinder(radius, 0.02),
         ));
         commands.spawn((
             Mesh3d(leg.clone()),
             MeshMaterial3d(wood.clone()),
-            Transform::from_xyz(x, 0.5 * (height - 0.02), 0.0),
+            Transform::from_xyz(x, 0.5 * (height - 0.02), z),
             ClothCollider::cylinder(0.02, height - 0.02),
         ));
     }
@@ -99,10 +102,11 @@ fn lay(
     let sheet = meshes.add(sheet);
     let look = fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.55, 0.60, 0.66), 12.0);
     for (k, name) in FABRICS.into_iter().enumerate() {
+        let (x, z) = table(k);
         commands.spawn((
             Mesh3d(sheet.clone()),
             MeshMaterial3d(look.clone()),
-            Transform::from_xyz(place(k, APART.0), TABLE.1 + 0.02, 0.0).with_rotation(Quat::from_rotation_y(0.2)),
+            Transform::from_xyz(x, TABLE.1 + 0.02, z).with_rotation(Quat::from_rotation_y(0.2)),
             Cloth,
             ClothMaterial { thickness: 0.004, ..ClothMaterial::preset(name).unwrap_or_default() },
             ClothSolver { substep_rate: rate(edge), ..default() },
@@ -137,7 +141,7 @@ fn hang(
         Transform::from_xyz(0.0, height + 0.01, 0.0).with_rotation(Quat::from_rotation_z(core::f32::consts::FRAC_PI_2)),
     ));
     for (k, name) in FABRICS.into_iter().enumerate() {
-        let middle = place(k, APART.1);
+        let middle = (k as f32 - 0.5 * (FABRICS.len() - 1) as f32) * APART.1;
         let hooks = (0..curtain::HOOKS).map(|hook| {
             // On the nearest vertex, so that all are held alike.
             let cell = (hook as f32 / (curtain::HOOKS - 1) as f32 * cells as f32).round();
@@ -166,6 +170,7 @@ fn draw(time: Res<Time>, mut hooks: Query<(&Hook, &mut Transform)>) {
     let done = (time.elapsed_secs() / DRAWN).min(1.0);
     for (&Hook(x, middle), mut transform) in &mut hooks {
         transform.translation.x = middle + x * (1.0 - done * (1.0 - GATHERED));
+        transform.translation.z = done * OFF * (40.0 * x).sin();
     }
 }
 

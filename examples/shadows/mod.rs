@@ -36,7 +36,7 @@ impl Shadow {
         Self {
             caption: [
                 sample.name.replace('_', " "),
-                format!("{coefficient:.0} %, {nodes} nodes; asked {} ± {}", sample.drape, sample.within),
+                format!("{coefficient:.0} %, {nodes} nodes; asked {} within {}", sample.drape, sample.within),
             ],
             triangles: faces.iter().map(|face| (face.map(|x| (x.x, x.z)), light(*face))).collect(),
         }
