@@ -570,8 +570,8 @@ impl Stepped<'_> {
         scratch.coupling.advance(h);
         scratch.coupling.place(anchors, s, x);
         scratch.pulls.solve(s, h, x);
-        // Bends turn within a frame; in a calm cloth what lags behind would keep it from rest.
-        if frame.calm && n > 0 {
+        // Bends turn within a frame; in a calm cloth what lags behind by a whole one would keep it from rest.
+        if frame.calm && n > 0 && n == count / 2 {
             scratch.bends.fold(&rest.bends, fabric, x, &mut state.folds);
         }
         scratch.bends.solve(&rest.bends, h, x);
