@@ -42,12 +42,14 @@ pub struct ClothMaterial {
     pub bend_stiffness: f32,
     /// Stretch stiffness along the warp over that along the weft (dimensionless); `stretch_stiffness` is their mean. Default 1, range 0.1 to 10. The warp
     /// runs along `v` of the mesh's texture coordinates (`Mesh::ATTRIBUTE_UV_0`), the weft along `u`; without coordinates there is none, and a warning.
+    /// Squares along the threads show it; equilateral triangles show 1.5 of 2.
     pub stretch_ratio: f32,
     /// Bending stiffness along the warp over that along the weft (dimensionless); `bend_stiffness` is their mean. Default 1, range 0.1 to 10; woven fabrics
     /// have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their bending length; equilateral triangles up to a ratio of 3; squares
     /// cut in four at 45° to the threads not at all.
     pub bend_ratio: f32,
-    /// Angle by which the warp is turned from `v` towards `u` of the texture [rad], as a piece is cut. Default 0, range -π to π; π / 4 is cut on the bias.
+    /// Angle by which the warp is turned from `v` towards `u` of the texture [rad]. Default 0, range -π to π. It turns the two ratios only: what stretches and
+    /// what shears follows the edges of the mesh, which run at 45° where a piece is cut on the bias.
     /// A mirrored texture has it mirrored, like a left sleeve beside a right one.
     pub warp_angle: f32,
     /// Curvature that the friction between its yarns holds [1/m], `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0 to 1000; silk 18, wool 25, cotton

@@ -25,13 +25,13 @@ const RATE: f32 = 6000.0;
 /// What theory says of a strip at 45° (dimensionless).
 #[must_use]
 pub fn bias_theory(fabric: &Fabric) -> f32 {
-    0.25 * BIAS_LOAD * (1.0 / fabric.shear_stiffness + 2.0 / fabric.stretch_stiffness)
+    0.25 * BIAS_LOAD * (1.0 / fabric.shear_stiffness + theory(fabric).iter().sum::<f32>() / LOAD)
 }
 
 /// Elongation of a strip at 45° (dimensionless).
 #[must_use]
 pub fn bias(fabric: &Fabric) -> f32 {
-    elongation(fabric, Cut::Bias, BIAS_LOAD)
+    elongation(&Fabric { warp_angle: 0.0, ..fabric.clone() }, Cut::Bias, BIAS_LOAD)
 }
 
 /// What theory says of strips along warp and weft (dimensionless).

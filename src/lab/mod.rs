@@ -123,15 +123,15 @@ impl Settling {
     }
 }
 
-/// Steps until a specimen lies still, for `longest` [s] at most; whether it does.
-fn settle(scene: &mut Scene, frame_rate: f32, longest: f32) -> bool {
+/// Steps until a specimen lies still, for `longest` [s] at most.
+fn settle(scene: &mut Scene, frame_rate: f32, longest: f32) {
     let mut settling = Settling::default();
-    while scene.time < longest {
+    let frame_rate = frame_rate.clamp(1.0, 1.0e4);
+    for _ in 0..(longest * frame_rate) as u32 {
         if settling.step(scene, 1.0 / frame_rate) {
-            return true;
+            return;
         }
     }
-    false
 }
 
 /// Position [m] of a vertex of the mesh.

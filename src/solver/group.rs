@@ -255,8 +255,14 @@ impl Group {
         self.share = 0.0;
         self.contacts.note_meetings();
         for part in 0..parts {
+            let range = self.surface.parts[part].particles.clone();
+            let own = |p: u32| range.contains(&p).then(|| p - range.start);
             if let Some(m) = cloths.member(part) {
                 m.cloth.begin(m.stepping, Some(count), m.state, m.scratch);
+                if !self.contours().is_empty() {
+                    m.scratch.leave_air();
+                }
+                m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
             }
         }
         for n in 1..=count {
@@ -293,14 +299,6 @@ impl Group {
         self.note_start(cloths);
         let crowded = !self.contacts.is_empty();
         for part in 0..parts {
-            let range = self.surface.parts[part].particles.clone();
-            let own = |p: u32| range.contains(&p).then(|| p - range.start);
-            if let Some(m) = cloths.member(part) {
-                if !self.contours().is_empty() {
-                    m.scratch.leave_air();
-                }
-                m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
-            }
             if let Some(m) = cloths.member(part)
                 && let Some(report) = m.cloth.finish(crowded, m.state, m.scratch)
             {

@@ -130,14 +130,20 @@ impl Scratch {
         self.contacts.touching().chain(self.faces.touching())
     }
 
-    /// Takes no air along in this frame: what is tangled has none between its layers.
+    /// Takes no air along for the rest of the frame: what is tangled has none between its layers.
     pub fn leave_air(&mut self) {
-        self.carried.clear();
+        self.carried.end();
     }
 
-    /// Notes which particles lie on cloth, before the frame ends: no air is between.
+    /// Notes which particles lie on cloth, once the frame has begun: no air is between.
     pub fn lies_on_cloth(&mut self, particles: impl Iterator<Item = u32>) {
         self.carried.leave_out(particles);
+    }
+
+    /// Ends a substep for the air: what it carries keeps of the change of velocity its share.
+    fn keep_air(&mut self, state: &mut ClothState) {
+        self.carried.leave_out(self.contacts.touching().chain(self.faces.touching()));
+        self.carried.keep(state.substep, &state.positions, &mut state.previous);
     }
 
     /// Whether the cloth has been slow for a while.
@@ -338,8 +344,6 @@ struct Frame {
     strained: bool,
     taut: bool,
     calm: bool,
-    /// Share of the air in what moves across the cloth (dimensionless).
-    air: f32,
     /// Drag [1/s].
     drag: f32,
     report: StepReport,
@@ -482,7 +486,7 @@ impl Stepped<'_> {
         }
         // Where little moves the air does nothing.
         let air = if calm { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };
-        scratch.carried.note(air, state.substep, &state.positions, &state.previous);
+        scratch.carried.begin(air, rest, &state.positions);
         let approach = Approach {
             dt,
             substep: state.substep,
@@ -527,7 +531,6 @@ impl Stepped<'_> {
             strained,
             taut,
             calm,
-            air,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
             report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
         });
@@ -553,6 +556,11 @@ impl Stepped<'_> {
             let faces = &rest.topology.faces;
             scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
         }
+        if n > 0 {
+            scratch.keep_air(state);
+        }
+        let (x, old) = (&mut state.positions, &mut state.previous);
+        scratch.carried.note(state.substep, x, old);
         let carry = if state.substep > 0.0 { h / state.substep * (-frame.drag * h).exp() } else { 0.0 };
         let push = 0.5 * h * (state.substep + h);
         if windy {
@@ -649,8 +657,8 @@ impl Stepped<'_> {
         let mut report = frame.report;
         state.time += f64::from(frame.dt);
         report.bend_held = scratch.bends.held(frame.h);
-        scratch.carried.leave_out(scratch.contacts.touching().chain(scratch.faces.touching()));
-        scratch.carried.keep(frame.air, rest, state.substep, &state.positions, &mut state.previous);
+        scratch.keep_air(state);
+        scratch.carried.end();
         if frame.calm && fabric.damping > 0.0 {
             slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
         }

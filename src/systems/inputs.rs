@@ -119,13 +119,11 @@ pub(crate) fn settings(
             report.clamped.clone_from(&checked.clamped);
         }
         notices.clamped(entity, name, "cloth", checked);
-        if build.without_warp > 0 && material.is_directed() && notices.first(entity, "warp") {
+        if build.without_warp == build.faces && material.is_directed() && notices.first(entity, "warp") {
             warn!(
-                "cloth {} is to be stiffer along its warp (`bend_ratio`, `stretch_ratio`), and {} of its {} triangles have no texture coordinates that tell \
-                 where that is: they are as stiff in all directions; unwrap its mesh (`Mesh::ATTRIBUTE_UV_0`), or set the ratios to 1",
+                "cloth {} is to be stiffer along its warp (`bend_ratio`, `stretch_ratio`), and no texture coordinates tell where that is: it is as stiff in all \
+                 directions; unwrap its mesh (`Mesh::ATTRIBUTE_UV_0`), or set the ratios to 1",
                 label(entity, name),
-                build.without_warp,
-                build.faces,
             );
         }
     }

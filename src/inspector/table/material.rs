@@ -81,7 +81,7 @@ pub(super) const MATERIAL: [Setting; 18] = [
         [
             "Angle of the warp from v towards u of the texture, as the piece is cut. Shows where a ratio is not 1.",
             "Turned the other way.",
-            "0.785 is cut on the bias.",
+            "0.785 is at 45°.",
         ],
     ),
     row(

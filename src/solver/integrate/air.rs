@@ -6,10 +6,10 @@
 //!
 //! ```text
 //! λ = 2 √π c^(3/4) L^(1/4)      c = (B / (ρ g))^(1/3), L: size of the cloth, λ at most 2 L
-//! Δv ← Δv - m / (ρ + m) n (n · Δv)      of each particle in a frame
+//! Δv ← Δv - m / (ρ + m) n (n · Δv)      of each particle in a substep: added mass
 //! ```
 //!
-//! What holds the cloth still holds it as before: only a change of velocity is made less.
+//! What holds the cloth still holds it as before: only a change of velocity is made less. Without gravity nothing tells a wavelength, and there is no air.
 
 use core::f32::consts::PI;
 
@@ -18,12 +18,12 @@ use glam::Vec4;
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
-/// Velocities at the start of a frame, and buffers.
+/// The air around the particles of a cloth in a frame.
 #[derive(Clone, Debug, Default)]
 pub struct Carried {
-    /// Velocities at the start of the frame [m/s]; empty while no air is carried.
+    /// Velocities at the start of the substep [m/s]; empty while no air is carried.
     before: Vec<Vec4>,
-    /// Sum of area times normal of the faces around each particle, over three times the particle's own area (dimensionless).
+    /// Normals at the start of the frame, as long as the root of the share of the air that goes along (dimensionless).
     normals: Vec<Vec4>,
 }
 
@@ -34,8 +34,7 @@ pub fn share(fabric: &Fabric, area: f32, gravity: f32, air_density: f32) -> f32 
     let length = (fabric.bend_stiffness / (fabric.density * gravity)).cbrt();
     let wave = (2.0 * PI.sqrt() * length.powf(0.75) * size.powf(0.25)).min(2.0 * size);
     let air = air_density * wave / PI;
-    // Not a number without gravity and stiffness.
-    if air > 0.0 { (air / (air + fabric.density)).min(1.0) } else { 0.0 }
+    if air > 0.0 && gravity > 0.0 { (air / (air + fabric.density)).min(1.0) } else { 0.0 }
 }
 
 impl Carried {
@@ -45,33 +44,13 @@ impl Carried {
         size_of_val(&self.before[..]) + size_of_val(&self.normals[..])
     }
 
-    /// Notes the velocities at the start of a frame; `substep` [s] lies between `previous` and `positions`, 0 before the first. None without a `share`.
-    pub fn note(&mut self, share: f32, substep: f32, positions: &[Vec4], previous: &[Vec4]) {
+    /// Begins a frame with a `share` of air in what moves across the cloth (dimensionless), 0 for none.
+    pub fn begin(&mut self, share: f32, rest: &RestShape, positions: &[Vec4]) {
         self.before.clear();
-        if share > 0.0 {
-            let rate = if substep > 0.0 { 1.0 / substep } else { 0.0 };
-            self.before.extend(positions.iter().zip(previous).map(|(x, old)| (*x - *old) * rate));
-        }
-    }
-
-    /// Leaves out all.
-    pub fn clear(&mut self) {
-        self.before.clear();
-    }
-
-    /// Leaves out particles that lie on something: no air is between.
-    pub fn leave_out(&mut self, touching: impl Iterator<Item = u32>) {
-        if !self.before.is_empty() {
-            touching.for_each(|p| self.before[p as usize] = Vec4::NAN);
-        }
-    }
-
-    /// Takes from what the frame changed of the velocities across the cloth what the air keeps, a `share` (dimensionless).
-    pub fn keep(&mut self, share: f32, rest: &RestShape, substep: f32, positions: &[Vec4], previous: &mut [Vec4]) {
-        if self.before.is_empty() {
+        self.normals.clear();
+        if !(share > 0.0) {
             return;
         }
-        self.normals.clear();
         self.normals.resize(positions.len(), Vec4::ZERO);
         for face in &rest.topology.faces {
             let [a, b, c] = face.map(|p| positions[p as usize].truncate());
@@ -80,15 +59,56 @@ impl Carried {
                 self.normals[p as usize] += normal;
             }
         }
-        let all = positions.iter().zip(previous).zip(&self.before).zip(&self.normals).zip(&rest.areas);
-        for ((((x, old), before), normal), &area) in all {
-            let change = (*x - *old) - *before * substep;
+        for ((normal, &area), x) in self.normals.iter_mut().zip(&rest.areas).zip(positions) {
             // Where cloth is folded to a point the air is on no side of it, and the normals cancel.
-            let normal = *normal / (6.0 * area);
-            let kept = normal * (share * normal.dot(change) / normal.length().max(1.0e-6));
-            if x.w > 0.0 && kept.is_finite() {
-                *old += kept.with_w(0.0);
-            }
+            let length = normal.length();
+            let part = share * (length / (6.0 * area)).min(1.0);
+            let scale = part.sqrt() / length;
+            *normal = if x.w > 0.0 && scale.is_finite() { *normal * scale } else { Vec4::ZERO };
+        }
+    }
+
+    /// Ends it: no air is carried until the next begins.
+    pub fn end(&mut self) {
+        self.normals.clear();
+    }
+
+    /// Leaves out particles that lie on something until the end of the frame: no air is between.
+    pub fn leave_out(&mut self, touching: impl Iterator<Item = u32>) {
+        if !self.normals.is_empty() {
+            touching.for_each(|p| self.normals[p as usize] = Vec4::ZERO);
+        }
+    }
+
+    /// Notes the velocities at the start of a substep; `substep` [s] lies between `previous` and `positions`, 0 before the first.
+    pub fn note(&mut self, substep: f32, positions: &[Vec4], previous: &[Vec4]) {
+        self.before.clear();
+        if !self.normals.is_empty() {
+            let rate = if substep > 0.0 { 1.0 / substep } else { 0.0 };
+            self.before.extend(positions.iter().zip(previous).map(|(x, old)| (*x - *old) * rate));
+        }
+    }
+
+    /// Takes from what a substep of `substep` [s] changed of the velocities across the cloth what the air keeps.
+    pub fn keep(&self, substep: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+        for (((x, old), before), normal) in positions.iter().zip(previous).zip(&self.before).zip(&self.normals) {
+            let change = (*x - *old) - *before * substep;
+            *old += *normal * normal.dot(change);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_fabric_has_as_much_air_again_and_without_gravity_there_is_none() {
+        let silk = Fabric { density: 0.06, bend_stiffness: 1.55e-6, ..Fabric::default() };
+        assert!((0.4..0.6).contains(&share(&silk, 1.0, 9.81, 1.225)), "{}", share(&silk, 1.0, 9.81, 1.225));
+        let limp = Fabric { bend_stiffness: 0.0, ..silk.clone() };
+        for (fabric, gravity, density) in [(&silk, 0.0, 1.225), (&silk, 9.81, 0.0), (&limp, 0.0, 1.225), (&limp, 9.81, 1.225)] {
+            assert_eq!(share(fabric, 1.0, gravity, density), 0.0, "{gravity} m/s², {density} kg/m³");
         }
     }
 }

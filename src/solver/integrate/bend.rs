@@ -256,19 +256,19 @@ pub fn rub(bends: &Bends, fabric: &Fabric, dt: f32, h: f32, motion: &mut [Vec4])
     if !(moment > 0.0) {
         return;
     }
-    for (hinges, c) in bends.hinges.iter().zip(&bends.coefficients) {
-        // Four at once: together they take no more from a particle than it has.
-        let u: [[Vec4; 4]; LANES] = std::array::from_fn(|lane| hinges[lane].map(|p| motion[p as usize]));
-        let rate: [Vec4; LANES] =
-            std::array::from_fn(|l| (u[l][0] * c[l].x + u[l][1] * c[l].y + u[l][2] * c[l].z + u[l][3] * c[l].w).with_w(0.0));
-        let wc: [Vec4; LANES] = std::array::from_fn(|l| c[l] * Vec4::from_array(u[l].map(|u| u.w)));
-        let w = Vec4::from_array(std::array::from_fn(|l| wc[l].dot(c[l])));
-        let most = Vec4::splat(RUB_SHARE) / w.max(Vec4::splat(f32::MIN_POSITIVE));
+    let (hinges, coefficients) = (bends.hinges.as_flattened(), bends.coefficients.as_flattened());
+    // Far apart in the mesh from one to the next, which so do not wait for each other.
+    let stride = bends.count.div_ceil(LANES);
+    for k in (0..stride).flat_map(|k| (k..bends.count).step_by(stride)) {
+        let (hinge, c) = (&hinges[k], coefficients[k]);
+        let u = hinge.map(|p| motion[p as usize]);
+        let rate = (u[0] * c.x + u[1] * c.y + u[2] * c.z + u[3] * c.w).with_w(0.0);
+        let wc = c * Vec4::from_array(u.map(|u| u.w));
+        let (speed, w) = (rate.length(), wc.dot(c));
         // Nothing where all is held.
-        let by = Vec4::select(w.cmpgt(Vec4::ZERO), (moment / Rows::from(rate).length()).min(most), Vec4::ZERO).to_array();
-        for lane in 0..LANES {
-            let by = rate[lane] * by[lane];
-            for (p, wc) in hinges[lane].iter().zip(wc[lane].to_array()) {
+        if speed > 0.0 && w > 0.0 {
+            let by = rate * ((moment / speed).min(RUB_SHARE / w));
+            for (p, wc) in hinge.iter().zip(wc.to_array()) {
                 motion[*p as usize] -= by * wc;
             }
         }

@@ -309,8 +309,11 @@ impl Weave {
     #[must_use]
     pub fn split(&self, ratio: f32) -> (f32, f32) {
         let Self { even, uneven, .. } = self;
-        // (even.x + α uneven.x) / (even.y + α uneven.y) = ratio
-        let alpha = (ratio * even.y - even.x) / (uneven.x - ratio * uneven.y);
+        // (even.x + α uneven.x) / (even.y + α uneven.y) = ratio even.x / even.y: what the mesh itself is uneven by stays, as with a ratio of 1.
+        let ratio = ratio * even.x / even.y;
+        let (wanted, rises) = (ratio * even.y - even.x, uneven.x - ratio * uneven.y);
+        // A ratio beyond what any `α` has is met at its end.
+        let alpha = if rises > 0.0 { wanted / rises } else { f32::MAX.copysign(wanted) };
         let spread = uneven.x / even.x - uneven.y / even.y;
         let most = MOST_UNEVEN * (spread / SPREAD).clamp(0.0, 1.0);
         let alpha = if alpha.is_finite() && most.is_finite() { alpha.clamp(-most, most) } else { 0.0 };
