@@ -67,6 +67,8 @@ pub mod prelude {
 mod guide {
     #[doc = include_str!("../docs/components.md")]
     mod components {}
+    #[doc = include_str!("../docs/fabrics.md")]
+    mod fabrics {}
     #[doc = include_str!("../docs/panel.md")]
     mod panel {}
     #[doc = include_str!("../docs/resolution.md")]

@@ -13,7 +13,7 @@ use crate::solver::settings::Fabric;
 ///
 /// # Where the presets come from
 ///
-/// A preset is calibrated to the drape coefficient that is measured on real fabrics (Cusick's test, BS 5058: a specimen of 30 cm on a disk of 18 cm; 25 fabrics of
+/// A preset is calibrated to a drape coefficient, measured for most, quoted for silk, wool and denim (Cusick's test, BS 5058: a specimen of 30 cm on a disk of 18 cm; 25 fabrics of
 /// Gong, Mao, Wang, CVPR 2024, and figures quoted with them), with bending stiffness and friction inside what is measured for it: `HB / B` 18 (polyester faille)
 /// to 52 /m (broadcloth), 23 to 54 in denims (J. Textiles 2016, 4614168). `cargo run --release --example fabric_lab` measures them.
 /// [`ClothReport::drape_rate`](crate::ClothReport::drape_rate) is the substep rate from which a mesh shows it; at the default rate fine meshes hang limper.

@@ -484,9 +484,6 @@ impl Stepped<'_> {
             damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
             damp::apply(&state.positions, motion, &mut state.previous);
         }
-        // Where little moves the air does nothing.
-        let air = if calm { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };
-        scratch.carried.begin(air, rest, &state.positions);
         let approach = Approach {
             dt,
             substep: state.substep,
@@ -506,6 +503,10 @@ impl Stepped<'_> {
         let beyond = |limits: f32, was: bool| scratch.strain() > if was { EASED } else { limits } * fabric.strain_limit;
         let (strained, taut) = (beyond(STRAINED, scratch.strained) || scratch.worst_edge == 0.0, beyond(TAUT, scratch.taut));
         (scratch.strained, scratch.taut) = (strained, taut);
+        // Where little moves the air does nothing, and what is drawn back to its length must get there.
+        let air =
+            if calm || strained { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };
+        scratch.carried.begin(air, rest, &state.positions);
         if taut {
             // A calm cloth would feel a list that shrinks.
             let all = scratch.strain() > WILD * fabric.strain_limit;
