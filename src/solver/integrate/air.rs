@@ -48,6 +48,9 @@ impl Carried {
     pub fn begin(&mut self, share: f32, rest: &RestShape, positions: &[Vec4]) {
         self.before.clear();
         self.normals.clear();
+        // In a frame without air, too: none after the first allocates.
+        self.before.reserve(positions.len());
+        self.normals.reserve(positions.len());
         if !(share > 0.0) {
             return;
         }
