@@ -48,7 +48,7 @@ fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
     let without = ("hang without contacts", untangled(scenes::hang(32)).without_contact());
     for (name, mut scene) in scenes.map(|(name, scene)| (name, untangled(scene))).chain([without]) {
         // A funnel takes a while to swallow a sheet; lists of what is near its wall grow until then.
-        for _ in 0..600 {
+        for _ in 0..900 {
             scene.step(1.0 / 60.0);
         }
         let before = COUNT.with(Cell::get);
