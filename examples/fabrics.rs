@@ -35,6 +35,8 @@ const CURTAIN: (f32, f32, f32) = (1.0, 0.025, 1.15);
 const DRAWN: f32 = 2.0;
 /// How far hooks stand off the plane of the rail [m]: a sheet in one plane has no side to fold to.
 const OFF: f32 = 0.01;
+/// How fast that changes along the rail [rad/m]: not in step with the hooks, so that no two stand alike.
+const UNEVEN: f32 = 40.0;
 /// Width of a curtain that is drawn over that of its cloth.
 const GATHERED: f32 = 0.7;
 
@@ -45,7 +47,7 @@ struct Hook(f32, f32);
 fn main() -> AppExit {
     let Arguments { stage, curtains } = Arguments::parse();
     let camera = if curtains {
-        OrbitCamera::around(Vec3::new(0.0, 0.62, 0.0), 6.2).from(0.15, 0.12)
+        OrbitCamera::around(Vec3::new(0.1, 0.62, 0.0), 6.6).from(0.15, 0.12)
     } else {
         OrbitCamera::around(Vec3::new(0.0, 0.2, 0.05), 2.7).from(0.0, 0.6)
     };
@@ -170,7 +172,7 @@ fn draw(time: Res<Time>, mut hooks: Query<(&Hook, &mut Transform)>) {
     let done = (time.elapsed_secs() / DRAWN).min(1.0);
     for (&Hook(x, middle), mut transform) in &mut hooks {
         transform.translation.x = middle + x * (1.0 - done * (1.0 - GATHERED));
-        transform.translation.z = done * OFF * (40.0 * x).sin();
+        transform.translation.z = done * OFF * (UNEVEN * x).sin();
     }
 }
 

@@ -187,7 +187,7 @@ impl ClothMaterial {
         ..Self::BASE
     };
 
-    /// Latex sheet of 0.5 mm: drape coefficient 46 in theory, 39 to 44 here; it stretches, so neither strain limit nor tethers. Its yarns do not rub, since it has none.
+    /// Latex sheet of 0.5 mm: drape coefficient 46 in theory, 40 to 44 here; it stretches, so neither strain limit nor tethers. Its yarns do not rub, since it has none.
     pub const RUBBER: Self = Self {
         density: 0.47,
         stretch_stiffness: 750.0,

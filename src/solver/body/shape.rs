@@ -157,16 +157,14 @@ pub fn checked(shape: SharedShape) -> Result<SharedShape, ShapeError> {
 }
 
 fn is_sound(shape: TypedShape<'_>) -> Result<(), ShapeError> {
-    let cylinder = |radius, half_height| size("radius", radius).and(size("half height", half_height));
-    let cuboid = |half_extents: Vec3| half_extents.to_array().into_iter().try_for_each(|e| size("half extent", e).map(drop));
     // No border is none.
     let border = |radius: f32| if radius == 0.0 { Ok(0.0) } else { size("border radius", radius) };
     match shape {
         TypedShape::Ball(s) => size("radius", s.radius).map(drop),
         TypedShape::Capsule(s) => size("radius", s.radius).and(points(&[s.segment.a, s.segment.b])),
-        TypedShape::Cuboid(s) => cuboid(s.half_extents),
+        TypedShape::Cuboid(s) => cuboid(s.half_extents).map(drop),
         TypedShape::Cylinder(s) => cylinder(s.radius, s.half_height).map(drop),
-        TypedShape::Cone(s) => cylinder(s.radius, s.half_height).map(drop),
+        TypedShape::Cone(s) => cone(s.radius, s.half_height).map(drop),
         // Bad ones are far from unit length, or not numbers.
         TypedShape::HalfSpace(s) if s.normal.is_normalized() => Ok(()),
         TypedShape::HalfSpace(_) => Err(ShapeError::Normal),
@@ -181,7 +179,7 @@ fn is_sound(shape: TypedShape<'_>) -> Result<(), ShapeError> {
             }
             is_sound(part.as_typed_shape())
         }),
-        TypedShape::RoundCuboid(s) => border(s.border_radius).and(cuboid(s.inner_shape.half_extents)),
+        TypedShape::RoundCuboid(s) => border(s.border_radius).and(cuboid(s.inner_shape.half_extents)).map(drop),
         TypedShape::RoundTriangle(s) => {
             border(s.border_radius).and(points(&[s.inner_shape.a, s.inner_shape.b, s.inner_shape.c]))
         }
@@ -189,7 +187,7 @@ fn is_sound(shape: TypedShape<'_>) -> Result<(), ShapeError> {
             border(s.border_radius).and(cylinder(s.inner_shape.radius, s.inner_shape.half_height)).map(drop)
         }
         TypedShape::RoundCone(s) => {
-            border(s.border_radius).and(cylinder(s.inner_shape.radius, s.inner_shape.half_height)).map(drop)
+            border(s.border_radius).and(cone(s.inner_shape.radius, s.inner_shape.half_height)).map(drop)
         }
         TypedShape::RoundConvexPolyhedron(s) => border(s.border_radius).and(points(s.inner_shape.points())),
         TypedShape::HeightField(s) => box_of(s.local_aabb()),
