@@ -9,6 +9,7 @@ use std::path::PathBuf;
 
 use bevy_drape::ClothMaterial;
 use bevy_drape::lab::cantilever::{self, Cut};
+use bevy_drape::lab::extension::Mesh;
 use bevy_drape::lab::{SAMPLES, bending_length, curtain, drape, extension, heart, rate};
 use bevy_drape::scenes::Scene;
 use bevy_drape::solver::settings::Fabric;
@@ -133,9 +134,9 @@ fn strips(fabric: &Fabric) {
     }
     let loops = (heart::test(&even, 6.0, 40, rate(0.15 * c)), heart::theory(6.0));
     println!("  heart loop of 6 c: l/L {:.3}, theory {:.3}", loops.0, loops.1);
-    let bias = (extension::bias(fabric), extension::bias_theory(fabric));
+    let bias = (extension::bias(fabric, Mesh::Aligned), extension::bias_theory(fabric));
     println!("  bias extension at {} N/m: {:.2} %, theory {:.2}", extension::BIAS_LOAD, 100.0 * bias.0, 100.0 * bias.1);
-    let [warp, weft] = extension::test(fabric).map(|e| 100.0 * e);
+    let [warp, weft] = extension::test(fabric, Mesh::Aligned).map(|e| 100.0 * e);
     let theory = extension::theory(fabric).map(|e| 100.0 * e);
     println!(
         "  stretch at {} N/m: warp {warp:.2} %, theory {:.2}; weft {weft:.2}, theory {:.2}",

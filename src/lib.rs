@@ -28,11 +28,11 @@ pub mod lab;
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
     ClothCoupling, ClothDetail, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse,
-    ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothPins, ClothRecovered, ClothReport, ClothRigidBody, ClothSleep,
-    ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled,
-    ClothWind, ClothWoke, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost,
-    PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy, TeleportMode, Untangle,
-    UntangleMethod, WaitingFor, WindZone, WindZoneShape,
+    ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothMembrane, ClothPins, ClothRecovered, ClothReport,
+    ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported,
+    ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit,
+    NoClothCollision, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
+    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -49,11 +49,11 @@ pub mod prelude {
     pub use crate::{
         Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
         ClothCoupling, ClothDetail, ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse,
-        ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothParticles, ClothPins, ClothPlugin, ClothQuery,
-        ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothSystems,
-        ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderShape,
-        ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame, SkipPolicy,
-        TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
+        ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothMembrane, ClothParticles, ClothPins, ClothPlugin,
+        ClothQuery, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus,
+        ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
+        ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame,
+        SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

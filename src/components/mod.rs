@@ -11,6 +11,7 @@ mod layers;
 mod lod;
 mod material;
 mod pins;
+mod primitive;
 mod report;
 mod shape;
 mod skip;
@@ -34,7 +35,7 @@ pub use report::{ClothBuildReport, ClothReport};
 pub use shape::{ColliderPart, ColliderShape, MeshFit};
 pub use skip::{SkipFrame, SkipPolicy};
 pub use sleep::{ClothSleep, ClothSlept, ClothWoke};
-pub use solver::{ClothGravity, ClothSolver, TeleportMode};
+pub use solver::{ClothGravity, ClothMembrane, ClothSolver, TeleportMode};
 pub use status::{
     ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothStatus, ClothTangled,
     ClothTargetLost, ClothTeleported, ClothUntangled, RecoveryCause, RecoveryLevel, WaitingFor,

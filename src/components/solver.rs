@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 use crate::solver::recover::Limits;
-use crate::solver::settings::Stepping;
+use crate::solver::settings::{MembraneModel, Stepping};
 
 /// Accuracy and pace of the simulation of one cloth.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
@@ -18,6 +18,8 @@ pub struct ClothSolver {
     /// Longest frame that is simulated [s]. Default 0.1, range 0.001 to 1. Time beyond it is counted in
     /// [`ClothReport::lost_time`](crate::ClothReport::lost_time).
     pub max_frame: f32,
+    /// What holds the cloth together in its plane. Default [`ClothMembrane::Auto`].
+    pub membrane: ClothMembrane,
     /// Scale of [`ClothGravity`] (dimensionless). Default 1, range -100 to 100.
     pub gravity_scale: f32,
     /// Pace of this cloth over that of its clock (dimensionless). Default 1, range 0 to 10; 0 stops it.
@@ -50,11 +52,38 @@ pub enum TeleportMode {
     Reset,
 }
 
+/// What holds a cloth together in its plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub enum ClothMembrane {
+    /// Springs where the edges of the mesh run along the threads, as on a grid, or where nothing tells the threads; triangles elsewhere.
+    #[default]
+    Auto,
+    /// A spring on each edge (Provot 1995). Fast, and exact on grids along the threads; on any other mesh it shears as little as it stretches.
+    Springs,
+    /// Stretch along warp and weft and shear between them, triangle by triangle (strain-based dynamics, Müller et al. 2014): the same on every mesh. The
+    /// directions are those of the texture coordinates, turned by [`warp_angle`](crate::ClothMaterial::warp_angle); without any it is springs.
+    Triangles,
+}
+
+impl From<ClothMembrane> for MembraneModel {
+    fn from(membrane: ClothMembrane) -> Self {
+        match membrane {
+            ClothMembrane::Auto => Self::Auto,
+            ClothMembrane::Springs => Self::Springs,
+            ClothMembrane::Triangles => Self::Triangles,
+        }
+    }
+}
+
 impl Default for ClothSolver {
     fn default() -> Self {
         Self {
             substep_rate: 360.0,
             max_frame: 0.1,
+            membrane: ClothMembrane::Auto,
             gravity_scale: 1.0,
             time_scale: 1.0,
             teleport: TeleportMode::Keep,
@@ -71,6 +100,8 @@ impl ClothSolver {
         Stepping {
             substep_rate: checked.within("substep_rate", self.substep_rate, 360.0, 30.0, 10_000.0),
             max_frame: checked.within("max_frame", self.max_frame, 0.1, 0.001, 1.0),
+            membrane_rate: 3000.0,
+            membrane: self.membrane.into(),
         }
     }
 

@@ -5,7 +5,9 @@
 //! ε = T / K                                       along them
 //! ```
 
-use core::f32::consts::FRAC_PI_2;
+use core::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+use glam::{Vec2, Vec3Swizzles};
 
 use super::cantilever::{Cut, strip};
 use super::{FRAME_RATE, settle, specimen, vertex};
@@ -28,10 +30,21 @@ pub fn bias_theory(fabric: &Fabric) -> f32 {
     0.25 * BIAS_LOAD * (1.0 / fabric.shear_stiffness + theory(fabric).iter().sum::<f32>() / LOAD)
 }
 
+/// How the mesh of a strip lies to its threads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mesh {
+    /// Its edges run along them.
+    Aligned,
+    /// Squares along the strip, whatever its threads do.
+    Squares,
+    /// The same with every vertex inside shaken by up to a quarter of an edge, from that seed: edges run in all directions.
+    Shaken(u64),
+}
+
 /// Elongation of a strip at 45° (dimensionless).
 #[must_use]
-pub fn bias(fabric: &Fabric) -> f32 {
-    elongation(&Fabric { warp_angle: 0.0, ..fabric.clone() }, Cut::Bias, BIAS_LOAD)
+pub fn bias(fabric: &Fabric, mesh: Mesh) -> f32 {
+    elongation(&Fabric { warp_angle: 0.0, ..fabric.clone() }, FRAC_PI_4, mesh, BIAS_LOAD)
 }
 
 /// What theory says of strips along warp and weft (dimensionless).
@@ -43,12 +56,13 @@ pub fn theory(fabric: &Fabric) -> [f32; 2] {
 
 /// Elongation of strips along warp and weft (dimensionless).
 #[must_use]
-pub fn test(fabric: &Fabric) -> [f32; 2] {
-    [0.0, FRAC_PI_2].map(|warp_angle| elongation(&Fabric { warp_angle, ..fabric.clone() }, Cut::Alternating, LOAD))
+pub fn test(fabric: &Fabric, mesh: Mesh) -> [f32; 2] {
+    [0.0, FRAC_PI_2].map(|warp_angle| elongation(&Fabric { warp_angle, ..fabric.clone() }, 0.0, mesh, LOAD))
 }
 
-/// Elongation of the middle third of a strip under `load` [N/m].
-fn elongation(fabric: &Fabric, cut: Cut, load: f32) -> f32 {
+/// Elongation of the middle third of a strip cut at an `angle` to the warp of its texture [rad] under `load` [N/m].
+fn elongation(fabric: &Fabric, angle: f32, kind: Mesh, load: f32) -> f32 {
+    let cut = if kind == Mesh::Aligned && angle != 0.0 { Cut::Bias } else { Cut::Alternating };
     let columns = 3 * ACROSS;
     // As heavy as its load: one far heavier than the strip would need far more substeps.
     let free = Fabric {
@@ -60,6 +74,11 @@ fn elongation(fabric: &Fabric, cut: Cut, load: f32) -> f32 {
     let mut mesh = strip(columns, ACROSS, EDGE, cut);
     // The loaded end near the origin, where a substep's fall is more than rounding.
     mesh.positions.iter_mut().for_each(|x| x.x -= columns as f32 * EDGE);
+    if let Mesh::Shaken(seed) = kind {
+        shake(&mut mesh.positions, columns, seed);
+    }
+    let way = Vec2::from_angle(angle);
+    mesh.uvs = mesh.positions.iter().map(|x| Vec2::new(way.perp().dot(x.xz()), way.dot(x.xz()))).collect();
     let pins: Vec<u32> = (0..=ACROSS).collect();
     let mut scene = specimen(&mesh, &free, &pins, RATE);
     scene.gravity = glam::Vec3::X * 9.81;
@@ -76,4 +95,16 @@ fn elongation(fabric: &Fabric, cut: Cut, load: f32) -> f32 {
     settle(&mut scene, FRAME_RATE, 20.0);
     let mean = |i: u32| row(i).map(|v| vertex(&scene, v).x).sum::<f32>() / (ACROSS + 1) as f32;
     (mean(2 * ACROSS) - mean(ACROSS)) / (ACROSS as f32 * EDGE) - 1.0
+}
+
+/// Shakes what is inside a strip, except for the rows that are held, measured and loaded.
+fn shake(positions: &mut [glam::Vec3], columns: u32, seed: u64) {
+    let mut rng = fastrand::Rng::with_seed(seed);
+    for i in (1..columns).filter(|i| i % ACROSS != 0) {
+        for j in 1..ACROSS {
+            let mut by = || 0.25 * EDGE * (2.0 * rng.f32() - 1.0);
+            let x = &mut positions[(i * (ACROSS + 1) + j) as usize];
+            (x.x, x.z) = (x.x + by(), x.z + by());
+        }
+    }
 }

@@ -4,10 +4,10 @@ use glam::{Vec3, Vec4};
 
 use super::body::{Approach, Body, BodyContacts, FaceContacts, Grounds, Laid, Sheet, Touch};
 use super::couple::{Coupling, Pull};
-use super::integrate::{air, anchor, bend, damp, leash, net, predict, pull, spring, tether};
+use super::integrate::{air, anchor, bend, damp, leash, membrane, net, predict, pull, spring, tether};
 use super::respond::CALM_PASSES;
 use super::rest::RestShape;
-use super::settings::{Fabric, Stepping};
+use super::settings::{Fabric, MembraneModel, Stepping, drape_rate};
 use super::state::ClothState;
 use super::wind::{Aerodynamics, Wind, WindForces};
 
@@ -68,6 +68,8 @@ pub struct StepReport {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     springs: spring::SpringFactors,
+    /// Whether triangles hold it together in its plane, in place of springs.
+    triangles: bool,
     bends: bend::BendFactors,
     tethers: tether::Tethers,
     hubs: net::Hubs,
@@ -95,6 +97,9 @@ pub struct Scratch {
     /// Ways in the substep [m] before anything held the cloth together, if it bounces.
     inbound: Vec<Vec4>,
     displaced: Vec<Vec4>,
+    /// Where a substep taken in steps ended before bounds and contacts [m], and by how much farther its last step would go in a substep than it got [m].
+    ends: Vec<Vec4>,
+    late: Vec<Vec4>,
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
     /// Whether the last frame took it for strained, and for taut.
@@ -341,6 +346,8 @@ struct Frame {
     /// Substeps begun.
     begun: u32,
     gusts: u32,
+    /// Steps of the membrane in a substep.
+    steps: u32,
     strained: bool,
     taut: bool,
     calm: bool,
@@ -350,6 +357,12 @@ struct Frame {
 }
 
 impl Frame {
+    /// What of a way over the last step, of `last` [s], is taken over a step of `h` [s] where `motion` is without drag (dimensionless), and what an
+    /// acceleration is multiplied by for that step [s²].
+    fn forces(&self, h: f32, motion: f32, last: f32) -> (f32, f32) {
+        (motion * (-self.drag * h).exp(), 0.5 * h * (last + h))
+    }
+
     /// Shares of the frame that have passed at the start and at the end of the current substep.
     fn span(&self) -> (f32, f32) {
         let n = self.report.substeps as f32;
@@ -458,6 +471,12 @@ impl Stepped<'_> {
         scratch.borne = borne;
     }
 
+    /// Steps that the membrane takes in a substep of `h` [s]: as many as tension needs to get along the cloth.
+    fn steps(&self, stepping: &Stepping, h: f32) -> u32 {
+        let rate = drape_rate(self.rest.mean_edge).min(stepping.membrane_rate);
+        substeps(h, rate)
+    }
+
     /// Prepares a frame of as many substeps as asked for, or as `stepping` says. None begins when no time passes or the
     /// state does not fit.
     pub fn begin(&self, stepping: &Stepping, count: Option<u32>, state: &mut ClothState, scratch: &mut Scratch) {
@@ -470,11 +489,24 @@ impl Stepped<'_> {
         let dt = input.dt.min(stepping.max_frame);
         let substeps = count.unwrap_or_else(|| self.substeps(stepping, state, scratch)).max(1);
         let h = dt / substeps as f32;
-        if scratch.factors_for != h {
-            scratch.springs.update(&rest.springs, fabric, &state.positions, h);
+        scratch.coupling.begin(dt, anchors, &state.positions);
+        scratch.welded.clear();
+        scratch.welded.extend(scratch.coupling.welded(anchors));
+        scratch.welded.sort_unstable();
+        // Bodies that pins move go along in substeps.
+        let steps = if scratch.welded.is_empty() { self.steps(stepping, h) } else { 1 };
+        let step = h / steps as f32;
+        if scratch.factors_for != step {
+            scratch.springs.update(&rest.springs, fabric, &state.positions, step);
             scratch.hubs.update(&rest.net, &state.positions);
-            scratch.factors_for = h;
+            scratch.factors_for = step;
         }
+        scratch.triangles = !rest.membrane.is_empty()
+            && match stepping.membrane {
+                MembraneModel::Auto => !scratch.springs.run_along_threads(),
+                MembraneModel::Springs => false,
+                MembraneModel::Triangles => true,
+            };
         let calm = scratch.is_calm();
         scratch.bends.fold(&rest.bends, fabric, &state.positions, &mut state.folds);
         if fabric.damping > 0.0 {
@@ -518,10 +550,6 @@ impl Stepped<'_> {
         let times = if taut && scratch.faces.candidates() > 0 { CALM_SWEEPS } else { CALM_PASSES };
         scratch.laid.begin(lie * times as usize);
         scratch.before.clone_from(&state.positions);
-        scratch.coupling.begin(dt, anchors, &state.positions);
-        scratch.welded.clear();
-        scratch.welded.extend(scratch.coupling.welded(anchors));
-        scratch.welded.sort_unstable();
         scratch.contacts.leave_out(&scratch.welded);
         scratch.faces.leave_out(&scratch.welded);
         scratch.frame = Some(Frame {
@@ -529,6 +557,7 @@ impl Stepped<'_> {
             h,
             begun: 0,
             gusts: self::substeps(dt, WIND_RATE).min(substeps),
+            steps,
             strained,
             taut,
             calm,
@@ -540,8 +569,8 @@ impl Stepped<'_> {
     /// Begins the next substep: forces, prediction, and all that holds the cloth together. False when the frame is over, or none was begun.
     pub fn constrain(&self, state: &mut ClothState, scratch: &mut Scratch) -> bool {
         let Some(frame) = &mut scratch.frame else { return false };
-        let Self { rest, fabric, anchors, input } = *self;
-        let (n, count, h) = (frame.begun, frame.report.substeps, frame.h);
+        let Self { rest, fabric, input, .. } = *self;
+        let (n, count) = (frame.begun, frame.report.substeps);
         if n == count {
             return false;
         }
@@ -557,19 +586,52 @@ impl Stepped<'_> {
             let faces = &rest.topology.faces;
             scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
         }
+        Self::give_back(state, scratch);
         if n > 0 {
             scratch.keep_air(state);
         }
+        scratch.carried.note(state.substep, &state.positions, &state.previous);
+        if frame.steps > 1 {
+            self.advance_in_steps(&frame, state, scratch);
+        } else {
+            self.advance(&frame, state, scratch);
+        }
+        state.substeps += 1;
+        true
+    }
+
+    /// Moves free particles as forces do over a step of `h` [s] that takes `motion` of their way over the last (dimensionless), itself of `last` [s].
+    fn predict(&self, frame: &Frame, h: f32, (motion, last): (f32, f32), state: &mut ClothState, scratch: &Scratch) {
+        let (carry, push) = frame.forces(h, motion, last);
         let (x, old) = (&mut state.positions, &mut state.previous);
-        scratch.carried.note(state.substep, x, old);
-        let carry = if state.substep > 0.0 { h / state.substep * (-frame.drag * h).exp() } else { 0.0 };
-        let push = 0.5 * h * (state.substep + h);
-        if windy {
+        if self.input.wind.density > 0.0 {
             predict::predict(x, old, &scratch.acceleration, carry, push);
         } else {
-            predict::predict_uniform(x, old, input.gravity.extend(0.0), carry, push);
+            predict::predict_uniform(x, old, self.input.gravity.extend(0.0), carry, push);
         }
+    }
+
+    /// The way of a substep of `h` [s] over that of the last one (dimensionless), 0 after none.
+    fn motion(state: &ClothState, h: f32) -> f32 {
+        if state.substep > 0.0 { h / state.substep } else { 0.0 }
+    }
+
+    /// Finds the folds again where the cloth is now, in the middle of a frame of a calm cloth: bends turn within a frame, and what lags behind by a whole one
+    /// would keep it from rest.
+    fn fold_again(&self, frame: &Frame, positions: &[Vec4], folds: &mut Vec<Vec4>, bends: &mut bend::BendFactors) {
+        let begun = frame.begun - 1;
+        if frame.calm && begun > 0 && begun == frame.report.substeps / 2 {
+            bends.fold(&self.rest.bends, self.fabric, positions, folds);
+        }
+    }
+
+    /// A substep in one step: prediction, and all that holds the cloth together.
+    fn advance(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
+        let Self { rest, fabric, anchors, .. } = *self;
+        let h = frame.h;
+        self.predict(frame, h, (Self::motion(state, h), state.substep), state, scratch);
         state.substep = h;
+        let (x, old) = (&mut state.positions, &mut state.previous);
         scratch.inbound.clear();
         if fabric.restitution > 0.0 {
             scratch.inbound.extend(x.iter().zip(&*old).map(|(x, old)| *x - *old));
@@ -579,10 +641,7 @@ impl Stepped<'_> {
         scratch.coupling.advance(h);
         scratch.coupling.place(anchors, s, x);
         scratch.pulls.solve(s, h, x);
-        // Bends turn within a frame; in a calm cloth what lags behind by a whole one would keep it from rest.
-        if frame.calm && n > 0 && n == count / 2 {
-            scratch.bends.fold(&rest.bends, fabric, x, &mut state.folds);
-        }
+        self.fold_again(frame, x, &mut state.folds, &mut scratch.bends);
         scratch.bends.solve(&rest.bends, h, x);
         // They are at a bound, which holds for more than one substep.
         if frame.calm || !state.substeps.is_multiple_of(TETHER_EVERY) {
@@ -591,14 +650,81 @@ impl Stepped<'_> {
         if frame.strained {
             scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
         }
-        spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, x);
+        hold_together(rest, fabric, scratch, x);
         if frame.taut {
-            self.tighten(&frame, x, old, scratch);
+            self.tighten(frame, x, old, scratch);
         }
-        let pull = Pull { rest, anchors, s, h, gravity: input.gravity, density: fabric.density };
-        scratch.coupling.react(&pull, x);
-        state.substeps += 1;
-        true
+        self.pull(h, s, self.input.gravity, scratch, x);
+    }
+
+    /// A substep in which what is elastic takes steps of its own, as many as tension needs to get along a fine mesh (multiple time steps, Tuckerman et al. 1992).
+    /// Bounds on lengths are kept once at its end, and contacts after it.
+    fn advance_in_steps(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
+        let Self { rest, fabric, anchors, input } = *self;
+        let (h, steps) = (frame.h, frame.steps as f32);
+        let step = h / steps;
+        let (s0, s1) = frame.span();
+        // The velocity is that of the last of its steps, and what bounds and contacts act on is the mean of all: the difference is given back when they have.
+        let mut before = (Self::motion(state, h) / steps, state.substep / steps);
+        state.substep = h;
+        scratch.late.clone_from(&state.positions);
+        self.fold_again(frame, &state.positions, &mut state.folds, &mut scratch.bends);
+        scratch.coupling.advance(h);
+        for k in 1..=frame.steps {
+            self.predict(frame, step, before, state, scratch);
+            before = (1.0, step);
+            let x = &mut state.positions;
+            if k == 1 {
+                scratch.inbound.clear();
+                if fabric.restitution > 0.0 {
+                    scratch.inbound.extend(x.iter().zip(&state.previous).map(|(x, old)| (*x - *old) * steps));
+                }
+            }
+            let s = s0 + (s1 - s0) * k as f32 / steps;
+            anchor::solve(anchors, s, step, x);
+            scratch.coupling.place(anchors, s, x);
+            scratch.pulls.solve(s, step, x);
+            scratch.bends.solve(&rest.bends, step, x);
+            hold_together(rest, fabric, scratch, x);
+            self.pull(step, s, input.gravity, scratch, x);
+        }
+        let (x, old) = (&mut state.positions, &mut state.previous);
+        scratch.ends.clone_from(x);
+        for ((x, old), late) in x.iter().zip(&mut *old).zip(&mut scratch.late) {
+            let start = core::mem::replace(late, (*x - *old) * steps - (*x - *late));
+            *old = start;
+        }
+        scratch.coupling.place(anchors, s1, x);
+        if frame.calm || !state.substeps.is_multiple_of(TETHER_EVERY) {
+            scratch.tethers.solve(fabric.tether_scale + scratch.give, x);
+        }
+        if frame.strained {
+            scratch.hubs.solve(&rest.net, fabric.strain_limit, x);
+        }
+        if frame.taut {
+            self.tighten(frame, x, old, scratch);
+        }
+        // What pinned particles weigh is told.
+        self.pull(h, s1, Vec3::ZERO, scratch, x);
+    }
+
+    /// Ends a substep taken [in steps](Self::advance_in_steps): velocities are those of the last step, except for what bounds and contacts took back in between.
+    fn give_back(state: &mut ClothState, scratch: &mut Scratch) {
+        let ends = scratch.ends.iter().zip(&scratch.late);
+        for ((x, old), (end, late)) in state.positions.iter().zip(&mut state.previous).zip(ends) {
+            let moved = *x - *end;
+            let square = moved.length_squared();
+            let against = if square > 0.0 { (moved.dot(*late) / square).clamp(-1.0, 0.0) } else { 0.0 };
+            *old -= *late - moved * against;
+        }
+        scratch.ends.clear();
+        scratch.late.clear();
+    }
+
+    /// Tells bodies what the cloth did to pins on them in a step of `h` [s] that ended at the share `s` of the frame.
+    fn pull(&self, h: f32, s: f32, gravity: Vec3, scratch: &mut Scratch, positions: &mut [Vec4]) {
+        let pull = Pull { rest: self.rest, anchors: self.anchors, s, h, gravity, density: self.fabric.density };
+        scratch.coupling.react(&pull, positions);
     }
 
     /// Shortens springs that are beyond the strain limit. Near bodies with corners cloth is laid on bodies before each sweep: what hangs on a corner
@@ -657,7 +783,8 @@ impl Stepped<'_> {
         let Self { rest, fabric, .. } = *self;
         let mut report = frame.report;
         state.time += f64::from(frame.dt);
-        report.bend_held = scratch.bends.held(frame.h);
+        Self::give_back(state, scratch);
+        report.bend_held = scratch.bends.held(frame.h / frame.steps as f32);
         scratch.keep_air(state);
         scratch.carried.end();
         if frame.calm && fabric.damping > 0.0 {
@@ -784,9 +911,18 @@ pub fn displace(
     stopped
 }
 
-/// Sweeps the springs once, as a substep does, without letting time pass. Nothing happens before the first [`step`].
+/// Sweeps the springs or triangles once, as a substep does, without letting time pass. Nothing happens before the first [`step`].
 pub fn relax(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions: &mut [Vec4]) {
     if positions.len() == rest.positions.len() && scratch.factors_for > 0.0 {
+        hold_together(rest, fabric, scratch, positions);
+    }
+}
+
+/// Solves the membrane once, for the substep that the factors were computed for.
+fn hold_together(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions: &mut [Vec4]) {
+    if scratch.triangles {
+        membrane::solve(&rest.membrane, fabric, scratch.factors_for, positions);
+    } else {
         spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, positions);
     }
 }

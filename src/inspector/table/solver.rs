@@ -1,15 +1,16 @@
 //! `ClothSolver`.
 
-use crate::components::TeleportMode;
+use crate::components::{ClothMembrane, TeleportMode};
 use crate::inspector::setting::{Field, Kind, Part, Scale, Setting};
 
 const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<f32>, tips: [&'static str; 3]) -> Setting {
     Setting::new(Part::Solver, name, unit, Kind::Number(scale, field), tips)
 }
 
+const MEMBRANES: [ClothMembrane; 3] = [ClothMembrane::Auto, ClothMembrane::Springs, ClothMembrane::Triangles];
 const MODES: [TeleportMode; 3] = [TeleportMode::None, TeleportMode::Keep, TeleportMode::Reset];
 
-pub(super) const SOLVER: [Setting; 9] = [
+pub(super) const SOLVER: [Setting; 10] = [
     row(
         "substep_rate",
         "Hz",
@@ -30,6 +31,21 @@ pub(super) const SOLVER: [Setting; 9] = [
             "Longest frame that is simulated; the rest of a longer one is dropped.",
             "Below the length of a frame the cloth runs in slow motion.",
             "A hitch of the game costs a long frame of substeps on top.",
+        ],
+    ),
+    Setting::new(
+        Part::Solver,
+        "membrane",
+        "",
+        Kind::Choice {
+            options: &["Auto", "Springs", "Triangles"],
+            get: |s| MEMBRANES.iter().position(|m| *m == s.solver.membrane),
+            set: |s, i| s.solver.membrane = MEMBRANES.get(i).copied().unwrap_or_default(),
+        },
+        [
+            "What holds the cloth together in its plane; Auto takes springs where edges run along the threads, else triangles.",
+            "Springs: fast, and stiff against shearing where edges do not run along the threads.",
+            "Triangles: the same on every mesh.",
         ],
     ),
     row(

@@ -26,8 +26,9 @@
 //! What keeps the curvature points where it did when it was found, once a frame: cloth that turns by a large angle in a frame is braked by it, the more
 //! the stiffer and the more bent it is.
 
-use glam::{BVec4A, Mat4, Vec4};
+use glam::{BVec4A, Vec4};
 
+use super::rows::Rows;
 use crate::solver::rest::{Bends, LANES, Weave};
 use crate::solver::settings::Fabric;
 
@@ -272,52 +273,6 @@ pub fn rub(bends: &Bends, fabric: &Fabric, dt: f32, h: f32, motion: &mut [Vec4])
                 motion[*p as usize] -= by * wc;
             }
         }
-    }
-}
-
-/// Four vectors, coordinate by coordinate.
-#[derive(Clone, Copy)]
-struct Rows([Vec4; 3]);
-
-impl From<[Vec4; LANES]> for Rows {
-    fn from(v: [Vec4; LANES]) -> Self {
-        let rows = Mat4::from_cols(v[0], v[1], v[2], v[3]).transpose();
-        Self([rows.x_axis, rows.y_axis, rows.z_axis])
-    }
-}
-
-impl core::ops::Add for Rows {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
-    }
-}
-
-impl core::ops::Mul<Vec4> for Rows {
-    type Output = Self;
-    fn mul(self, by: Vec4) -> Self {
-        Self(self.0.map(|row| row * by))
-    }
-}
-
-impl Rows {
-    fn dot(self, other: Self) -> Vec4 {
-        self.0[0] * other.0[0] + self.0[1] * other.0[1] + self.0[2] * other.0[2]
-    }
-
-    /// Never zero, so that it can be divided by.
-    fn length(self) -> Vec4 {
-        self.dot(self).sqrt().max(Vec4::splat(f32::MIN_POSITIVE))
-    }
-
-    fn cross(self, other: Self) -> Self {
-        let ([ax, ay, az], [bx, by, bz]) = (self.0, other.0);
-        Self([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-    }
-
-    fn columns(self) -> [Vec4; LANES] {
-        let columns = Mat4::from_cols(self.0[0], self.0[1], self.0[2], Vec4::ZERO).transpose();
-        [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
     }
 }
 

@@ -10,3 +10,5 @@ pub mod tether;
 pub mod net;
 pub mod leash;
 pub mod spring;
+pub mod membrane;
+mod rows;

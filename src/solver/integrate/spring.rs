@@ -14,7 +14,7 @@
 //!
 //! In the code `L/|d| = 1/3 + u`, `u = (8/9) / (q + 1/3)`, and `s` is taken times `w_a + w_b`, of which each end has its share.
 
-use glam::{BVec4A, Mat4, Vec2, Vec4};
+use glam::{Mat4, Vec2, Vec4};
 
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
@@ -22,6 +22,10 @@ use crate::solver::settings::Fabric;
 /// Stiffness of a diagonal over what `k = K · ΣA / L²` makes of the shear stiffness `G` (dimensionless): sheared by `γ`, the diagonal of a square of
 /// side `a` lengthens by `γ a / √2`, and stores the `½ G γ² a²` of the square with `k = 2 G`, where `ΣA / L²` is ½.
 const DIAGONAL: f32 = 4.0;
+
+/// Angle to the threads [rad] at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff as it shears, add as much
+/// shear stiffness `K sin²(2φ) / 4` as it has.
+const OFF_THREAD: f32 = 5.0 * core::f32::consts::PI / 180.0;
 
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,9 +36,17 @@ pub struct SpringFactors {
     share_a: Vec<Vec4>,
     /// `w_b / (w_a + w_b)` (dimensionless); 0 where nothing can move.
     share_b: Vec<Vec4>,
+    /// Whether they run along the threads, as far as anything tells those.
+    along_threads: bool,
 }
 
 impl SpringFactors {
+    /// Whether springs run along the threads of the fabric, as far as anything tells those: only then are they a membrane that stretches and shears as the fabric.
+    #[must_use]
+    pub fn run_along_threads(&self) -> bool {
+        self.along_threads
+    }
+
     /// Memory held [B].
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -49,6 +61,7 @@ impl SpringFactors {
         self.give.clear();
         self.share_a.clear();
         self.share_b.clear();
+        let (mut off, mut all) = (0.0, 0.0);
         for k in 0..springs.a.len() {
             let weights = |ends: [u32; LANES]| Vec4::from_array(ends.map(|i| positions[i as usize].w));
             let (wa, wb) = (weights(springs.a[k]), weights(springs.b[k]));
@@ -56,6 +69,12 @@ impl SpringFactors {
             let shear = DIAGONAL * fabric.shear_stiffness;
             let along = springs.warp.get(k).map_or(Vec4::ZERO, |[cos, sin]| *cos * threads.x + *sin * threads.y);
             let stretch = fabric.stretch_stiffness * (Vec4::ONE + along * uneven);
+            if let Some([cos, sin]) = springs.warp.get(k) {
+                // A spring stands for the area around it.
+                let area = (Vec4::ONE - springs.shear[k]) * springs.width_ratio[k] / springs.inverse_square[k];
+                off += area.dot(*cos * *cos + *sin * *sin - along * along);
+                all += area.dot(Vec4::ONE);
+            }
             let membrane = stretch + springs.shear[k] * (Vec4::splat(shear) - stretch);
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
             let some = w.max(Vec4::splat(f32::MIN_POSITIVE));
@@ -63,6 +82,7 @@ impl SpringFactors {
             self.share_a.push(wa / some);
             self.share_b.push(wb / some);
         }
+        self.along_threads = off <= (2.0 * OFF_THREAD).sin().powi(2) * all;
     }
 }
 
@@ -81,7 +101,8 @@ fn lengths_squared(d: [Vec4; LANES]) -> Vec4 {
     m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis
 }
 
-const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
+/// Leaves out `w`, a mass: cheaper than a mask, with the same bits.
+const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Solves every spring once.
 pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
@@ -98,19 +119,19 @@ pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, posi
 
 /// `L/|d| - 1/3` as in the module, from `|d|²/L²`.
 #[inline(always)]
-fn inverse_length(q: Vec4) -> Vec4 {
+pub(super) fn inverse_length(q: Vec4) -> Vec4 {
     Vec4::splat(8.0 / 9.0) / (q + Vec4::splat(1.0 / 3.0))
 }
 
 /// The strain limit.
 #[derive(Clone, Copy)]
-struct Bound {
+pub(super) struct Bound {
     hard: Vec4,
     slack: Vec4,
 }
 
 impl Bound {
-    fn new(strain_limit: f32) -> Self {
+    pub(super) fn new(strain_limit: f32) -> Self {
         // Without a limit the bound is far below zero.
         let slack = 1.0 + strain_limit.min(1.0e9);
         Self { hard: Vec4::splat(1.0 - slack / 3.0), slack: Vec4::splat(slack) }
@@ -118,7 +139,7 @@ impl Bound {
 
     /// How much a spring is shortened at least, `(1 - (1 + limit) L/|d|)`, from [`inverse_length`].
     #[inline(always)]
-    fn least(self, u: Vec4) -> Vec4 {
+    pub(super) fn least(self, u: Vec4) -> Vec4 {
         self.hard - self.slack * u
     }
 }
@@ -128,7 +149,7 @@ impl Bound {
 fn scatter([a, b]: [&[u32; LANES]; 2], [pa, pb]: [[Vec4; LANES]; 2], d: [Vec4; LANES], by: [Vec4; 2], positions: &mut [Vec4]) {
     let [by_a, by_b] = by.map(|by| by.to_array());
     for lane in 0..LANES {
-        let d = Vec4::select(XYZ, d[lane], Vec4::ZERO);
+        let d = d[lane] * XYZ;
         positions[a[lane] as usize] = pa[lane] + d * by_a[lane];
         positions[b[lane] as usize] = pb[lane] - d * by_b[lane];
     }

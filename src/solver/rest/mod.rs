@@ -4,6 +4,7 @@
 mod batch;
 mod bends;
 pub mod geodesic;
+mod membrane;
 mod net;
 mod order;
 mod source;
@@ -14,6 +15,7 @@ mod weld;
 
 pub use batch::LANES;
 pub use bends::{Bends, Weave};
+pub use membrane::Membrane;
 pub use net::Net;
 pub use source::{BuildReport, RestError, SourceMesh};
 pub use springs::Springs;
@@ -39,6 +41,8 @@ pub struct RestShape {
     pub isolated: Vec<(u32, Vec3)>,
     /// Stretch and shear springs.
     pub springs: Springs,
+    /// Triangles of the membrane.
+    pub membrane: Membrane,
     /// Bending elements.
     pub bends: Bends,
     /// Coarse net over the cloth.
@@ -113,6 +117,7 @@ impl RestShape {
                 shape.areas[p as usize] += (b - a).cross(c - a).length() / 6.0;
             }
         }
+        shape.membrane = Membrane::new(&topology, &positions, &threads);
         shape.bends = Bends::new(&topology, &positions, &shape.areas);
         shape.bends.weave(&topology, &positions, &twice, &threads);
         let length: f64 =
@@ -177,6 +182,7 @@ impl RestShape {
             + size_of_val(&self.net.around[..])
             + size_of_val(&self.net.weights[..])
             + self.net.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
+            + self.membrane.bytes()
             + self.bends.bytes()
     }
 }

@@ -31,6 +31,15 @@ impl Threads {
         Some(Self { warp, weft })
     }
 
+    /// Itself, or directions along the edges `d1` and `d2` of a triangle [m] where nothing tells any.
+    pub fn or_along(self, d1: Vec3, d2: Vec3) -> Self {
+        if self.warp != Vec3::ZERO {
+            return self;
+        }
+        let warp = d1.normalize_or_zero();
+        Self { warp, weft: d2.reject_from(d1).normalize_or_zero() }
+    }
+
     /// `cos 2φ` and `sin 2φ`, `φ` the angle of `edge` from the warp towards the weft; zero without a direction.
     fn twice(self, edge: Vec3) -> Vec2 {
         let (c, s) = (edge.dot(self.warp), edge.dot(self.weft));
