@@ -417,9 +417,41 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
     assert!(apart > 1.3 * SPEED, "if each took it for its own, it would get as fast as {apart} m/s");
 }
 
+/// Inner steps let bodies push once in several of them: no weight is lost on the way.
+#[test]
+fn a_ball_in_a_fine_net_is_borne_by_its_pins_whole() {
+    let fabric = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, drag: 1.0, ..fabric() };
+    let mut net = net(60, 0.6, fabric);
+    let all: Vec<u32> = (0..net.anchors.particles.len() as u32).collect();
+    let mut ball = Ball::new(0.3, 0.1, Vec3::Y * 0.15);
+    let (mut pins, mut given) = (0.0, 0.0);
+    for f in 0..600 {
+        let borne = frame(&mut net, Some(&mut ball), &[], &[(Vec3::ZERO, &all)], Vec3::NEG_Y * G);
+        if f >= 480 {
+            pins += borne[0].linear.y / DT / 120.0;
+            given += ball.given.linear.y / DT / 120.0;
+        }
+    }
+    assert!(net.report.inner_steps >= 3, "{} inner steps", net.report.inner_steps);
+    let weight = 0.3 * G;
+    assert!((given / weight - 1.0).abs() < 0.02, "the net gives the ball {given} N of {weight} N");
+    let expected = -(weight + weight_of(&net));
+    assert!((pins / expected - 1.0).abs() < 0.02, "pins bear {pins} N of {expected} N");
+}
+
 #[test]
 fn two_masts_bear_their_shares_of_a_hanging_sheet() {
-    let n = 20;
+    masts(20);
+}
+
+#[test]
+fn two_masts_bear_their_shares_of_a_fine_sheet() {
+    let inner_steps = masts(90);
+    assert!(inner_steps >= 3, "{inner_steps} inner steps");
+}
+
+/// A metre of `n` by `n` vertices on two masts; the inner steps that it took.
+fn masts(n: u32) -> u32 {
     let mut cloth = sheet(n, 1.0, Vec3::ZERO, fabric(), |i, j| j == 0 && (i < 2 || i >= n - 2));
     let (left, right): (Vec<u32>, Vec<u32>) =
         (0..cloth.anchors.particles.len() as u32).partition(|&k| cloth.anchors.to[k as usize].x < 0.0);
@@ -436,6 +468,7 @@ fn two_masts_bear_their_shares_of_a_hanging_sheet() {
         assert!((sum.y / (-0.5 * weight) - 1.0).abs() < 0.02, "mast {i} bears {} N of {weight} N", sum.y);
     }
     assert!(sums[0].x > 0.0 && sums[1].x < 0.0, "the sheet draws its masts together: {sums:?}");
+    cloth.report.inner_steps
 }
 
 #[test]

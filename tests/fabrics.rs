@@ -88,15 +88,18 @@ fn nodes_are_as_many_as_real_fabrics_have_and_limp_ones_hang_lower() {
     }
 }
 
+/// A real specimen laid again differs by 1.4 points, one standard deviation (278 pairs of Gong, Mao, Wang 2024).
 #[test]
 fn neither_noise_nor_the_way_a_mesh_is_turned_shows_in_a_drape() {
     for name in ["silk", "cotton", "denim"] {
         let fabric = preset(name);
-        let noise = [1, 2, 3]
+        let noise = [1, 2, 3, 4, 5, 6]
             .map(|seed| drape::test(&drape::rings(0.01), &fabric, drape::Run { seed, ..drape::Run::new(0.01) }).coefficient);
+        let mean = noise.iter().sum::<f32>() / 6.0;
+        let deviation = (noise.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / 5.0).sqrt();
         let turned =
             [0.0_f32, 15.0, 30.0, 45.0].map(|angle| coefficient(&drape::grid(0.01, angle.to_radians(), true), 0.01, &fabric));
-        assert!(spread(&noise) < 3.0 && spread(&turned) < 3.0, "{name}: {noise:?}, turned {turned:?}");
+        assert!(deviation < 1.4 && spread(&turned) < 3.0, "{name}: {noise:?}, turned {turned:?}");
     }
 }
 
@@ -206,10 +209,37 @@ fn a_heart_loop_is_as_long_as_theory_says() {
 }
 
 #[test]
-fn a_strip_at_45_degrees_lengthens_as_theory_says() {
+fn a_strip_at_45_degrees_lengthens_as_theory_says_on_any_mesh() {
     for name in ["silk", "wool", "cotton", "denim"] {
-        let (seen, theory) = (extension::bias(&preset(name), Mesh::Aligned), extension::bias_theory(&preset(name)));
-        assert!((seen / theory - 1.0).abs() < 0.1, "{name}: {seen} for {theory}");
+        for mesh in [Mesh::Aligned, Mesh::Squares, Mesh::Shaken(1), Mesh::Shaken(2)] {
+            let (seen, theory) = (extension::bias(&preset(name), mesh), extension::bias_theory(&preset(name)));
+            assert!((seen / theory - 1.0).abs() < 0.1, "{name}, {mesh:?}: {seen} for {theory}");
+        }
+    }
+}
+
+#[test]
+fn triangles_of_all_shapes_stretch_as_theory_says_along_warp_and_weft() {
+    for (name, stretch_ratio) in [("silk", 1.0), ("cotton", 3.0), ("denim", 0.5)] {
+        let fabric = Fabric { stretch_ratio, ..preset(name) };
+        let (seen, theory) = (extension::test(&fabric, Mesh::Shaken(1)), extension::theory(&fabric));
+        let off = [0, 1].map(|k| (seen[k] / theory[k] - 1.0).abs());
+        assert!(off[0].max(off[1]) < 0.05, "{name}, warp to weft {stretch_ratio}: {seen:?} for {theory:?}");
+    }
+}
+
+/// As a user meets them: at the default 360 Hz, where fine meshes take inner steps, beside what the tests of fabrics run at.
+#[test]
+fn fine_meshes_drape_at_the_default_rate_as_with_many_substeps() {
+    for (edge, name) in
+        [(0.01, "silk"), (0.01, "cotton"), (0.01, "denim"), (0.005, "silk"), (0.005, "cotton"), (0.005, "denim")]
+    {
+        let fabric = preset(name);
+        let meshes = [drape::rings(edge), drape::grid(edge, 0.0, true), drape::irregular(edge, 1)];
+        let mean = |run: drape::Run| meshes.iter().map(|mesh| drape::test(mesh, &fabric, run).coefficient).sum::<f32>() / 3.0;
+        let many = drape::Run::new(edge);
+        let seen = [mean(drape::Run { substep_rate: 360.0, ..many }), mean(many)];
+        assert!((seen[0] - seen[1]).abs() < 3.0, "{name} on {edge} m: {seen:?}");
     }
 }
 

@@ -60,6 +60,8 @@ pub struct StepReport {
     pub mean_edge: f32,
     /// Particles and faces that touched a body in the last substep.
     pub body_contacts: u32,
+    /// Inner steps in each substep.
+    pub inner_steps: u32,
     /// Share of the bending stiffness that the substeps held (dimensionless): 1, unless the mesh is very fine for them.
     pub bend_held: f32,
 }
@@ -97,9 +99,12 @@ pub struct Scratch {
     /// Ways in the substep [m] before anything held the cloth together, if it bounces.
     inbound: Vec<Vec4>,
     displaced: Vec<Vec4>,
-    /// Where a substep taken in steps ended before bounds and contacts [m], and by how much farther its last step would go in a substep than it got [m].
-    ends: Vec<Vec4>,
+    /// How much farther the velocity of the last inner step would have got in the substep [m].
     late: Vec<Vec4>,
+    /// Inner steps of the last substep; 0 before the first.
+    inner_steps: u32,
+    /// Whether springs run along the threads of the fabric, as far as anything tells those.
+    along_threads: bool,
     /// Worst edge of the last frame before it was finished (dimensionless).
     worst_edge: f32,
     /// Whether the last frame took it for strained, and for taut.
@@ -133,6 +138,11 @@ impl Scratch {
     /// Particles that touched a body in the last substep.
     pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
         self.contacts.touching().chain(self.faces.touching())
+    }
+
+    /// The time over which velocities were the last substep's [s]: that of its last inner step.
+    fn last_step(&self, state: &ClothState) -> f32 {
+        state.substep / self.inner_steps.max(1) as f32
     }
 
     /// Takes no air along for the rest of the frame: what is tangled has none between its layers.
@@ -202,6 +212,7 @@ impl Scratch {
             + size_of_val(&self.acceleration[..])
             + size_of_val(&self.motion[..])
             + size_of_val(&self.before[..])
+            + size_of_val(&self.late[..])
     }
 }
 
@@ -301,6 +312,7 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
         |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
     scratch.longest_edge = rest.topology.edges.iter().fold(0.0, longest).sqrt();
     scratch.area = rest.areas.iter().sum();
+    scratch.along_threads = rest.springs.run_along_threads(fabric.warp_angle);
     scratch.bends.update(&rest.bends, fabric, &rest.areas, &state.positions);
     scratch.factors_for = 0.0;
 }
@@ -346,7 +358,7 @@ struct Frame {
     /// Substeps begun.
     begun: u32,
     gusts: u32,
-    /// Steps of the membrane in a substep.
+    /// Inner steps in a substep.
     steps: u32,
     strained: bool,
     taut: bool,
@@ -471,9 +483,9 @@ impl Stepped<'_> {
         scratch.borne = borne;
     }
 
-    /// Steps that the membrane takes in a substep of `h` [s]: as many as tension needs to get along the cloth.
-    fn steps(&self, stepping: &Stepping, h: f32) -> u32 {
-        let rate = drape_rate(self.rest.mean_edge).min(stepping.membrane_rate);
+    /// Inner steps in a substep of `h` [s]: as many as tension needs to get along the cloth.
+    fn inner_steps(&self, stepping: &Stepping, h: f32) -> u32 {
+        let rate = drape_rate(self.rest.mean_edge).min(stepping.inner_rate);
         substeps(h, rate)
     }
 
@@ -494,7 +506,7 @@ impl Stepped<'_> {
         scratch.welded.extend(scratch.coupling.welded(anchors));
         scratch.welded.sort_unstable();
         // Bodies that pins move go along in substeps.
-        let steps = if scratch.welded.is_empty() { self.steps(stepping, h) } else { 1 };
+        let steps = if scratch.welded.is_empty() { self.inner_steps(stepping, h) } else { 1 };
         let step = h / steps as f32;
         if scratch.factors_for != step {
             scratch.springs.update(&rest.springs, fabric, &state.positions, step);
@@ -503,7 +515,7 @@ impl Stepped<'_> {
         }
         scratch.triangles = !rest.membrane.is_empty()
             && match stepping.membrane {
-                MembraneModel::Auto => !scratch.springs.run_along_threads(),
+                MembraneModel::Auto => !scratch.along_threads,
                 MembraneModel::Springs => false,
                 MembraneModel::Triangles => true,
             };
@@ -562,7 +574,7 @@ impl Stepped<'_> {
             taut,
             calm,
             drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
-            report: StepReport { substeps, lost_time: input.dt - dt, ..StepReport::default() },
+            report: StepReport { substeps, inner_steps: steps, lost_time: input.dt - dt, ..StepReport::default() },
         });
     }
 
@@ -576,6 +588,7 @@ impl Stepped<'_> {
         }
         frame.begun += 1;
         let frame = *frame;
+        Self::give_back(state, scratch);
         let (x, old) = (&mut state.positions, &mut state.previous);
         let windy = input.wind.density > 0.0;
         if windy && (n == 0 || n * frame.gusts / count > (n - 1) * frame.gusts / count) {
@@ -586,7 +599,6 @@ impl Stepped<'_> {
             let faces = &rest.topology.faces;
             scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
         }
-        Self::give_back(state, scratch);
         if n > 0 {
             scratch.keep_air(state);
         }
@@ -600,9 +612,8 @@ impl Stepped<'_> {
         true
     }
 
-    /// Moves free particles as forces do over a step of `h` [s] that takes `motion` of their way over the last (dimensionless), itself of `last` [s].
-    fn predict(&self, frame: &Frame, h: f32, (motion, last): (f32, f32), state: &mut ClothState, scratch: &Scratch) {
-        let (carry, push) = frame.forces(h, motion, last);
+    /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration times `push` [s²].
+    fn predict(&self, (carry, push): (f32, f32), state: &mut ClothState, scratch: &Scratch) {
         let (x, old) = (&mut state.positions, &mut state.previous);
         if self.input.wind.density > 0.0 {
             predict::predict(x, old, &scratch.acceleration, carry, push);
@@ -629,8 +640,9 @@ impl Stepped<'_> {
     fn advance(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, .. } = *self;
         let h = frame.h;
-        self.predict(frame, h, (Self::motion(state, h), state.substep), state, scratch);
+        self.predict(frame.forces(h, Self::motion(state, h), scratch.last_step(state)), state, scratch);
         state.substep = h;
+        scratch.inner_steps = 1;
         let (x, old) = (&mut state.positions, &mut state.previous);
         scratch.inbound.clear();
         if fabric.restitution > 0.0 {
@@ -657,31 +669,32 @@ impl Stepped<'_> {
         self.pull(h, s, self.input.gravity, scratch, x);
     }
 
-    /// A substep in which what is elastic takes steps of its own, as many as tension needs to get along a fine mesh (multiple time steps, Tuckerman et al. 1992).
-    /// Bounds on lengths are kept once at its end, and contacts after it.
+    /// A substep in inner steps: forces, bending and membrane act in each; bounds on lengths and soft pins follow at its end, and contacts after it (multiple time
+    /// stepping, Tuckerman et al. 1992).
+    ///
+    /// Bounds and contacts act on the mean velocity of the substep, `(x - start) / h`, so that what they hold in its place has none. That of the last inner step
+    /// differs by what the forces of the substep do, and the difference is [given back](Self::give_back) after contacts: no momentum is lost.
     fn advance_in_steps(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, input } = *self;
         let (h, steps) = (frame.h, frame.steps as f32);
         let step = h / steps;
         let (s0, s1) = frame.span();
-        // The velocity is that of the last of its steps, and what bounds and contacts act on is the mean of all: the difference is given back when they have.
-        let mut before = (Self::motion(state, h) / steps, state.substep / steps);
+        let mut forces = frame.forces(step, Self::motion(state, h) / steps, scratch.last_step(state));
         state.substep = h;
+        scratch.inner_steps = frame.steps;
         scratch.late.clone_from(&state.positions);
         self.fold_again(frame, &state.positions, &mut state.folds, &mut scratch.bends);
         scratch.coupling.advance(h);
+        scratch.inbound.clear();
         for k in 1..=frame.steps {
-            self.predict(frame, step, before, state, scratch);
-            before = (1.0, step);
+            self.predict(forces, state, scratch);
+            forces = frame.forces(step, 1.0, step);
             let x = &mut state.positions;
-            if k == 1 {
-                scratch.inbound.clear();
-                if fabric.restitution > 0.0 {
-                    scratch.inbound.extend(x.iter().zip(&state.previous).map(|(x, old)| (*x - *old) * steps));
-                }
+            if k == 1 && fabric.restitution > 0.0 {
+                scratch.inbound.extend(x.iter().zip(&state.previous).map(|(x, old)| (*x - *old) * steps));
             }
             let s = s0 + (s1 - s0) * k as f32 / steps;
-            anchor::solve(anchors, s, step, x);
+            anchor::solve_rigid(anchors, s, x);
             scratch.coupling.place(anchors, s, x);
             scratch.pulls.solve(s, step, x);
             scratch.bends.solve(&rest.bends, step, x);
@@ -689,12 +702,12 @@ impl Stepped<'_> {
             self.pull(step, s, input.gravity, scratch, x);
         }
         let (x, old) = (&mut state.positions, &mut state.previous);
-        scratch.ends.clone_from(x);
         for ((x, old), late) in x.iter().zip(&mut *old).zip(&mut scratch.late) {
             let start = core::mem::replace(late, (*x - *old) * steps - (*x - *late));
             *old = start;
         }
         scratch.coupling.place(anchors, s1, x);
+        anchor::solve_soft(anchors, s1, h, x);
         if frame.calm || !state.substeps.is_multiple_of(TETHER_EVERY) {
             scratch.tethers.solve(fabric.tether_scale + scratch.give, x);
         }
@@ -704,20 +717,14 @@ impl Stepped<'_> {
         if frame.taut {
             self.tighten(frame, x, old, scratch);
         }
-        // What pinned particles weigh is told.
         self.pull(h, s1, Vec3::ZERO, scratch, x);
     }
 
-    /// Ends a substep taken [in steps](Self::advance_in_steps): velocities are those of the last step, except for what bounds and contacts took back in between.
+    /// Ends a substep taken [in inner steps](Self::advance_in_steps): velocities become those of the last, and what bounds and contacts added.
     fn give_back(state: &mut ClothState, scratch: &mut Scratch) {
-        let ends = scratch.ends.iter().zip(&scratch.late);
-        for ((x, old), (end, late)) in state.positions.iter().zip(&mut state.previous).zip(ends) {
-            let moved = *x - *end;
-            let square = moved.length_squared();
-            let against = if square > 0.0 { (moved.dot(*late) / square).clamp(-1.0, 0.0) } else { 0.0 };
-            *old -= *late - moved * against;
+        for (old, late) in state.previous.iter_mut().zip(&scratch.late) {
+            *old -= *late;
         }
-        scratch.ends.clear();
         scratch.late.clear();
     }
 

@@ -195,6 +195,7 @@ fn finish(
         scratch.fresh = true;
     }
     report.substeps = done.substeps;
+    report.inner_steps = done.inner_steps;
     report.drape_rate = drape_rate(rest.0.mean_edge);
     report.bend_held = done.bend_held;
     report.worst_edge = done.worst_edge;

@@ -65,6 +65,10 @@ pub(crate) fn detail(
         };
         let rate = &mut inputs.stepping.substep_rate;
         *rate = (*rate * detail.share()).max(rate.min(LEAST_RATE));
+        if detail > ClothDetail::Full {
+            // Nobody sees from there how it drapes.
+            inputs.stepping.inner_rate = inputs.stepping.substep_rate;
+        }
         let was = inputs.carried;
         inputs.carried = detail == ClothDetail::Still && inputs.time_scale > 0.0;
         if inputs.carried {

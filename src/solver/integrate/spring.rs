@@ -23,10 +23,6 @@ use crate::solver::settings::Fabric;
 /// side `a` lengthens by `γ a / √2`, and stores the `½ G γ² a²` of the square with `k = 2 G`, where `ΣA / L²` is ½.
 const DIAGONAL: f32 = 4.0;
 
-/// Angle to the threads [rad] at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff as it shears, add as much
-/// shear stiffness `K sin²(2φ) / 4` as it has.
-const OFF_THREAD: f32 = 5.0 * core::f32::consts::PI / 180.0;
-
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpringFactors {
@@ -36,17 +32,9 @@ pub struct SpringFactors {
     share_a: Vec<Vec4>,
     /// `w_b / (w_a + w_b)` (dimensionless); 0 where nothing can move.
     share_b: Vec<Vec4>,
-    /// Whether they run along the threads, as far as anything tells those.
-    along_threads: bool,
 }
 
 impl SpringFactors {
-    /// Whether springs run along the threads of the fabric, as far as anything tells those: only then are they a membrane that stretches and shears as the fabric.
-    #[must_use]
-    pub fn run_along_threads(&self) -> bool {
-        self.along_threads
-    }
-
     /// Memory held [B].
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -61,7 +49,6 @@ impl SpringFactors {
         self.give.clear();
         self.share_a.clear();
         self.share_b.clear();
-        let (mut off, mut all) = (0.0, 0.0);
         for k in 0..springs.a.len() {
             let weights = |ends: [u32; LANES]| Vec4::from_array(ends.map(|i| positions[i as usize].w));
             let (wa, wb) = (weights(springs.a[k]), weights(springs.b[k]));
@@ -69,12 +56,6 @@ impl SpringFactors {
             let shear = DIAGONAL * fabric.shear_stiffness;
             let along = springs.warp.get(k).map_or(Vec4::ZERO, |[cos, sin]| *cos * threads.x + *sin * threads.y);
             let stretch = fabric.stretch_stiffness * (Vec4::ONE + along * uneven);
-            if let Some([cos, sin]) = springs.warp.get(k) {
-                // A spring stands for the area around it.
-                let area = (Vec4::ONE - springs.shear[k]) * springs.width_ratio[k] / springs.inverse_square[k];
-                off += area.dot(*cos * *cos + *sin * *sin - along * along);
-                all += area.dot(Vec4::ONE);
-            }
             let membrane = stretch + springs.shear[k] * (Vec4::splat(shear) - stretch);
             let stiffness = (membrane * springs.width_ratio[k]).max(Vec4::splat(1.0e-12));
             let some = w.max(Vec4::splat(f32::MIN_POSITIVE));
@@ -82,7 +63,6 @@ impl SpringFactors {
             self.share_a.push(wa / some);
             self.share_b.push(wb / some);
         }
-        self.along_threads = off <= (2.0 * OFF_THREAD).sin().powi(2) * all;
     }
 }
 
