@@ -207,7 +207,7 @@ mod tests {
                 let tip: Vec<f32> = x.iter().zip(&rest.positions).filter(|(_, p)| end(p)).map(|(x, _)| x.z).collect();
                 tip.iter().sum::<f32>() / tip.len() as f32 / 0.16 - 1.0
             };
-            let turned = -angle * mirrored;
+            let turned = angle * mirrored;
             let (along, across) = (run(turned), run(turned + core::f32::consts::FRAC_PI_2));
             assert!(across > 1.4 * along, "turned by {angle}, {mirrored}: {along}, {across}");
             let first = seen.get_or_insert([along, across]);
