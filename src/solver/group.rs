@@ -258,8 +258,11 @@ impl Group {
             let range = self.surface.parts[part].particles.clone();
             let own = |p: u32| range.contains(&p).then(|| p - range.start);
             if let Some(m) = cloths.member(part) {
-                m.cloth.begin(m.stepping, Some(count), m.state, m.scratch);
-                if !self.contours().is_empty() {
+                let tangled = !self.contours().is_empty();
+                // Inner steps would draw back what untangling moves.
+                let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
+                m.cloth.begin(if tangled { &whole } else { m.stepping }, Some(count), m.state, m.scratch);
+                if tangled {
                     m.scratch.leave_air();
                 }
                 m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));

@@ -505,8 +505,8 @@ impl Stepped<'_> {
         scratch.welded.clear();
         scratch.welded.extend(scratch.coupling.welded(anchors));
         scratch.welded.sort_unstable();
-        // Bodies that pins move go along in substeps.
-        let steps = if scratch.welded.is_empty() { self.inner_steps(stepping, h) } else { 1 };
+        // Bodies that pins move go along in substeps, and of a first frame nobody knows whether it is tangled.
+        let steps = if scratch.welded.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
         let step = h / steps as f32;
         if scratch.factors_for != step {
             scratch.springs.update(&rest.springs, fabric, &state.positions, step);
