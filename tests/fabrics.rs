@@ -100,6 +100,8 @@ fn neither_noise_nor_the_way_a_mesh_is_turned_shows_in_a_drape() {
         let turned =
             [0.0_f32, 15.0, 30.0, 45.0].map(|angle| coefficient(&drape::grid(0.01, angle.to_radians(), true), 0.01, &fabric));
         assert!(deviation < 1.4 && spread(&turned) < 3.0, "{name}: {noise:?}, turned {turned:?}");
+        // Silk shows 3.3 on rings, where it shears as silk does.
+        assert!(name == "silk" || spread(&noise[..3]) < 3.0, "{name}: {noise:?}");
     }
 }
 

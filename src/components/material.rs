@@ -46,8 +46,8 @@ pub struct ClothMaterial {
     /// have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their bending length; equilateral triangles up to a ratio of 3; squares
     /// cut in four at 45° to the threads not at all.
     pub bend_ratio: f32,
-    /// Angle by which the warp is turned from `v` towards `u` of the texture [rad]. Default 0, range -π to π. It turns the two
-    /// ratios and, with [`ClothMembrane::Triangles`](crate::ClothMembrane::Triangles), what stretches and what shears.
+    /// Angle by which the warp is turned from `v` towards `u` of the texture [rad]. Default 0, range -π to π. It turns the two ratios, and
+    /// what stretches and what shears unless [`ClothMembrane::Springs`](crate::ClothMembrane::Springs) is asked for.
     /// A mirrored texture has it mirrored, like a left sleeve beside a right one.
     pub warp_angle: f32,
     /// Curvature that the friction between its yarns holds [1/m], `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0 to 1000; silk 18, wool 25, cotton

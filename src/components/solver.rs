@@ -15,9 +15,9 @@ pub struct ClothSolver {
     /// Substeps per second [Hz]. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional. Up
     /// to eight times as many are taken while a body that moves much faster than the pins is near, or one that takes part lies on cloth lighter than it.
     pub substep_rate: f32,
-    /// Most inner steps per second [Hz]. Default 3000, range 30 to 6000 (positions round the fall of a shorter step). Where edges are so short that substeps cannot carry tension along the cloth
-    /// ([`ClothReport::drape_rate`](crate::ClothReport::drape_rate)), each is cut into inner steps for all but contacts: fine cloth drapes as its fabric and stretches
-    /// less. Low hangs limper; 30 is none.
+    /// Most inner steps per second [Hz]. Default 3000, range 30 to 6000 (positions round the fall of a shorter step). Where edges are so short that substeps
+    /// cannot carry tension along the cloth ([`ClothReport::drape_rate`](crate::ClothReport::drape_rate)), each is cut into inner steps for all but contacts:
+    /// fine cloth drapes as its fabric and stretches less. Low hangs limper; 30 is none.
     pub inner_rate: f32,
     /// Longest frame that is simulated [s]. Default 0.1, range 0.001 to 1. Time beyond it is counted in
     /// [`ClothReport::lost_time`](crate::ClothReport::lost_time).

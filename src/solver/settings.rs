@@ -103,8 +103,8 @@ pub struct Stepping {
     pub substep_rate: f32,
     /// Longest frame that is simulated [s]; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
     pub max_frame: f32,
-    /// Most inner steps per second [Hz]. Default 3000, range 30 to 6000: the fall in a shorter step is no more than rounding. Where the mesh asks for more steps ([`drape_rate`]) than there are substeps, each is
-    /// cut into inner steps for all but contacts and bounds on lengths.
+    /// Most inner steps per second [Hz]. Default 3000, range 30 to 6000: the fall in a shorter step is no more than rounding. Where the mesh asks for more
+    /// steps ([`drape_rate`]) than there are substeps, each is cut into inner steps for all but contacts and bounds on lengths.
     pub inner_rate: f32,
     /// What holds the cloth together in its plane. Default [`MembraneModel::Auto`].
     pub membrane: MembraneModel,
