@@ -215,27 +215,32 @@ impl BendFactors {
         let hhb = hh * self.stiffness;
         let Self { folds, residual, moves: [moves, before], matrix, .. } = self;
         let matrix = if matrix.is_empty() { &bends.matrix } else { &*matrix };
-        for buffer in [&mut *residual, &mut *moves, &mut *before] {
-            buffer.resize(positions.len(), Vec4::ZERO);
-        }
+        residual.resize(positions.len(), Vec4::ZERO);
         let rows = || bends.row_start.windows(2).map(|row| row[0] as usize..row[1] as usize);
-        for (((row, x), r), older) in rows().zip(&*positions).zip(&mut *residual).zip(&mut *before) {
-            let force = product(&bends.columns[row.clone()], &matrix[row], |column| positions[column as usize] - *x);
+        for ((row, x), r) in rows().zip(&*positions).zip(&mut *residual) {
+            let force = product(&bends.columns[row.clone()], &matrix[row], positions, *x);
             *r = Vec4::select(XYZ, force * (hhb * x.w), Vec4::ZERO);
-            *older = Vec4::ZERO;
         }
         for ((x, r), fold) in positions.iter().zip(&mut *residual).zip(&*folds) {
             *r -= *fold * (hh * x.w);
         }
-        for (d, r) in moves.iter_mut().zip(&*residual) {
-            *d = *r * (-w1 / w0);
+        let first = -w1 / w0;
+        if stages == 1 {
+            for (x, r) in positions.iter_mut().zip(&*residual) {
+                *x += *r * (first * (1.0 - MIDDLE));
+            }
+            return;
         }
+        before.clear();
+        before.resize(positions.len(), Vec4::ZERO);
+        moves.clear();
+        moves.extend(residual.iter().map(|r| *r * first));
         let (mut last, mut current) = (1.0, w0);
         for _ in 1..stages {
             (last, current) = (current, 2.0 * w0 * current - last);
             let (mu, step) = (2.0 * w0 * last / current, 2.0 * w1 * last / current);
             for ((((row, older), d), x), r) in rows().zip(&mut *before).zip(&*moves).zip(&*positions).zip(&*residual) {
-                let force = product(&bends.columns[row.clone()], &matrix[row], |column| moves[column as usize]);
+                let force = product(&bends.columns[row.clone()], &matrix[row], moves, *d);
                 *older = *d * mu + *older * (1.0 - mu) - (*r + force * (hhb * x.w)) * step;
             }
             std::mem::swap(before, moves);
@@ -281,13 +286,13 @@ fn grip(fabric: &Fabric) -> f32 {
     if fabric.bend_hysteresis > 0.0 { GRIP } else { 0.0 }
 }
 
-/// A row of the matrix times a vector, in four sums: each would wait for the one before it otherwise.
+/// A row of the matrix times a vector whose entry of the row itself is `own`, in four sums: each would wait for the one before it otherwise.
 #[inline(always)]
-fn product(columns: &[[u32; LANES]], row: &[[f32; LANES]], x: impl Fn(u32) -> Vec4) -> Vec4 {
+fn product(columns: &[[u32; LANES]], row: &[[f32; LANES]], x: &[Vec4], own: Vec4) -> Vec4 {
     let mut sum = [Vec4::ZERO; LANES];
     for (columns, row) in columns.iter().zip(row) {
         for lane in 0..LANES {
-            sum[lane] += x(columns[lane]) * row[lane];
+            sum[lane] += (x[columns[lane] as usize] - own) * row[lane];
         }
     }
     (sum[0] + sum[1]) + (sum[2] + sum[3])

@@ -44,7 +44,8 @@ pub struct Bends {
     pub is_flat: bool,
     /// Start of each particle's row in [`Self::columns`]; `particles + 1` entries.
     pub row_start: Vec<u32>,
-    /// Particles that share an element with the particle of the row, itself among them, sorted; filled up with the last, whose entries count once.
+    /// Particles that share an element with the particle of the row, sorted; filled up with the last, whose entries count once. The diagonal is not kept:
+    /// rows sum to zero, since a cloth that is only moved has no curvature, so that `(K x)_i = Σ K_ij (x_j - x_i)`.
     pub columns: Vec<[u32; LANES]>,
     /// Entries of `K` [1/m²], as the columns.
     pub matrix: Vec<[f32; LANES]>,
@@ -117,9 +118,10 @@ impl Bends {
             }
         }
         self.row_start.push(0);
-        for row in &mut rows {
+        for (i, row) in rows.iter_mut().enumerate() {
             row.sort_unstable();
             row.dedup();
+            row.retain(|p| *p as usize != i);
             for chunk in row.chunks(LANES) {
                 self.columns.push(std::array::from_fn(|lane| chunk[lane.min(chunk.len() - 1)]));
             }
@@ -181,7 +183,8 @@ impl Bends {
 
     /// How far Gershgorin's circle of a particle reaches [1/m⁴].
     fn width(&self, i: usize, areas: &[f32]) -> f32 {
-        self.matrix[self.row(i)].as_flattened().iter().map(|k| k.abs()).sum::<f32>() / areas[i]
+        let row = self.matrix[self.row(i)].as_flattened();
+        (row.iter().map(|k| k.abs()).sum::<f32>() + row.iter().sum::<f32>().abs()) / areas[i]
     }
 
     /// Makes elements softer where Gershgorin's circles are widest.
@@ -214,7 +217,7 @@ impl Bends {
             let size = norm(&x);
             for (i, y) in y.iter_mut().enumerate() {
                 let entries = self.columns[self.row(i)].as_flattened().iter().zip(matrix[self.row(i)].as_flattened());
-                *y = entries.map(|(column, k)| x[*column as usize] * k).sum::<f32>() / (areas[i] * size);
+                *y = entries.map(|(column, k)| (x[*column as usize] - x[i]) * k).sum::<f32>() / (areas[i] * size);
             }
             largest = norm(&y);
             core::mem::swap(&mut x, &mut y);
