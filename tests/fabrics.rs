@@ -23,12 +23,11 @@ fn spread(seen: &[f32]) -> f32 {
     seen.iter().copied().fold(f32::NEG_INFINITY, f32::max) - seen.iter().copied().fold(f32::INFINITY, f32::min)
 }
 
-/// Rubber shows 36 to 40 where theory has 46: nothing rubs in it, and its membrane is soft.
 #[test]
 fn presets_show_the_drape_coefficients_that_are_measured_on_meshes_of_three_kinds() {
     let edge = 0.01;
     let meshes = [drape::rings(edge), drape::grid(edge, 0.0, true), drape::grid(edge, 0.5, false)];
-    for Sample { name, drape, .. } in SAMPLES.into_iter().filter(|sample| sample.name != "rubber") {
+    for Sample { name, drape, .. } in SAMPLES {
         let seen = meshes.each_ref().map(|mesh| coefficient(mesh, edge, &preset(name)));
         let mean = seen.iter().sum::<f32>() / 3.0;
         assert!((mean - drape).abs() < 5.0, "{name}: {seen:?}, {drape} asked");

@@ -185,12 +185,12 @@ impl ClothMaterial {
         ..Self::BASE
     };
 
-    /// Latex sheet of 0.5 mm: drape coefficient 46 in theory, 40 to 44 here; it stretches, so neither strain limit nor tethers. Its yarns do not rub, since it has none.
+    /// Latex sheet of 0.5 mm: drape coefficient 46 ± 5; it stretches, so neither strain limit nor tethers. Nothing in it rubs.
     pub const RUBBER: Self = Self {
         density: 0.47,
         stretch_stiffness: 750.0,
         shear_stiffness: 250.0,
-        bend_stiffness: 2.08e-5,
+        bend_stiffness: 2.5e-5,
         damping: 4.0,
         strain_limit: f32::INFINITY,
         thickness: 0.006,
