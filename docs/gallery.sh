@@ -26,7 +26,7 @@ pictures=(
     "units.png tangled --unit 0 --frames 55 --out"
     "fabrics.png fabrics --width 1440 --frames 300 --out"
     "curtains.png fabrics --curtains --width 1440 --frames 420 --out"
-    "specimens.png fabric_lab --quick --edge 0.005 --picture"
+    "specimens.png fabric_lab --quick --rate 360 --edge 0.005 --picture"
     "figure_6.png paper_tables --largest 30 --runs 5 --figure"
 )
 for picture in "${pictures[@]}"; do

@@ -39,7 +39,7 @@ pub struct ClothGroups {
 }
 
 /// Cloths that can meet.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ClothGroup {
     pub members: Vec<Member>,
     pub group: Group,
@@ -57,7 +57,7 @@ pub(crate) struct ClothGroup {
 }
 
 /// What is borrowed from a member while it is stepped.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Work {
     pub state: ClothState,
     pub solver: Scratch,

@@ -17,6 +17,7 @@ mod groups;
 mod notices;
 mod query;
 pub mod simulation;
+mod snapshot;
 mod systems;
 #[cfg(feature = "debug")]
 pub mod debug;
@@ -43,6 +44,7 @@ pub use plugin::{ClothPlugin, ClothSystems};
 pub use presets::{ClothPreset, ClothPresetHandle};
 pub use query::{ClothHit, ClothQuery};
 pub use simulation::{ClothParticles, ClothRest};
+pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 
 /// What most apps need.
 pub mod prelude {
@@ -50,10 +52,10 @@ pub mod prelude {
         Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
         ClothCoupling, ClothDetail, ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse,
         ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothMembrane, ClothParticles, ClothPins, ClothPlugin,
-        ClothQuery, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus,
-        ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind, ClothWoke,
-        ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet, SkipFrame,
-        SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
+        ClothQuery, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept, ClothSnapshot, ClothSolver,
+        ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind,
+        ClothWoke, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet,
+        SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -87,7 +87,7 @@ impl ClothRest {
 }
 
 /// State: the particles, in a frame with the axes of the world and its origin near the cloth.
-#[derive(Component, Debug)]
+#[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct ClothParticles {
     pub(crate) state: ClothState,
@@ -195,7 +195,7 @@ impl ClothParticles {
 }
 
 /// Inputs: everything the solver is given in a frame.
-#[derive(Component)]
+#[derive(Component, Clone)]
 #[component(clone_behavior = Ignore)]
 #[require(Slumber)]
 pub(crate) struct ClothInputs {
@@ -362,7 +362,7 @@ impl ClothInputs {
 }
 
 /// Scratch: reused buffers, and what the last frame has to tell.
-#[derive(Component)]
+#[derive(Component, Clone)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ClothScratch {
     pub solver: Scratch,

@@ -19,7 +19,7 @@ pub(crate) struct Values {
 }
 
 /// Clamps settings and remembers the names of those that were out of range.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Checked {
     /// Names of the settings that were changed, in the order of the checks; only read elsewhere, as their values go with them.
     pub clamped: Vec<Cow<'static, str>>,

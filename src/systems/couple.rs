@@ -224,7 +224,7 @@ impl WorldRigid {
 }
 
 /// The bodies that take what one cloth gives, by slot of the solver. Buffers are reused.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Coupled {
     /// Place of each body in the world's list.
     rigids: Vec<u32>,

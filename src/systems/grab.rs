@@ -13,7 +13,7 @@ use crate::solver::integrate::pull::Pull;
 const MOST_ACCELERATION: f32 = 20.0 * 9.81;
 
 /// What a grip holds, found once.
-#[derive(Component, Default)]
+#[derive(Component, Clone, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Grip {
     /// Particles and their shares, which add up to one.

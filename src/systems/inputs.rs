@@ -26,7 +26,7 @@ const REBASE: f32 = 2.0;
 /// The weather in the world: shared by every cloth without a wind of its own.
 #[derive(Resource, Default)]
 pub(crate) struct WorldAir {
-    wind: Wind,
+    pub wind: Wind,
     gravity: Vec3,
     /// In the order of entities.
     pub zones: Vec<(Entity, WindZone, Isometry3d)>,

@@ -33,7 +33,7 @@ const STILL: f32 = 1.0e-4;
 pub(super) const NEAR: f32 = 0.02;
 
 /// How long a cloth has been at rest, and under what.
-#[derive(Component, Default)]
+#[derive(Component, Clone, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Slumber {
     asleep: bool,
@@ -51,7 +51,7 @@ pub(crate) struct Slumber {
 }
 
 /// What a cloth rests under.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Seen {
     gravity: Vec3,
     air: Option<(Vec3, f32, Turbulence)>,
@@ -62,6 +62,7 @@ struct Seen {
 }
 
 /// A body near a cloth.
+#[derive(Clone)]
 struct SeenBody {
     entity: Entity,
     shape: SharedShape,

@@ -21,6 +21,7 @@ mod pins;
 mod query;
 mod rest;
 mod sleep;
+mod snapshot;
 mod presets;
 mod reflection;
 mod sync;

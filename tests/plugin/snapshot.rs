@@ -1,0 +1,218 @@
+//! Snapshots: what follows has the same bits as what followed the first time.
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+use bevy_drape::scenes::Tangle;
+use bevy_drape::{ClothParticles, ClothSnapshot};
+
+use crate::common::*;
+
+/// An app and what the app itself does before each frame.
+struct Played {
+    app: App,
+    happen: fn(&mut App, u32),
+}
+
+/// What the app has to restore by itself.
+struct Own {
+    transforms: Vec<(Entity, Transform)>,
+    grabs: Vec<(Entity, ClothGrab)>,
+    solvers: Vec<(Entity, ClothSolver)>,
+}
+
+fn copies<T: Component + Clone>(app: &mut App) -> Vec<(Entity, T)> {
+    app.world_mut().query::<(Entity, &T)>().iter(app.world()).map(|(entity, value)| (entity, value.clone())).collect()
+}
+
+fn put<T: Component + Clone>(app: &mut App, copies: &[(Entity, T)]) {
+    for (entity, value) in copies {
+        app.world_mut().entity_mut(*entity).insert(value.clone());
+    }
+}
+
+impl Own {
+    fn of(app: &mut App) -> Self {
+        Self { transforms: copies(app), grabs: copies(app), solvers: copies(app) }
+    }
+
+    fn restore(&self, app: &mut App) {
+        put(app, &self.transforms);
+        put(app, &self.grabs);
+        put(app, &self.solvers);
+    }
+}
+
+impl Played {
+    fn new(app: App) -> Self {
+        Self { app, happen: |_, _| {} }
+    }
+
+    /// Every bit of every frame.
+    fn play(&mut self, frames: core::ops::Range<u32>) -> Vec<u32> {
+        let mut bits = Vec::new();
+        for frame in frames {
+            (self.happen)(&mut self.app, frame);
+            self.app.update();
+            let mut cloths = self.app.world_mut().query::<(Entity, &ClothParticles, &ClothReport)>();
+            let mut cloths: Vec<_> = cloths.iter(self.app.world()).collect();
+            cloths.sort_by_key(|(entity, ..)| *entity);
+            for (_, particles, report) in cloths {
+                bits.extend(particles.shown_positions().flat_map(|x| x.as_vec3().to_array()).map(f32::to_bits));
+                bits.push(report.worst_edge.to_bits());
+                bits.extend([report.crossings, report.substeps, u32::from(report.asleep)]);
+            }
+        }
+        bits
+    }
+}
+
+fn moving(app: &mut App, step: impl Fn(&mut Transform)) {
+    for mut transform in app.world_mut().query_filtered::<&mut Transform, With<Name>>().iter_mut(app.world_mut()) {
+        step(&mut transform);
+    }
+}
+
+fn played() -> Vec<(&'static str, Played)> {
+    let mut over_ball = app();
+    over_ball.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
+    spawn(&mut over_ball, sheet(16), Transform::from_xyz(0.0, 0.4, 0.0));
+    spawn(&mut over_ball, sheet(12), Transform::from_xyz(0.0, 0.5, 0.0));
+    let mut windy = app();
+    windy.insert_resource(GlobalWind { velocity: Vec3::X * 8.0, turbulence: 0.5, ..default() });
+    spawn(&mut windy, sheet(14), border());
+    spawn(&mut windy, sheet(12), (border(), Transform::from_xyz(0.3, 0.0, 3.0)));
+    let mut net = app();
+    let body = (
+        Transform::from_xyz(0.1, 0.4, 0.05),
+        ClothCollider::ball(0.15),
+        ClothCoupling::TwoWay,
+        ClothRigidBody { inverse_mass: Vec3::splat(2.0), ..default() },
+    );
+    net.world_mut().spawn(body);
+    spawn(&mut net, sheet(14), (border(), ClothMaterial::RUBBER));
+    let mut carried = app();
+    spawn(&mut carried, sheet(12), (border(), Name::new("moves")));
+    carried.world_mut().spawn((Transform::from_xyz(0.3, -0.4, 0.3), ClothCollider::ball(0.2), Name::new("moves")));
+    let mut tangled = app();
+    for mesh in Tangle::FullCut.meshes(14) {
+        spawn(&mut tangled, mesh_of(&mesh), Transform::from_xyz(0.0, 1.0, 0.0));
+    }
+    let mut grabbed = app();
+    spawn(&mut grabbed, sheet(12), border());
+    run(&mut grabbed, 2);
+    let hit = grabbed.world_mut().run_system_once(|cloths: ClothQuery| cloths.nearest_point(Vec3::new(0.1, 0.0, 0.3), 1.0));
+    grabbed.world_mut().spawn(ClothGrab::at(&hit.expect("a system").expect("a cloth")));
+    vec![
+        ("over a ball", Played::new(over_ball)),
+        ("windy", Played::new(windy)),
+        ("net", Played::new(net)),
+        (
+            "carried",
+            Played {
+                app: carried,
+                happen: |app, frame| moving(app, |at| at.translation.x += if frame == 70 { 500.0 } else { 0.02 }),
+            },
+        ),
+        ("tangled", Played::new(tangled)),
+        (
+            "grabbed",
+            Played {
+                app: grabbed,
+                happen: |app, frame| {
+                    for mut grab in app.world_mut().query::<&mut ClothGrab>().iter_mut(app.world_mut()) {
+                        grab.target.y += 0.005 * (0.1 * frame as f32).sin();
+                    }
+                },
+            },
+        ),
+    ]
+}
+
+#[test]
+fn what_follows_a_restored_snapshot_has_the_same_bits_as_before() {
+    for (name, mut scene) in played() {
+        let mut at = 0;
+        for frame in [1, 2, 5, 17, 40, 64, 90, 133] {
+            scene.play(at..frame);
+            let (snapshot, own) = (ClothSnapshot::take(scene.app.world_mut()), Own::of(&mut scene.app));
+            let first = scene.play(frame..frame + 60);
+            for again in 0..2 {
+                snapshot.restore(scene.app.world_mut()).expect("the same cloths");
+                own.restore(&mut scene.app);
+                let differs = scene.play(frame..frame + 60).iter().zip(&first).position(|(a, b)| a != b);
+                assert_eq!(differs, None, "{name}: frame {frame}, time {again}, of {}", first.len());
+            }
+            snapshot.restore(scene.app.world_mut()).expect("the same cloths");
+            own.restore(&mut scene.app);
+            at = frame;
+        }
+    }
+}
+
+/// In the order of entities.
+fn sorted<const N: usize>(mut entities: [Entity; N]) -> [Entity; N] {
+    entities.sort_unstable();
+    entities
+}
+
+#[test]
+fn what_cannot_be_put_back_is_named_and_the_rest_is() {
+    let mut app = app();
+    let [stays, goes, changes, later] = [0.0, 0.2, 3.0, 6.0].map(|x| Transform::from_xyz(x, 0.0, 0.0));
+    let stays = spawn(&mut app, sheet(10), (border(), stays));
+    let goes = spawn(&mut app, sheet(10), (border(), goes));
+    let changes = spawn(&mut app, sheet(10), (border(), changes));
+    run(&mut app, 20);
+    let snapshot = ClothSnapshot::take(app.world_mut());
+    assert_eq!(snapshot.cloths().collect::<Vec<_>>(), sorted([stays, goes, changes]));
+    let before = particles(&app, stays);
+    app.world_mut().despawn(goes);
+    let mesh = add(&mut app, sheet(6));
+    app.world_mut().entity_mut(changes).insert(Mesh3d(mesh));
+    let later = spawn(&mut app, sheet(8), (border(), later));
+    run(&mut app, 20);
+    let changed = particles(&app, changes);
+    let error = snapshot.restore(app.world_mut()).expect_err("two are not what they were");
+    assert_eq!(error.cloths, sorted([goes, changes]));
+    assert_eq!((particles(&app, stays), particles(&app, changes)), (before, changed));
+    run(&mut app, 20);
+    for cloth in [stays, changes, later] {
+        assert!(finite(&app, cloth) && status(&app, cloth) == ClothStatus::Active);
+    }
+}
+
+#[test]
+fn one_cloth_goes_back_and_its_neighbour_does_not() {
+    let mut app = app();
+    app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
+    let lower = spawn(&mut app, sheet(12), Transform::from_xyz(0.0, 0.32, 0.0));
+    let upper = spawn(&mut app, sheet(12), Transform::from_xyz(0.0, 0.36, 0.0));
+    run(&mut app, 10);
+    let snapshot = ClothSnapshot::take_of(app.world_mut(), &[upper]);
+    let before = particles(&app, upper);
+    run(&mut app, 60);
+    let below = particles(&app, lower);
+    snapshot.restore(app.world_mut()).expect("it is there");
+    assert_eq!((particles(&app, upper), particles(&app, lower)), (before, below));
+    run(&mut app, 60);
+    assert!(finite(&app, upper) && report(&app, upper).worst_edge < 1.3);
+}
+
+#[test]
+fn pins_set_since_hold_the_cloth_as_it_was() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(10), border());
+    run(&mut app, 20);
+    let snapshot = ClothSnapshot::take(app.world_mut());
+    app.world_mut().entity_mut(cloth).insert(ClothPins::default());
+    run(&mut app, 10);
+    assert_eq!(report(&app, cloth).pinned, 0);
+    snapshot.restore(app.world_mut()).expect("it is there");
+    run(&mut app, 1);
+    assert_eq!(report(&app, cloth).pinned, 0);
+    app.world_mut().entity_mut(cloth).insert(border());
+    snapshot.restore(app.world_mut()).expect("it is there");
+    run(&mut app, 1);
+    assert!(report(&app, cloth).pinned > 0);
+}
