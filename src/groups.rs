@@ -36,6 +36,7 @@ pub struct ClothGroups {
     root: Vec<u32>,
     order: Vec<u32>,
     members: Vec<Member>,
+    builds: u64,
 }
 
 /// Cloths that can meet.
@@ -100,12 +101,9 @@ pub(crate) struct Member {
 }
 
 impl Member {
-    /// Whether a surface built from `other` will do.
+    /// Whether a surface built from `other` will do: settings may differ.
     fn fits(&self, other: &Self) -> bool {
-        self.entity == other.entity
-            && Arc::ptr_eq(&self.rest, &other.rest)
-            && self.collision == other.collision
-            && self.thickness == other.thickness
+        self.entity == other.entity && Arc::ptr_eq(&self.rest, &other.rest)
     }
 }
 
@@ -149,6 +147,12 @@ impl ClothGroups {
         self.list.iter().map(|group| group.members.iter().map(|m| m.entity))
     }
 
+    /// How many groups were built so far: of other members than before, or of a new shape at rest. No setting builds one.
+    #[must_use]
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
+
     /// Forgets who could meet whom.
     pub(crate) fn begin(&mut self) {
         self.candidates.clear();
@@ -180,7 +184,7 @@ impl ClothGroups {
     pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32, bool)) {
         self.candidates.sort_unstable_by_key(|c| c.member.entity);
         self.link();
-        let Self { list, before, candidates, root, order, members, .. } = self;
+        let Self { list, before, candidates, root, order, members, builds, .. } = self;
         order.clear();
         order.extend(0..candidates.len() as u32);
         order.sort_unstable_by_key(|&i| (root[i as usize], i));
@@ -209,11 +213,16 @@ impl ClothGroups {
             let mut group = if known { core::mem::take(&mut before[old]) } else { ClothGroup::default() };
             if known {
                 group.members.clone_from(members);
+                for (part, member) in members.iter().enumerate() {
+                    let ClothCollision { layer, self_collision, .. } = member.collision;
+                    group.group.tune(part, layer, self_collision, member.thickness);
+                }
                 if group.origin != first.origin {
                     group.group.carry((group.origin - first.origin).as_vec3());
                 }
             } else {
                 let Some(built) = build(members) else { continue };
+                *builds += 1;
                 (group.group, group.members) = (built, members.clone());
             }
             (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 5]);

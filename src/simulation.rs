@@ -206,8 +206,6 @@ pub(crate) struct ClothInputs {
     /// Fabric of this frame, on its way to the one that is wanted.
     pub fabric: Fabric,
     pub slew: Slew,
-    /// Thickness that is wanted [m].
-    pub thickness: f32,
     pub stepping: Stepping,
     pub limits: Limits,
     pub untangle: UntangleSettings,
@@ -266,7 +264,6 @@ impl ClothInputs {
             asleep: false,
             fabric: Fabric::default(),
             slew: Slew::of_length(2.0 * radius),
-            thickness: Fabric::default().thickness,
             stepping: Stepping::default(),
             limits: Limits::default(),
             untangle: UntangleSettings::default(),

@@ -155,6 +155,17 @@ impl Group {
         })
     }
 
+    /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness [m]. What is known of it stays known, except where it may
+    /// cross itself.
+    pub fn tune(&mut self, part: usize, layer: i32, self_collision: bool, thickness: f32) {
+        let Some(settings) = self.surface.parts.get_mut(part) else { return };
+        if settings.self_collision != self_collision {
+            self.known = false;
+            self.untangler.detector.forget();
+        }
+        (settings.layer, settings.self_collision, settings.thickness) = (layer, self_collision, thickness);
+    }
+
     /// Takes over the state of cloth `part`, moved by `offset` [m]. A `fixed` cloth is an obstacle for the others and never moved.
     pub fn gather(&mut self, part: usize, state: &ClothState, offset: Vec3, fixed: bool) {
         let range = self.range(part);

@@ -49,7 +49,7 @@ pub(crate) fn group(
         }
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
         let fixed = still || !untangle.enabled;
-        let (asleep, thickness) = (inputs.asleep, inputs.thickness);
+        let (asleep, thickness) = (inputs.asleep, inputs.fabric.thickness);
         let member =
             Member { entity, rest: rest.0.clone(), collision: *collision, thickness, fixed, still, rode: inputs.rode, asleep };
         let layers = layers.copied().unwrap_or_default();

@@ -95,7 +95,6 @@ pub(crate) fn settings(
         let [moved, turned] = slew_weights(&mut inputs.anchors, &inputs.sets.weights, dt);
         inputs.tuned = tuned || moved;
         inputs.stale |= turned || before != inputs.fabric.prepared();
-        inputs.thickness = fabric.thickness;
         inputs.stepping = solver.stepping(checked);
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);

@@ -105,7 +105,7 @@ fn with_bodies(
         };
         let at = body.to.inverse_transform_point(touch.point);
         // Without a reach a height field is searched as a whole.
-        let nearest = body.shape.project_local_point_with_max_dist(at, false, inputs.thickness + body.margin + edge);
+        let nearest = body.shape.project_local_point_with_max_dist(at, false, inputs.fabric.thickness + body.margin + edge);
         let nearest = nearest.unwrap_or_else(|| body.shape.project_local_point(at, false));
         let away = body.to.rotation * (at - nearest.point).normalize_or_zero();
         touch.normal = if nearest.is_inside { -away } else { away };

@@ -86,6 +86,11 @@ impl Calm {
         self.used = Some(0);
     }
 
+    /// Forgets what was close.
+    pub fn forget(&mut self) {
+        self.used = None;
+    }
+
     fn is_near(&self, positions: &[Vec4]) -> bool {
         let places = self.noted.iter().zip(&self.slack);
         // NaN is not near.

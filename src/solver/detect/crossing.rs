@@ -75,6 +75,11 @@ impl Detector {
         }
     }
 
+    /// Forgets what was found of cloth that hardly moves: another part of it counts now.
+    pub fn forget(&mut self) {
+        self.calm.forget();
+    }
+
     /// Finds all crossings at `positions` ([m], `w` inverse mass), sorted by edge, then face.
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
