@@ -24,6 +24,7 @@ use crate::components::{ClothCollider, ClothCoupling, ClothImpulse, ClothLayers,
 use crate::notices::{Notices, label};
 use crate::solver::body::shape;
 use crate::systems::colliders::{ColliderBody, WorldBodies, WorldBody, jumped};
+use crate::time::ClothTime;
 
 impl From<CollisionLayers> for ClothLayers {
     /// The same bits.
@@ -36,14 +37,14 @@ impl From<CollisionLayers> for ClothLayers {
 const LOCKSTEP: f32 = 1.0e-3;
 
 /// Time that physics had made when cloth last looked [s].
-#[derive(Default)]
+#[derive(Resource, Clone, Copy, Default)]
 pub(crate) struct Seen(f64);
 
 /// Takes the mass of bodies that take part from avian.
 pub(crate) fn masses(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     physics: Option<Res<Time<Physics>>>,
-    mut seen: Local<Seen>,
+    mut seen: ResMut<Seen>,
     mut bodies: Query<(
         &RigidBody,
         &ClothCoupling,

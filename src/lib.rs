@@ -19,6 +19,7 @@ mod query;
 pub mod simulation;
 mod snapshot;
 mod systems;
+mod time;
 #[cfg(feature = "debug")]
 pub mod debug;
 mod diagnostics;

@@ -33,6 +33,7 @@ use crate::systems::{
     bind, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep, sources, sync,
     touch,
 };
+use crate::time;
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
 ///
@@ -115,6 +116,7 @@ impl Plugin for ClothPlugin {
             shows,
         };
         app.insert_resource(clock)
+            .init_resource::<time::ClothTime>()
             .init_resource::<ClothGravity>()
             .init_resource::<GlobalWind>()
             .init_resource::<RestCache>()
@@ -154,6 +156,7 @@ impl Plugin for ClothPlugin {
             self.schedule,
             (
                 (
+                    time::tick,
                     sources::watch,
                     bind::bind,
                     colliders::shapes,
@@ -171,26 +174,27 @@ impl Plugin for ClothPlugin {
                         couple::couple,
                     )
                         .chain()
-                        .run_if(time_flows),
+                        .run_if(time::flows),
                 )
                     .chain()
                     .in_set(ClothSystems::Prepare),
-                (integrate::integrate, couple::give).chain().run_if(time_flows).in_set(ClothSystems::Integrate),
-                (detect::leave, detect::group, detect::detect).chain().run_if(time_flows).in_set(ClothSystems::Detect),
-                (resolve::resolve, resolve::scatter).chain().run_if(time_flows).in_set(ClothSystems::Resolve),
+                (integrate::integrate, couple::give).chain().run_if(time::flows).in_set(ClothSystems::Integrate),
+                (detect::leave, detect::group, detect::detect).chain().run_if(time::flows).in_set(ClothSystems::Detect),
+                (resolve::resolve, resolve::scatter).chain().run_if(time::flows).in_set(ClothSystems::Resolve),
                 (
-                    (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time_flows),
+                    (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time::flows),
                     evaluate::recoveries,
                 )
                     .chain()
                     .in_set(ClothSystems::Evaluate),
-                (respond::respond, touch::touches, sleep::doze).chain().run_if(time_flows).in_set(ClothSystems::Respond),
+                (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
             ),
         )
         .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));
 
         #[cfg(feature = "avian")]
         {
+            app.init_resource::<avian::Seen>();
             let takes_over = (avian::give, avian::show).chain().after(couple::give);
             app.add_systems(
                 self.schedule,
@@ -201,7 +205,7 @@ impl Plugin for ClothPlugin {
                         .in_set(ClothSystems::Prepare),
                     takes_over.in_set(ClothSystems::Integrate),
                 )
-                    .run_if(time_flows),
+                    .run_if(time::flows),
             );
         }
     }
@@ -251,9 +255,4 @@ fn clock(app: &App) -> ClothClock {
         Some(clock) => *clock,
         None => panic!("there is nothing to look at without ClothPlugin. Add it: `app.add_plugins(ClothPlugin::default())`."),
     }
-}
-
-/// Whether the clock of the schedule moved.
-fn time_flows(time: Res<Time>) -> bool {
-    time.delta_secs() > 0.0
 }

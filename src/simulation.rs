@@ -10,7 +10,7 @@ use bevy::prelude::*;
 
 use crate::bind::{AnchorSets, Placement, Skin, Surface};
 use crate::components::checked::Checked;
-use crate::components::{ClothDetail, ClothLod, RecoveryCause, RecoveryLevel, WaitingFor};
+use crate::components::{ClothDetail, ClothLod, ClothPins, RecoveryCause, RecoveryLevel, WaitingFor};
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
 use crate::solver::group::{Display, UntangleSettings};
@@ -222,6 +222,8 @@ pub(crate) struct ClothInputs {
     pub unseen_for: f32,
     /// Least jump [m] and turn [rad] of the carrier that count as a teleport.
     pub teleport: (f32, f32),
+    /// The pins that anchors were made from.
+    pub pins: ClothPins,
     pub anchors: Anchors,
     pub sets: AnchorSets,
     pub skin: Option<Skin>,
@@ -276,6 +278,7 @@ impl ClothInputs {
             by_distance: ClothDetail::Full,
             unseen_for: 0.0,
             teleport: (f32::INFINITY, f32::INFINITY),
+            pins: ClothPins::default(),
             anchors,
             sets,
             skin,

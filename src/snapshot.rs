@@ -1,27 +1,31 @@
 //! Snapshots: what decides the next frame of cloth, to go back to.
 
-use bevy::math::Isometry3d;
+use bevy::ecs::world::WorldId;
+use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
 use crate::components::{ClothContactEvents, ClothError, ClothImpulse, ClothPins, ClothReport, ClothStatus, ClothTouch};
 use crate::groups::{ClothGroup, ClothGroups};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::solver::wind::Wind;
 use crate::systems::colliders::ColliderBody;
 use crate::systems::couple::CoupledBody;
 use crate::systems::grab::Grip;
 use crate::systems::inputs::WorldAir;
 use crate::systems::sleep::Slumber;
+use crate::time::ClothTime;
 
-/// The state of cloth between two frames: taken, kept, and gone back to as often as wanted. For rollback in a networked game, for a replay, to try
+/// The state of cloth between two frames: captured, kept, and gone back to as often as wanted. For rollback in a networked game, for a replay, to try
 /// something and take it back.
 ///
-/// It holds what the plugin keeps: particles and their velocities, folds, contacts, tangles, sleep, grips, reports, how far gusts have travelled, and
-/// where bodies were in the last frame. What is the app's, the app restores: transforms, settings, the bodies of a physics engine, and time. Then the
-/// frames that follow have the same bits as those that followed the first time. Take and restore between two updates, or in one exclusive system
-/// that is not within [`ClothSystems`](crate::ClothSystems).
+/// It holds what the plugin keeps: particles and their velocities, folds, contacts, tangles, sleep, what grips hold, reports, how far gusts have
+/// travelled, and where bodies were in the last frame. What is the app's, the app restores: transforms and parents, settings, grips
+/// ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time. Then the frames that follow have the same bits as those that followed the
+/// first time. Write only what differs ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is
+/// written. What cameras saw is not in it, so let `ClothLod` be off where bits matter.
 ///
-/// It lives in memory and is worth something in the world it was taken of only.
+/// Capture and restore between two updates, or in an exclusive system before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after
+/// [`ClothSystems::Sync`](crate::ClothSystems::Sync). A snapshot lives in memory, and only the world it is of can be restored from it.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -29,8 +33,8 @@ use crate::systems::sleep::Slumber;
 /// #[derive(Resource)]
 /// struct Before(ClothSnapshot);
 ///
-/// fn take(world: &mut World) {
-///     let before = ClothSnapshot::take(world);
+/// fn capture(world: &mut World) {
+///     let before = ClothSnapshot::capture(world);
 ///     world.insert_resource(Before(before));
 /// }
 ///
@@ -48,12 +52,13 @@ pub struct ClothSnapshot {
     cloths: Vec<SavedCloth>,
     groups: Vec<ClothGroup>,
     surroundings: Option<Surroundings>,
+    world: WorldId,
 }
 
-/// The cloths of a [`ClothSnapshot`] that [`ClothSnapshot::restore`] left as they are: despawned, waiting, failed, or bound to another mesh or scale since
-/// then.
+/// The cloths of a [`ClothSnapshot`] that [`ClothSnapshot::restore`] left as they are: despawned, bound to another mesh or scale since then, or of another
+/// world.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{} cloths of the snapshot were despawned, failed, or have another mesh or scale now, and were left as they are: {cloths:?}", cloths.len())]
+#[error("{} cloths of the snapshot were despawned, have another mesh or scale now, or are of another world, and were left as they are: {cloths:?}", cloths.len())]
 pub struct ClothSnapshotError {
     /// Those cloths, in the order of entities.
     pub cloths: Vec<Entity>,
@@ -68,38 +73,35 @@ struct SavedCloth {
     scratch: ClothScratch,
     slumber: Slumber,
     report: ClothReport,
-    pins: ClothPins,
     touches: Vec<ClothTouch>,
+    /// What queries see, and its origin [m].
+    shown: (Vec<Vec3>, DVec3),
 }
 
 /// What several cloths share.
 #[derive(Clone)]
 struct Surroundings {
+    time: ClothTime,
     wind: Wind,
     colliders: Vec<(Entity, Option<Isometry3d>)>,
     coupled: Vec<(Entity, CoupledBody, ClothImpulse)>,
     grips: Vec<(Entity, Grip)>,
+    #[cfg(feature = "avian")]
+    physics: crate::avian::Seen,
 }
 
 impl ClothSnapshot {
-    /// Of every cloth that is simulated, and of what they share: gusts, bodies and grips.
+    /// Of every cloth that is simulated, and of what they share: gusts, bodies and grips. Cloth that waits or failed is not in it. Empty without
+    /// [`ClothPlugin`](crate::ClothPlugin).
     #[must_use]
-    pub fn take(world: &mut World) -> Self {
-        let surroundings = Surroundings {
-            wind: world.resource::<WorldAir>().wind.clone(),
-            colliders: world.query::<(Entity, &ColliderBody)>().iter(world).map(|(entity, body)| (entity, body.pose)).collect(),
-            coupled: {
-                let mut coupled = world.query::<(Entity, &CoupledBody, &ClothImpulse)>();
-                coupled.iter(world).map(|(entity, body, impulse)| (entity, *body, *impulse)).collect()
-            },
-            grips: world.query::<(Entity, &Grip)>().iter(world).map(|(entity, grip)| (entity, grip.clone())).collect(),
-        };
-        Self { surroundings: Some(surroundings), ..Self::of(world, |_| true) }
+    pub fn capture(world: &mut World) -> Self {
+        Self { surroundings: Surroundings::of(world), ..Self::of(world, |_| true) }
     }
 
-    /// Of these cloths alone. What they share with others stays as it is when it is restored; contacts with others are found anew then.
+    /// Of those of these entities that are cloth that is simulated. What they share with others stays as it is when it is restored; contacts with others
+    /// are found anew then.
     #[must_use]
-    pub fn take_of(world: &mut World, cloths: &[Entity]) -> Self {
+    pub fn capture_of(world: &mut World, cloths: &[Entity]) -> Self {
         Self::of(world, |entity| cloths.contains(&entity))
     }
 
@@ -112,14 +114,14 @@ impl ClothSnapshot {
             &ClothScratch,
             &Slumber,
             &ClothReport,
-            &ClothPins,
+            &ClothShown,
             &ClothStatus,
             Option<&ClothContactEvents>,
         )>();
         let mut cloths: Vec<SavedCloth> = query
             .iter(world)
             .filter(|(entity, .., status, _)| wanted(*entity) && **status == ClothStatus::Active)
-            .map(|(entity, rest, particles, inputs, scratch, slumber, report, pins, _, events)| SavedCloth {
+            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, events)| SavedCloth {
                 entity,
                 rest: rest.clone(),
                 particles: particles.clone(),
@@ -127,14 +129,15 @@ impl ClothSnapshot {
                 scratch: scratch.clone(),
                 slumber: slumber.clone(),
                 report: report.clone(),
-                pins: pins.clone(),
                 touches: events.map_or_else(Vec::new, |events| events.touches.clone()),
+                shown: (shown.particles.clone(), shown.origin),
             })
             .collect();
         cloths.sort_unstable_by_key(|cloth| cloth.entity);
-        let groups = &world.resource::<ClothGroups>().list;
-        let groups = groups.iter().filter(|group| group.members.iter().all(|m| find(&cloths, m.entity).is_some())).cloned();
-        Self { groups: groups.collect(), cloths, surroundings: None }
+        let is_saved = |entity: Entity| cloths.binary_search_by_key(&entity, |cloth| cloth.entity).is_ok();
+        let groups = world.get_resource::<ClothGroups>().map_or(&[][..], |groups| &groups.list);
+        let groups = groups.iter().filter(|group| group.members.iter().all(|m| is_saved(m.entity))).cloned().collect();
+        Self { groups, cloths, surroundings: None, world: world.id() }
     }
 
     /// The cloths in it, in the order of entities.
@@ -142,39 +145,44 @@ impl ClothSnapshot {
         self.cloths.iter().map(|cloth| cloth.entity)
     }
 
-    /// Puts its cloths back. Cloths that are not in it stay as they are, and so does what was spawned since; no event is sent.
+    /// Puts its cloths back, those that failed since, too. Cloths that are not in it stay as they are, and so does what was spawned since; no event is
+    /// sent.
     ///
     /// # Errors
     /// [`ClothSnapshotError`] names the cloths that could not be put back; all others were.
     pub fn restore(&self, world: &mut World) -> Result<(), ClothSnapshotError> {
-        let (known, lost): (Vec<&SavedCloth>, Vec<_>) = self.cloths.iter().partition(|cloth| cloth.fits(world));
+        let is_here = world.id() == self.world;
+        let (known, lost): (Vec<&SavedCloth>, Vec<_>) = self.cloths.iter().partition(|cloth| is_here && cloth.fits(world));
         for cloth in &known {
             cloth.restore(world);
         }
-        if let Some(surroundings) = &self.surroundings {
+        if let Some(surroundings) = self.surroundings.as_ref().filter(|_| is_here) {
             surroundings.restore(world);
         }
-        let is_known = |entity: Entity| known.binary_search_by_key(&entity, |cloth| cloth.entity).is_ok();
-        let mut groups = world.resource_mut::<ClothGroups>();
-        groups.list.retain(|group| !group.members.iter().any(|member| is_known(member.entity)));
-        groups.list.extend(self.groups.iter().filter(|group| group.members.iter().all(|m| is_known(m.entity))).cloned());
-        groups.list.sort_by_key(|group| group.members.first().map(|member| member.entity));
-        let places: Vec<(Entity, (u32, u32))> = (0..)
-            .zip(&groups.list)
-            .flat_map(|(group, list)| (0..).zip(&list.members).map(move |(part, member)| (member.entity, (group, part))))
-            .collect();
-        for mut scratch in world.query::<&mut ClothScratch>().iter_mut(world) {
-            scratch.group = None;
-        }
-        for (entity, place) in places {
-            if let Some(mut scratch) = world.get_mut::<ClothScratch>(entity) {
-                scratch.group = Some(place);
-            }
-        }
+        self.regroup(world, |entity| known.binary_search_by_key(&entity, |cloth| cloth.entity).is_ok());
         if lost.is_empty() {
             Ok(())
         } else {
             Err(ClothSnapshotError { cloths: lost.iter().map(|cloth| cloth.entity).collect() })
+        }
+    }
+
+    /// Puts the groups back all of whose members were restored, in place of those in which any was.
+    fn regroup(&self, world: &mut World, is_restored: impl Fn(Entity) -> bool) {
+        let Some(mut groups) = world.get_resource_mut::<ClothGroups>() else { return };
+        groups.list.retain(|group| !group.members.iter().any(|member| is_restored(member.entity)));
+        groups.list.extend(self.groups.iter().filter(|group| group.members.iter().all(|m| is_restored(m.entity))).cloned());
+        groups.list.sort_by_key(|group| group.members.first().map(|member| member.entity));
+        let mut places: Vec<(Entity, (u32, u32))> = (0..)
+            .zip(&groups.list)
+            .flat_map(|(group, list)| (0..).zip(&list.members).map(move |(part, member)| (member.entity, (group, part))))
+            .collect();
+        places.sort_unstable();
+        for (entity, mut scratch, mut slumber) in world.query::<(Entity, &mut ClothScratch, &mut Slumber)>().iter_mut(world) {
+            let place = places.binary_search_by_key(&entity, |(entity, _)| *entity).ok().map(|at| places[at].1);
+            // What it rested on may be gone.
+            slumber.roused |= scratch.group.is_some() && place.is_none();
+            scratch.group = place;
         }
     }
 }
@@ -185,33 +193,30 @@ impl core::fmt::Debug for ClothSnapshot {
     }
 }
 
-fn find(cloths: &[SavedCloth], entity: Entity) -> Option<&SavedCloth> {
-    cloths.binary_search_by_key(&entity, |cloth| cloth.entity).ok().map(|at| &cloths[at])
-}
-
 impl SavedCloth {
-    /// Whether the cloth is still there, simulated, and of the same shape at rest.
+    /// Whether the cloth is still there, and of the same shape at rest.
     fn fits(&self, world: &World) -> bool {
         world.get_entity(self.entity).is_ok_and(|cloth| {
-            cloth.get::<ClothRest>().is_some_and(|rest| rest.is_shared_with(&self.rest))
-                && cloth.get::<ClothStatus>() == Some(&ClothStatus::Active)
-                && cloth.contains::<ClothParticles>()
-                && !cloth.contains::<ClothError>()
+            cloth.get::<ClothRest>().is_some_and(|rest| rest.is_shared_with(&self.rest)) && cloth.contains::<ClothParticles>()
         })
     }
 
     fn restore(&self, world: &mut World) {
         let mut cloth = world.entity_mut(self.entity);
+        cloth.remove::<(ClothError, WaitingSince)>();
+        put(&mut cloth, &ClothStatus::Active);
         put(&mut cloth, &self.particles);
         put(&mut cloth, &self.inputs);
         put(&mut cloth, &self.scratch);
         put(&mut cloth, &self.slumber);
         put(&mut cloth, &self.report);
-        // Other pins are bound anew, to the cloth as it was.
-        if let Some(mut pins) = cloth.get_mut::<ClothPins>().filter(|pins| **pins != self.pins) {
+        // Other pins than these are bound anew, to the cloth as it was.
+        if let Some(mut pins) = cloth.get_mut::<ClothPins>().filter(|pins| **pins != self.inputs.pins) {
             pins.set_changed();
         }
         if let Some(mut shown) = cloth.get_mut::<ClothShown>() {
+            shown.particles.clone_from(&self.shown.0);
+            shown.origin = self.shown.1;
             (shown.forced, shown.still) = (true, false);
         }
         if let Some(mut events) = cloth.get_mut::<ClothContactEvents>() {
@@ -221,8 +226,27 @@ impl SavedCloth {
 }
 
 impl Surroundings {
+    fn of(world: &mut World) -> Option<Self> {
+        let (time, wind) = (*world.get_resource::<ClothTime>()?, world.get_resource::<WorldAir>()?.wind.clone());
+        let mut coupled = world.query::<(Entity, &CoupledBody, &ClothImpulse)>();
+        Some(Self {
+            time,
+            wind,
+            colliders: world.query::<(Entity, &ColliderBody)>().iter(world).map(|(entity, body)| (entity, body.pose)).collect(),
+            coupled: coupled.iter(world).map(|(entity, body, impulse)| (entity, *body, *impulse)).collect(),
+            grips: world.query::<(Entity, &Grip)>().iter(world).map(|(entity, grip)| (entity, grip.clone())).collect(),
+            #[cfg(feature = "avian")]
+            physics: world.get_resource::<crate::avian::Seen>().copied().unwrap_or_default(),
+        })
+    }
+
     fn restore(&self, world: &mut World) {
-        world.resource_mut::<WorldAir>().wind.clone_from(&self.wind);
+        world.insert_resource(self.time);
+        #[cfg(feature = "avian")]
+        world.insert_resource(self.physics);
+        if let Some(mut air) = world.get_resource_mut::<WorldAir>() {
+            air.wind.clone_from(&self.wind);
+        }
         for (entity, pose) in &self.colliders {
             if let Some(mut body) = world.get_mut::<ColliderBody>(*entity) {
                 body.pose = *pose;

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 use crate::query::ClothHit;
+use crate::systems::grab::Grip;
 
 /// Holds a point of a cloth near `target`, on an entity of its own: spawn it to grab, move `target` to drag, despawn it to let go. The
 /// cloth keeps the velocity it has then.
@@ -24,6 +25,7 @@ use crate::query::ClothHit;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[require(Grip)]
 pub struct ClothGrab {
     /// The cloth.
     #[entities]

@@ -277,6 +277,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, known: &known, positions, origin, rescale };
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
+        inputs.pins.clone_from(&cloth.pins);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, true);
         shown.surface = surface;
         shown.fit(vertices);
@@ -288,6 +289,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
     } else {
         let (anchors, sets) = resolved.into_anchors(sets, &rest, None);
         let mut inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
+        inputs.pins.clone_from(&cloth.pins);
         inputs.settle(origin);
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };

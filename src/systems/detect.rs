@@ -9,6 +9,7 @@ use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::body::Touch;
+use crate::time::ClothTime;
 
 /// Takes cloths out of their groups from which a component was removed that meeting others takes.
 pub(crate) fn leave(
@@ -66,7 +67,7 @@ pub(crate) fn group(
 /// Looks for crossings and for what may touch in the next frame, in parallel over groups. Each writes only its own data, so the result has
 /// the same bits for any number of threads.
 pub(crate) fn detect(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     mut groups: ResMut<ClothGroups>,
     cloths: Query<(&ClothParticles, &ClothInputs), With<Cloth>>,
 ) {

@@ -13,6 +13,7 @@ use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::evaluate::{Pose, Shown, Verdict};
+use crate::time::ClothTime;
 
 /// Looks again where something moved, in parallel over groups.
 pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
@@ -29,7 +30,7 @@ pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
 
 /// Decides what every cloth shows, in parallel over cloths.
 pub(crate) fn judge(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     groups: Res<ClothGroups>,
     mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
 ) {

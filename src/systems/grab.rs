@@ -26,9 +26,8 @@ pub(crate) struct Grip {
 
 /// Reads every grip. A cloth that is grabbed does not sleep.
 pub(crate) fn grabs(
-    mut commands: Commands,
     mut notices: ResMut<Notices>,
-    mut grabs: Query<(Entity, Option<&Name>, &ClothGrab, Option<&mut Grip>)>,
+    mut grabs: Query<(Entity, Option<&Name>, &ClothGrab, &mut Grip)>,
     mut cloths: Query<(&ClothRest, &mut ClothParticles, &mut ClothScratch), With<Cloth>>,
     mut checked: Local<Checked>,
 ) {
@@ -37,11 +36,7 @@ pub(crate) fn grabs(
             scratch.solver.pulls_mut().clear();
         }
     }
-    for (entity, name, grab, grip) in grabs.iter_mut().sort::<Entity>() {
-        let Some(mut grip) = grip else {
-            commands.entity(entity).try_insert(Grip::default());
-            continue;
-        };
+    for (entity, name, grab, mut grip) in grabs.iter_mut().sort::<Entity>() {
         checked.clear();
         let (radius, compliance, force) = grab.checked(&mut checked);
         if !grab.target.is_finite() {

@@ -18,6 +18,7 @@ use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body::{Body, Pose};
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
+use crate::time::ClothTime;
 
 /// Distance from the origin of the frame at which it is moved along [m]. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
 /// units in the last place, at 16 m only 22.
@@ -35,7 +36,7 @@ pub(crate) struct WorldAir {
 
 /// Reads global wind, gravity and zones, and lets the gusts travel.
 pub(crate) fn air(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     wind: Res<GlobalWind>,
     gravity: Res<ClothGravity>,
     mut air: ResMut<WorldAir>,
@@ -81,7 +82,7 @@ pub(crate) fn settings(
         ),
         With<Cloth>,
     >,
-    time: Res<Time>,
+    time: Res<ClothTime>,
 ) {
     for (entity, name, material, solver, pins, untangle, skip, lod, own_wind, build, mut inputs, mut report) in &mut cloths {
         let inputs = &mut *inputs;
@@ -324,7 +325,7 @@ fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Ve
 
 /// Brings bodies, and wind zones that may reach it, into the frame of each cloth.
 pub(crate) fn surroundings(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     world: Res<WorldBodies>,
     air: Res<WorldAir>,
     mut cloths: Query<(Entity, &ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
@@ -390,7 +391,7 @@ mod tests {
     /// Numbers of the zones that a particle at `at` with the speed `velocity` [m/s] is told of in a frame of 0.1 s.
     fn told(at: Vec3, velocity: Vec3, zones: &[(Vec3, f32)]) -> Vec<usize> {
         let mut world = World::new();
-        let mut time = Time::<()>::default();
+        let mut time = ClothTime::default();
         time.advance_by(core::time::Duration::from_millis(100));
         world.insert_resource(time);
         world.init_resource::<WorldBodies>();

@@ -17,6 +17,7 @@ use crate::solver::group::{self, Members};
 use crate::solver::recover::{Cause, Level};
 use crate::solver::settings::drape_rate;
 use crate::solver::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
+use crate::time::ClothTime;
 
 type Stepping<'w, 's, 'a> = Query<
     'w,
@@ -26,7 +27,7 @@ type Stepping<'w, 's, 'a> = Query<
 >;
 
 /// Steps every cloth, and takes those back that blew up. Cloths that may touch each other or themselves are stepped side by side.
-pub(crate) fn integrate(time: Res<Time>, clock: Res<ClothClock>, mut groups: ResMut<ClothGroups>, mut cloths: Stepping) {
+pub(crate) fn integrate(time: Res<ClothTime>, clock: Res<ClothClock>, mut groups: ResMut<ClothGroups>, mut cloths: Stepping) {
     let _span = debug_span!("cloth/integrate").entered();
     let (dt, interpolates) = (time.delta_secs(), clock.interpolates);
     for group in &mut groups.list {

@@ -7,6 +7,7 @@ use super::colliders::{WorldBodies, WorldBody};
 use super::sleep::{NEAR, is_near};
 use crate::components::{Cloth, ClothDetail, ClothLayers, ClothLod, ClothReport};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::time::ClothTime;
 
 /// Share of a distance at which the next finer level begins, so that nothing flickers at the border.
 const NEARER: f64 = 0.9;
@@ -17,7 +18,7 @@ const LEAST_RATE: f32 = 30.0;
 
 /// Scales the substeps of every cloth that has a level of detail, and stops what is far away.
 pub(crate) fn detail(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     bodies: Res<WorldBodies>,
     cameras: Query<(&Camera, &GlobalTransform), Without<Camera2d>>,
     mut cloths: Query<

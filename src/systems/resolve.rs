@@ -13,6 +13,7 @@ use crate::solver::fit::fit;
 use crate::solver::group::BLEND_TIME;
 use crate::solver::load::relax_edges;
 use crate::solver::step::{displace, relax};
+use crate::time::ClothTime;
 
 type Springs<'w, 's, 'q> =
     Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q Untangle, &'q ClothParticles), With<Cloth>>;
@@ -21,7 +22,7 @@ type Springs<'w, 's, 'q> =
 const AT_LOAD: u32 = 300;
 
 /// Untangles, in parallel over groups.
-pub(crate) fn resolve(time: Res<Time>, mut groups: ResMut<ClothGroups>, cloths: Springs) {
+pub(crate) fn resolve(time: Res<ClothTime>, mut groups: ResMut<ClothGroups>, cloths: Springs) {
     let _span = debug_span!("cloth/resolve").entered();
     let dt = time.delta_secs();
     each(&mut groups.list, |group| {

@@ -26,6 +26,7 @@ use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::body::{Pose, SharedShape};
 use crate::solver::wind::Turbulence;
+use crate::time::ClothTime;
 
 /// Way of a pin or a body that counts as none [m], and of the parts of its rotation.
 const STILL: f32 = 1.0e-4;
@@ -255,7 +256,7 @@ pub(super) fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -
 /// Lets those sleep that have been at rest for long enough, groups as a whole.
 pub(crate) fn doze(
     mut commands: Commands,
-    time: Res<Time>,
+    time: Res<ClothTime>,
     mut groups: ResMut<ClothGroups>,
     mut cloths: Query<Sleeper, With<Cloth>>,
 ) {

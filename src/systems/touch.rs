@@ -7,11 +7,12 @@ use crate::components::{Cloth, ClothContactEnded, ClothContactEvents, ClothConta
 use crate::groups::ClothGroups;
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::time::ClothTime;
 
 /// Compares what touches with what did.
 pub(crate) fn touches(
     mut commands: Commands,
-    time: Res<Time>,
+    time: Res<ClothTime>,
     groups: Res<ClothGroups>,
     mut notices: ResMut<Notices>,
     mut cloths: Query<

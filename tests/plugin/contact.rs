@@ -1,8 +1,8 @@
 //! Cloth on cloth, and on itself.
 
 use bevy::prelude::*;
-use bevy_drape::{ClothGroups, ClothParticles};
 use bevy_drape::prelude::*;
+use bevy_drape::{ClothGroups, ClothParticles};
 
 use crate::common::*;
 

@@ -290,3 +290,88 @@ fn a_long_fall_keeps_its_precision() {
     let edge = report(&app, cloth).worst_edge;
     assert!((edge - 1.0).abs() < 1.0e-3, "worst edge {edge}");
 }
+
+/// Speed of the fastest particle [m/s], and kinetic energy and energy of position of all [J].
+fn motion(app: &App, cloth: Entity) -> (f32, f64) {
+    let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state();
+    let free = || (0..state.positions.len()).filter(|&i| state.positions[i].w > 0.0);
+    let fastest = free().map(|i| state.velocity(i).length()).fold(0.0, f32::max);
+    let energy = free().map(|i| {
+        let (x, v) = (state.positions[i], state.velocity(i));
+        f64::from((0.5 * v.length_squared() + 9.81 * x.y) / x.w)
+    });
+    (fastest, energy.sum())
+}
+
+/// A sheet that is held along a border and swings down.
+fn swinging(frames: usize) -> (App, Entity) {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(12), border());
+    run(&mut app, frames);
+    (app, cloth)
+}
+
+#[test]
+fn very_short_frames_do_not_kick() {
+    let fastest = |short: Option<f32>| {
+        let (mut app, cloth) = swinging(0);
+        let (mut fastest, mut worst) = (0.0f32, 0.0f32);
+        for frame in 0..240 {
+            let is_short = short.is_some() && frame % 8 == 7;
+            frame_length(&mut app, short.filter(|_| is_short).unwrap_or(FRAME));
+            app.update();
+            fastest = fastest.max(motion(&app, cloth).0);
+            worst = worst.max(report(&app, cloth).worst_edge);
+        }
+        assert_eq!(report(&app, cloth).restores, 0, "{short:?}");
+        (fastest, worst)
+    };
+    let (usual, stretched) = fastest(None);
+    for short in [5.0e-4, 5.0e-5, 2.0e-5, 1.0e-5, 1.0e-7] {
+        let (speed, worst) = fastest(Some(short));
+        assert!(speed < 1.02 * usual && worst < stretched + 0.005, "{short}: {speed} for {usual} m/s, {worst} for {stretched}");
+    }
+}
+
+/// Beside frames of the usual length that cover the same time.
+#[test]
+fn slow_motion_and_hit_stops_give_no_speed() {
+    for (frames, slow, count) in
+        [(20, 1.0e-3, 600), (20, 1.0e-4, 600), (20, 0.05, 40), (20, 0.0, 6), (34, 1.0e-3, 600), (60, 0.01, 100)]
+    {
+        let (mut app, cloth) = swinging(frames);
+        let (mut usual, twin) = swinging(frames);
+        let before = motion(&app, cloth);
+        app.world_mut().resource_mut::<Time<Virtual>>().set_relative_speed(slow);
+        let mut fastest = 0.0f32;
+        for _ in 0..count {
+            app.update();
+            fastest = fastest.max(motion(&app, cloth).0);
+        }
+        let (mut left, mut bound) = (slow * count as f32 * FRAME, before.0);
+        while left > 0.0 {
+            frame_length(&mut usual, left.min(FRAME));
+            usual.update();
+            left -= FRAME;
+            bound = bound.max(motion(&usual, twin).0);
+        }
+        let (now, then) = (motion(&app, cloth).1, motion(&usual, twin).1);
+        // A millisecond at most is owed; without that, the fastest particle went at 97 m/s.
+        assert!(fastest < 1.06 * bound, "{frames} frames, then {slow}: {fastest} for {bound} m/s");
+        assert!(
+            (now - then).abs() < 0.02 * then.abs(),
+            "{frames} frames, then {slow}: {now} for {then} J, {} before",
+            before.1
+        );
+        // Back at the usual speed.
+        app.world_mut().resource_mut::<Time<Virtual>>().set_relative_speed(1.0);
+        frame_length(&mut usual, FRAME);
+        let (mut most, mut bound) = (0.0f32, 0.0f32);
+        for _ in 0..30 {
+            app.update();
+            usual.update();
+            (most, bound) = (most.max(motion(&app, cloth).0), bound.max(motion(&usual, twin).0));
+        }
+        assert!(most < 1.02 * bound, "{frames} frames, then {slow}, and on: {most} for {bound} m/s");
+    }
+}

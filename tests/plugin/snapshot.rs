@@ -1,5 +1,6 @@
 //! Snapshots: what follows has the same bits as what followed the first time.
 
+use bevy::ecs::component::Mutable;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -25,9 +26,12 @@ fn copies<T: Component + Clone>(app: &mut App) -> Vec<(Entity, T)> {
     app.world_mut().query::<(Entity, &T)>().iter(app.world()).map(|(entity, value)| (entity, value.clone())).collect()
 }
 
-fn put<T: Component + Clone>(app: &mut App, copies: &[(Entity, T)]) {
+/// Writes only what differs.
+fn put<T: Component<Mutability = Mutable> + Clone + PartialEq>(app: &mut App, copies: &[(Entity, T)]) {
     for (entity, value) in copies {
-        app.world_mut().entity_mut(*entity).insert(value.clone());
+        if let Some(mut now) = app.world_mut().get_mut::<T>(*entity) {
+            now.set_if_neq(value.clone());
+        }
     }
 }
 
@@ -103,8 +107,18 @@ fn played() -> Vec<(&'static str, Played)> {
     run(&mut grabbed, 2);
     let hit = grabbed.world_mut().run_system_once(|cloths: ClothQuery| cloths.nearest_point(Vec3::new(0.1, 0.0, 0.3), 1.0));
     grabbed.world_mut().spawn(ClothGrab::at(&hit.expect("a system").expect("a cloth")));
+    let mut asleep = app();
+    asleep.world_mut().spawn(ClothCollider::ground());
+    let [sleeper, other] = [0.01, 0.02].map(|y| spawn(&mut asleep, sheet(10), Transform::from_xyz(0.0, y, 0.0)));
+    spawn(&mut asleep, sheet(8), Transform::from_xyz(3.0, 0.3, 0.0));
+    run(&mut asleep, 300);
+    assert!(report(&asleep, sleeper).asleep && report(&asleep, other).asleep);
+    let mut ticks = app_with(ClothPlugin::new(FixedPostUpdate));
+    spawn(&mut ticks, sheet(12), border());
     vec![
         ("over a ball", Played::new(over_ball)),
+        ("asleep", Played::new(asleep)),
+        ("fixed schedule", Played::new(ticks)),
         ("windy", Played::new(windy)),
         ("net", Played::new(net)),
         (
@@ -135,7 +149,7 @@ fn what_follows_a_restored_snapshot_has_the_same_bits_as_before() {
         let mut at = 0;
         for frame in [1, 2, 5, 17, 40, 64, 90, 133] {
             scene.play(at..frame);
-            let (snapshot, own) = (ClothSnapshot::take(scene.app.world_mut()), Own::of(&mut scene.app));
+            let (snapshot, own) = (ClothSnapshot::capture(scene.app.world_mut()), Own::of(&mut scene.app));
             let first = scene.play(frame..frame + 60);
             for again in 0..2 {
                 snapshot.restore(scene.app.world_mut()).expect("the same cloths");
@@ -148,6 +162,63 @@ fn what_follows_a_restored_snapshot_has_the_same_bits_as_before() {
             at = frame;
         }
     }
+}
+
+#[test]
+fn what_slept_on_something_that_is_gone_falls() {
+    let mut app = app();
+    app.world_mut().spawn(ClothCollider::ground());
+    let lower = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.01, 0.0));
+    let upper = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.02, 0.0));
+    run(&mut app, 300);
+    assert!(report(&app, lower).asleep && report(&app, upper).asleep);
+    let snapshot = ClothSnapshot::capture(app.world_mut());
+    app.world_mut().despawn(lower);
+    run(&mut app, 60);
+    let error = snapshot.restore(app.world_mut()).expect_err("one is gone");
+    assert_eq!(error.cloths, [lower]);
+    let high = lowest(&particles(&app, upper));
+    run(&mut app, 60);
+    assert!(lowest(&particles(&app, upper)) < high - 0.003, "from {high} to {}", lowest(&particles(&app, upper)));
+}
+
+#[test]
+fn a_cloth_that_failed_goes_back_to_when_it_had_not() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(10), border());
+    run(&mut app, 30);
+    let (snapshot, before) = (ClothSnapshot::capture(app.world_mut()), particles(&app, cloth));
+    for _ in 0..80 {
+        let mut particles = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
+        particles.state_mut().positions[50].x = f32::NAN;
+        app.update();
+    }
+    assert_eq!(status(&app, cloth), ClothStatus::Failed);
+    snapshot.restore(app.world_mut()).expect("its shape at rest is the same");
+    assert_eq!((status(&app, cloth), particles(&app, cloth)), (ClothStatus::Active, before));
+    run(&mut app, 30);
+    assert!(
+        status(&app, cloth) == ClothStatus::Active
+            && finite(&app, cloth)
+            && !app.world().entity(cloth).contains::<ClothError>()
+    );
+}
+
+#[test]
+fn nothing_is_in_a_snapshot_of_a_world_without_cloth_and_nothing_of_another_is_restored() {
+    let mut empty = World::new();
+    let nothing = ClothSnapshot::capture(&mut empty);
+    assert_eq!(nothing.cloths().count(), 0);
+    nothing.restore(&mut empty).expect("nothing to do");
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(6), border());
+    run(&mut app, 5);
+    let snapshot = ClothSnapshot::capture(app.world_mut());
+    assert_eq!(snapshot.restore(&mut empty).expect_err("another world").cloths, [cloth]);
+    let mut twin = crate::common::app();
+    spawn(&mut twin, sheet(6), border());
+    run(&mut twin, 9);
+    assert_eq!(snapshot.restore(twin.world_mut()).expect_err("another world").cloths, [cloth]);
 }
 
 /// In the order of entities.
@@ -164,7 +235,7 @@ fn what_cannot_be_put_back_is_named_and_the_rest_is() {
     let goes = spawn(&mut app, sheet(10), (border(), goes));
     let changes = spawn(&mut app, sheet(10), (border(), changes));
     run(&mut app, 20);
-    let snapshot = ClothSnapshot::take(app.world_mut());
+    let snapshot = ClothSnapshot::capture(app.world_mut());
     assert_eq!(snapshot.cloths().collect::<Vec<_>>(), sorted([stays, goes, changes]));
     let before = particles(&app, stays);
     app.world_mut().despawn(goes);
@@ -189,7 +260,7 @@ fn one_cloth_goes_back_and_its_neighbour_does_not() {
     let lower = spawn(&mut app, sheet(12), Transform::from_xyz(0.0, 0.32, 0.0));
     let upper = spawn(&mut app, sheet(12), Transform::from_xyz(0.0, 0.36, 0.0));
     run(&mut app, 10);
-    let snapshot = ClothSnapshot::take_of(app.world_mut(), &[upper]);
+    let snapshot = ClothSnapshot::capture_of(app.world_mut(), &[upper]);
     let before = particles(&app, upper);
     run(&mut app, 60);
     let below = particles(&app, lower);
@@ -200,11 +271,24 @@ fn one_cloth_goes_back_and_its_neighbour_does_not() {
 }
 
 #[test]
+fn pins_that_were_not_bound_yet_are_bound_after_it_went_back() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(10), border());
+    run(&mut app, 20);
+    app.world_mut().entity_mut(cloth).insert(ClothPins::default());
+    let snapshot = ClothSnapshot::capture(app.world_mut());
+    run(&mut app, 10);
+    snapshot.restore(app.world_mut()).expect("it is there");
+    run(&mut app, 1);
+    assert_eq!(report(&app, cloth).pinned, 0);
+}
+
+#[test]
 fn pins_set_since_hold_the_cloth_as_it_was() {
     let mut app = app();
     let cloth = spawn(&mut app, sheet(10), border());
     run(&mut app, 20);
-    let snapshot = ClothSnapshot::take(app.world_mut());
+    let snapshot = ClothSnapshot::capture(app.world_mut());
     app.world_mut().entity_mut(cloth).insert(ClothPins::default());
     run(&mut app, 10);
     assert_eq!(report(&app, cloth).pinned, 0);

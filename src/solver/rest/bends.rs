@@ -225,7 +225,7 @@ impl Bends {
         largest
     }
 
-    /// Where the entry of two particles that share a hinge is: index in [`Self::columns`], and lane.
+    /// Where the entry of two different particles that share a hinge is: index in [`Self::columns`], and lane.
     #[must_use]
     pub fn entry(&self, row: u32, column: u32) -> Option<(usize, usize)> {
         let range = self.row(row as usize);
