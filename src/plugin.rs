@@ -201,6 +201,7 @@ impl Plugin for ClothPlugin {
                 (
                     (avian::masses, avian::colliders.after(colliders::poses))
                         .chain()
+                        .after(time::tick)
                         .before(couple::bodies)
                         .in_set(ClothSystems::Prepare),
                     takes_over.in_set(ClothSystems::Integrate),

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use bevy::math::{Affine3A, DVec3, Mat3, Vec4};
-use bevy::mesh::skinning::SkinnedMesh;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
 use crate::bind::{AnchorSets, Placement, Skin, Surface};
@@ -45,14 +45,27 @@ pub(crate) struct Binding {
     pub instance: Option<Handle<Mesh>>,
     /// Scale and shear that the rest shape has baked in.
     pub bake: Mat3,
-    /// The skin that was taken off the entity.
-    pub skinned: Option<SkinnedMesh>,
-    /// Whether `DynamicSkinnedMeshBounds` was taken off the entity.
-    pub skinned_bounds: bool,
     /// Whether the entity had `NoAutoAabb` before.
     pub own_bounds: bool,
     /// What changed and could not be bound yet.
     pub pending: Change,
+}
+
+/// The skin that was taken off a cloth's entity. A clone of the entity takes it along, with its own joints where those are cloned, too.
+#[derive(Component, Clone, Debug, Default)]
+pub(crate) struct TakenSkin {
+    pub inverse_bindposes: Handle<SkinnedMeshInverseBindposes>,
+    #[entities]
+    pub joints: Vec<Entity>,
+    /// Whether `DynamicSkinnedMeshBounds` was taken off, too.
+    pub bounds: bool,
+}
+
+impl TakenSkin {
+    /// The component that was taken off.
+    pub fn skin(&self) -> SkinnedMesh {
+        SkinnedMesh { inverse_bindposes: self.inverse_bindposes.clone(), joints: self.joints.clone() }
+    }
 }
 
 /// How long a cloth has waited.

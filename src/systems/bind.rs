@@ -21,7 +21,9 @@ use crate::components::{
     ClothStatus, PinSet, WaitingFor,
 };
 use crate::notices::{Notices, label};
-use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::simulation::{
+    Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince,
+};
 use crate::solver::group::Display;
 use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
@@ -49,6 +51,7 @@ pub(crate) struct Bindable {
     skinned: Option<&'static SkinnedMesh>,
     skinned_bounds: Has<DynamicSkinnedMeshBounds>,
     own_bounds: Has<NoAutoAabb>,
+    taken: Option<&'static TakenSkin>,
     binding: Option<&'static mut Binding>,
     rest: Option<&'static ClothRest>,
     particles: Option<&'static mut ClothParticles>,
@@ -173,8 +176,8 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
         Some(b) if b.instance.is_some() => b.source.clone(),
         _ => assembly.sources.authored(shown),
     };
-    let skinned = cloth.skinned.or(cloth.binding.as_ref().and_then(|b| b.skinned.as_ref()));
-    let placement = match skinned {
+    let skinned = cloth.skinned.cloned().or_else(|| cloth.taken.map(TakenSkin::skin));
+    let placement = match &skinned {
         Some(skinned) => match (skin_placement(assembly, skinned), &cloth.inputs) {
             // A joint that is gone or broken is where it was last.
             (Err(_), Some(inputs)) if cloth.skinned.is_none() => inputs.placement,
@@ -187,7 +190,7 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
         Some(b) if b.source.id() == source.id() && cloth.error.is_none() => b.pending.max(Change::Scale),
         _ => Change::Mesh,
     };
-    let skinned = skinned.filter(|_| change > Change::None).cloned();
+    let skinned = skinned.filter(|_| change > Change::None);
     Ok(Wanted { source, placement, skinned, change })
 }
 
@@ -315,25 +318,23 @@ fn give_instance(
     instance: Mesh,
     bounds: Option<(Vec3, Vec3)>,
 ) {
+    // A clone of a cloth shows the mesh of that one still, whose bounds were ours.
+    let is_clone = cloth.binding.is_none() && cloth.mesh.as_ref().is_some_and(|mesh| assembly.sources.is_instance(mesh.0.id()));
     let handle = assembly.meshes.add(instance);
     assembly.sources.insert(handle.id(), wanted.source.clone());
     if let Some(mesh) = &mut cloth.mesh {
         mesh.0 = handle.clone();
     }
-    let (skinned_bounds, own_bounds) = match &cloth.binding {
-        Some(b) if b.instance.is_some() => (b.skinned_bounds || cloth.skinned_bounds, b.own_bounds),
-        _ => (cloth.skinned_bounds, cloth.own_bounds),
+    let own_bounds = match &cloth.binding {
+        Some(b) if b.instance.is_some() => b.own_bounds,
+        _ => cloth.own_bounds && !is_clone,
     };
+    if let Some(SkinnedMesh { inverse_bindposes, joints }) = wanted.skinned {
+        let bounds = cloth.skinned_bounds || cloth.taken.is_some_and(|taken| taken.bounds);
+        entity.try_insert(TakenSkin { inverse_bindposes, joints, bounds });
+    }
     let bake = wanted.placement.bake;
-    entity.try_insert(Binding {
-        source: wanted.source,
-        instance: Some(handle),
-        bake,
-        skinned: wanted.skinned,
-        skinned_bounds,
-        own_bounds,
-        pending: Change::None,
-    });
+    entity.try_insert(Binding { source: wanted.source, instance: Some(handle), bake, own_bounds, pending: Change::None });
     entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
     entity.try_insert(NoAutoAabb);
     if let Some((low, high)) = bounds {
@@ -498,14 +499,13 @@ fn fail(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem
     let mut entity = commands.entity(cloth.entity);
     let bake = match &cloth.binding {
         Some(b) => {
-            take_apart(&mut entity, b);
+            take_apart(&mut entity, b, cloth.taken);
             cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(b.bake, |p| p.bake)
         }
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(Mat3::IDENTITY, |p| p.bake),
     };
-    let (skinned_bounds, own_bounds) = (false, cloth.own_bounds && cloth.binding.is_none());
-    let pending = Change::None;
-    entity.try_insert(Binding { source, instance: None, bake, skinned: None, skinned_bounds, own_bounds, pending });
+    let own_bounds = cloth.own_bounds && cloth.binding.is_none();
+    entity.try_insert(Binding { source, instance: None, bake, own_bounds, pending: Change::None });
     entity.try_remove::<WaitingSince>();
     *cloth.status = ClothStatus::Failed;
     if notices.first(cloth.entity, error.kind.name()) {

@@ -14,6 +14,7 @@ use crate::groups::{ClothGroup, ClothGroups, Member, Work};
 use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::group::{self, Members};
+use crate::solver::integrate::spring;
 use crate::solver::recover::{Cause, Level};
 use crate::solver::settings::drape_rate;
 use crate::solver::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
@@ -195,12 +196,17 @@ fn finish(
         scratch.solver = Scratch::default();
         scratch.fresh = true;
     }
+    // Of what is there now.
+    let edges = if recovered.is_some() {
+        spring::strain(&rest.0.springs, &particles.state.positions)
+    } else {
+        (done.worst_edge, done.mean_edge)
+    };
     report.substeps = done.substeps;
     report.inner_steps = done.inner_steps;
     report.drape_rate = drape_rate(rest.0.mean_edge);
     report.bend_held = done.bend_held;
-    report.worst_edge = done.worst_edge;
-    report.mean_edge = done.mean_edge;
+    (report.worst_edge, report.mean_edge) = edges;
     report.body_contacts = done.body_contacts;
     report.lost_time += done.lost_time;
     report.time = particles.state.time as f32;

@@ -2,23 +2,34 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothCollider, ClothError, ClothReport, ClothStatus, WindZone};
 use crate::notices::Notices;
-use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince};
 use crate::systems::colliders::ColliderBody;
 use crate::systems::sleep::Slumber;
+
+/// A cloth that stops being one, disabled or not.
+type Released = (
+    Option<&'static mut Mesh3d>,
+    Option<&'static Binding>,
+    Option<&'static TakenSkin>,
+    Option<&'static mut ClothStatus>,
+    Option<&'static mut ClothReport>,
+);
 
 /// Gives the authored mesh back when `Cloth` is removed.
 pub(crate) fn on_remove_cloth(
     removed: On<Remove, Cloth>,
     mut commands: Commands,
-    mut cloths: Query<(Option<&mut Mesh3d>, Option<&Binding>, Option<&mut ClothStatus>, Option<&mut ClothReport>)>,
+    mut cloths: Query<Released, Allow<Disabled>>,
     mut notices: ResMut<Notices>,
 ) {
     notices.forget(removed.entity);
-    let Ok((mesh, binding, status, report)) = cloths.get_mut(removed.entity) else { return };
+    let Ok((mesh, binding, taken, status, report)) = cloths.get_mut(removed.entity) else { return };
     let Ok(mut entity) = commands.get_entity(removed.entity) else { return };
     if let Some(mut status) = status {
         *status = ClothStatus::New;
@@ -32,13 +43,13 @@ pub(crate) fn on_remove_cloth(
         mesh.0 = binding.source.clone();
     }
     if let Some(binding) = binding {
-        take_apart(&mut entity, binding);
+        take_apart(&mut entity, binding, taken);
     }
     entity.try_remove::<(Binding, ClothError, WaitingSince)>();
 }
 
 /// Removes what the simulation put on the entity and gives its skin and bounds back.
-pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding) {
+pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding, taken: Option<&TakenSkin>) {
     entity.try_remove::<(ClothRest, ClothParticles, ClothInputs, ClothScratch, ClothShown, Slumber)>();
     if binding.instance.is_none() {
         return;
@@ -47,11 +58,11 @@ pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding) {
     if !binding.own_bounds {
         entity.try_remove::<NoAutoAabb>();
     }
-    if let Some(skinned) = &binding.skinned {
-        entity.try_insert(skinned.clone());
-    }
-    if binding.skinned_bounds {
-        entity.try_insert(DynamicSkinnedMeshBounds);
+    if let Some(taken) = taken {
+        entity.try_insert(taken.skin()).try_remove::<TakenSkin>();
+        if taken.bounds {
+            entity.try_insert(DynamicSkinnedMeshBounds);
+        }
     }
 }
 

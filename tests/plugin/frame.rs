@@ -186,6 +186,8 @@ fn a_cloth_that_blows_up_every_frame_is_frozen_and_starts_again_when_it_is_tuned
         }
         run(&mut app, 1);
         assert!(finite(&app, cloth));
+        let ClothReport { worst_edge, mean_edge, .. } = report(&app, cloth);
+        assert!(*worst_edge < 1.2 && *mean_edge < 1.1, "{worst_edge} and {mean_edge} of what was put back");
     }
     let levels: Vec<_> = seen::<ClothRecovered>(&app).iter().map(|r| r.level).collect();
     assert_eq!(levels.last(), Some(&RecoveryLevel::Frozen), "{levels:?}");

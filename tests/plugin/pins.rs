@@ -1,10 +1,12 @@
 //! Where a cloth is held, and by what.
 
+use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothTargetLost, WaitingFor};
+use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothParticles, ClothTargetLost, WaitingFor};
 
 use crate::common::*;
 
@@ -215,24 +217,66 @@ fn pins_do_not_move_when_the_mesh_is_reloaded() {
     }
 }
 
-/// F29
-#[test]
-fn a_skinned_mesh_is_simulated_in_place_of_being_skinned_and_its_pins_follow_the_skin() {
-    let mut app = app();
+/// A sheet that hangs on two joints, both at the origin, by half each.
+fn skinned(app: &mut App, extra: impl Bundle) -> (Entity, Vec<Entity>) {
     let mut mesh = sheet(6);
-    let rest = vectors(&mesh, Mesh::ATTRIBUTE_POSITION);
-    mesh.insert_attribute(
-        Mesh::ATTRIBUTE_JOINT_INDEX,
-        bevy::mesh::VertexAttributeValues::Uint16x4(vec![[0, 1, 0, 0]; rest.len()]),
-    );
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[0.5, 0.5, 0.0, 0.0]; rest.len()]);
+    let count = mesh.count_vertices();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, bevy::mesh::VertexAttributeValues::Uint16x4(vec![[0, 1, 0, 0]; count]));
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[0.5, 0.5, 0.0, 0.0]; count]);
     let joints: Vec<Entity> = (0..2).map(|_| app.world_mut().spawn(Transform::default()).id()).collect();
     let inverse_bindposes = app
         .world_mut()
         .resource_mut::<Assets<SkinnedMeshInverseBindposes>>()
         .add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]));
     let skin = SkinnedMesh { inverse_bindposes, joints: joints.clone() };
-    let cloth = spawn(&mut app, mesh, (border(), skin));
+    (spawn(app, mesh, (border(), skin, extra)), joints)
+}
+
+#[test]
+fn a_clone_of_a_skinned_cloth_has_its_skin() {
+    let mut app = app();
+    let (cloth, joints) = skinned(&mut app, DynamicSkinnedMeshBounds);
+    run(&mut app, 5);
+    let clone = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    run(&mut app, 5);
+    assert_eq!(status(&app, clone), ClothStatus::Active);
+    for _ in 0..50 {
+        app.world_mut().get_mut::<Transform>(joints[0]).expect("a joint").translation.y += 0.02;
+        run(&mut app, 1);
+    }
+    let held = |app: &App, cloth| world_positions(app, cloth).into_iter().filter(|p| p.y > 0.499).count();
+    assert_eq!((held(&app, cloth), held(&app, clone)), (6, 6));
+    for cloth in [clone, cloth] {
+        app.world_mut().entity_mut(cloth).remove::<Cloth>();
+        run(&mut app, 1);
+        let entity = app.world().entity(cloth);
+        assert!(entity.contains::<SkinnedMesh>() && entity.contains::<DynamicSkinnedMeshBounds>(), "the skin comes back");
+        assert!(!entity.contains::<NoAutoAabb>(), "its bounds are its own again");
+        assert!(shown(&app, cloth).contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX));
+    }
+}
+
+#[test]
+fn a_disabled_cloth_gets_its_mesh_and_skin_back() {
+    let mut app = app();
+    let (cloth, _) = skinned(&mut app, ());
+    let authored = app.world().get::<Mesh3d>(cloth).expect("a mesh").0.id();
+    run(&mut app, 5);
+    app.world_mut().entity_mut(cloth).insert(Disabled);
+    run(&mut app, 1);
+    app.world_mut().entity_mut(cloth).remove::<Cloth>();
+    run(&mut app, 1);
+    let entity = app.world().entity(cloth);
+    assert_eq!(entity.get::<Mesh3d>().expect("a mesh").0.id(), authored);
+    assert!(entity.contains::<SkinnedMesh>() && !entity.contains::<NoAutoAabb>() && !entity.contains::<ClothParticles>());
+}
+
+/// F29
+#[test]
+fn a_skinned_mesh_is_simulated_in_place_of_being_skinned_and_its_pins_follow_the_skin() {
+    let mut app = app();
+    let rest = vectors(&sheet(6), Mesh::ATTRIBUTE_POSITION);
+    let (cloth, joints) = skinned(&mut app, ());
     run(&mut app, 5);
     assert_eq!(status(&app, cloth), ClothStatus::Active);
     assert!(app.world().get::<SkinnedMesh>(cloth).is_none(), "it would be skinned twice");
