@@ -63,6 +63,16 @@ impl Notices {
     }
 }
 
+/// A text from a file as it is shown in a warning: its beginning, if it is long.
+#[cfg(feature = "presets")]
+pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
+    const MOST: usize = 80;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]).into(),
+        None => text.into(),
+    }
+}
+
 /// How an entity is called in a warning.
 pub(crate) fn label(entity: Entity, name: Option<&Name>) -> String {
     match name {

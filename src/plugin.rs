@@ -128,7 +128,8 @@ impl Plugin for ClothPlugin {
             .add_observer(release::on_remove_cloth)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
-            .add_observer(release::on_remove_zone);
+            .add_observer(release::on_remove_zone)
+            .add_observer(release::on_remove_grab);
 
         #[cfg(feature = "presets")]
         app.add_plugins(crate::presets::ClothPresetPlugin).add_systems(

@@ -4,6 +4,7 @@ use bevy::math::Vec3;
 use serde_json::{Map, Value};
 
 use crate::components::{ClothMaterial, ColorChannel, MeshFit, PinSelect};
+use crate::notices::shortened;
 
 /// A key that could not be used.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -134,7 +135,7 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
             }
             _ => {
                 let known = "material, pin, self_collision, layer, thickness, substep_rate";
-                problems.push(Problem::new(format!("cloth.{key}"), format!("is not known: the keys are {known}")));
+                problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }
         };
@@ -153,7 +154,8 @@ fn material(value: &Value, problems: &mut Vec<Problem>) -> Option<MaterialExtras
             let preset = ClothMaterial::preset(name);
             if preset.is_none() {
                 let names: Vec<&str> = ClothMaterial::PRESETS.iter().map(|(n, _)| *n).collect();
-                let what = format!("is `{name}`: it must be one of {} or a path to a `.cloth.ron`", names.join(", "));
+                let what =
+                    format!("is `{}`: it must be one of {} or a path to a `.cloth.ron`", shortened(name), names.join(", "));
                 problems.push(Problem::new(key, what));
             }
             preset.map(Box::new).map(MaterialExtras::Given)
@@ -161,7 +163,7 @@ fn material(value: &Value, problems: &mut Vec<Problem>) -> Option<MaterialExtras
         Value::Object(fields) => {
             let mut material = ClothMaterial::default();
             for (field, value) in fields {
-                let place = format!("{key}.{field}");
+                let place = format!("{key}.{}", shortened(field));
                 match (material.field_mut(field), number(value)) {
                     (Some(slot), Some(number)) => *slot = number,
                     (None, _) => problems.push(Problem::new(place, "is not a field of ClothMaterial")),
@@ -199,7 +201,10 @@ fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<PinSelect> {
                 _ => None,
             };
             if channel.is_none() {
-                problems.push(wrong(format!("is `{name}`: it must be a list of indices, `_NAME` or `color.r` (g, b, a)")));
+                problems.push(wrong(format!(
+                    "is `{}`: it must be a list of indices, `_NAME` or `color.r` (g, b, a)",
+                    shortened(name)
+                )));
             }
             channel.map(PinSelect::Color)
         }
@@ -222,7 +227,7 @@ fn collider(value: &Value, problems: &mut Vec<Problem>) -> Option<ColliderExtras
             _ => None,
         };
         if fit.is_none() {
-            let given = value.as_str().map_or_else(|| kind(value).to_string(), |s| format!("`{s}`"));
+            let given = value.as_str().map_or_else(|| kind(value).to_string(), |s| format!("`{}`", shortened(s)));
             let known = "ball, capsule, cuboid, convex, trimesh, plane";
             problems.push(Problem::new(key, format!("is {given}: it must be one of {known}")));
         }
@@ -246,7 +251,7 @@ fn collider(value: &Value, problems: &mut Vec<Problem>) -> Option<ColliderExtras
         friction
     });
     for key in object.keys().filter(|key| !["shape", "friction"].contains(&key.as_str())) {
-        problems.push(Problem::new(format!("collider.{key}"), "is not known: the keys are shape, friction"));
+        problems.push(Problem::new(format!("collider.{}", shortened(key)), "is not known: the keys are shape, friction"));
     }
     fit.map(|fit| ColliderExtras { fit, friction })
 }
@@ -333,6 +338,16 @@ mod tests {
         assert_eq!(pin(r#"{"cloth": {"pin": "_PIN"}}"#), Some(PinSelect::Attribute("_PIN".into())));
         assert_eq!(pin(r#"{"cloth": {"pin": "color.g"}}"#), Some(PinSelect::Color(ColorChannel::G)));
         assert_eq!(pin(r#"{"cloth": 1, "cloth.pin": [7]}"#), Some(PinSelect::Vertices(vec![7])));
+    }
+
+    #[test]
+    fn a_long_key_or_name_is_shortened() {
+        let long = "k".repeat(20_000);
+        let text = format!("{{\"cloth\": {{\"{long}\": 1, \"material\": \"{long}\", \"pin\": \"{long}\"}}}}");
+        let mut problems = Vec::new();
+        let _ = node(&text, &mut problems);
+        assert_eq!(problems.len(), 3);
+        assert!(problems.iter().all(|problem| format!("{problem:?}").len() < 500), "{problems:?}");
     }
 
     #[test]

@@ -12,6 +12,7 @@ use ron::extensions::Extensions;
 use super::ClothPreset;
 use super::place::{Place, nearest};
 use crate::components::ClothMaterial;
+use crate::notices::shortened;
 
 /// Loads [`ClothPreset`] from `.cloth.ron` files.
 #[derive(Debug, Default, TypePath)]
@@ -101,6 +102,7 @@ impl ClothPreset {
 /// Says where and how a text is not a preset.
 fn schema(text: &str, file: &str, error: &SpannedError) -> ClothPresetError {
     let Place { line, column, field } = Place::of(text, error);
+    let field = shortened(&field).into_owned();
     let unknown = |found: &str, expected: &'static [&'static str]| {
         // At the top there may be fields of a preset or of a material.
         let top: &[&str] = if field == found { of_material() } else { &[] };
@@ -109,6 +111,7 @@ fn schema(text: &str, file: &str, error: &SpannedError) -> ClothPresetError {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("known are {}", expected.join(", ")),
         };
+        let found = &*shortened(found);
         if field.is_empty() || field.ends_with(found) {
             format!("`{}` is not known: {help}", if field.is_empty() { found } else { &field })
         } else {
@@ -123,8 +126,8 @@ fn schema(text: &str, file: &str, error: &SpannedError) -> ClothPresetError {
         ron::Error::NoSuchStructField { expected, found, .. } | ron::Error::NoSuchEnumVariant { expected, found, .. } => {
             unknown(found, expected)
         }
-        code if field.is_empty() => code.to_string(),
-        code => format!("`{field}`: {code}"),
+        code if field.is_empty() => shortened(&code.to_string()).into_owned(),
+        code => format!("`{field}`: {}", shortened(&code.to_string())),
     };
     ClothPresetError::Schema { file: file.into(), line, column, field, what }
 }

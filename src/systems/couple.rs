@@ -4,6 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::colliders::{ColliderBody, WorldBodies, WorldRigid};
+use super::release::forget;
 use crate::components::{Cloth, ClothCoupling, ClothImpulse, ClothRigidBody};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
@@ -281,8 +282,8 @@ impl Coupled {
 }
 
 /// Forgets what was told of a body.
-pub(crate) fn on_remove_coupling(removed: On<Remove, ClothCoupling>, mut commands: Commands, mut notices: ResMut<Notices>) {
-    notices.forget(removed.entity);
+pub(crate) fn on_remove_coupling(removed: On<Remove, ClothCoupling>, mut commands: Commands) {
+    forget(&mut commands, removed.entity);
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
         entity.try_remove::<(CoupledBody, ClothImpulse)>();
     }

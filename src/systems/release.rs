@@ -6,7 +6,7 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
-use crate::components::{Cloth, ClothCollider, ClothError, ClothReport, ClothStatus, WindZone};
+use crate::components::{Cloth, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothReport, ClothStatus, WindZone};
 use crate::notices::Notices;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince};
 use crate::systems::colliders::ColliderBody;
@@ -26,9 +26,8 @@ pub(crate) fn on_remove_cloth(
     removed: On<Remove, Cloth>,
     mut commands: Commands,
     mut cloths: Query<Released, Allow<Disabled>>,
-    mut notices: ResMut<Notices>,
 ) {
-    notices.forget(removed.entity);
+    forget(&mut commands, removed.entity);
     let Ok((mesh, binding, taken, status, report)) = cloths.get_mut(removed.entity) else { return };
     let Ok(mut entity) = commands.get_entity(removed.entity) else { return };
     if let Some(mut status) = status {
@@ -67,14 +66,35 @@ pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding, taken: 
 }
 
 /// Forgets the shape of a collider.
-pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut commands: Commands, mut notices: ResMut<Notices>) {
-    notices.forget(removed.entity);
+pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut commands: Commands) {
+    forget(&mut commands, removed.entity);
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
         entity.try_remove::<ColliderBody>();
     }
 }
 
 /// Forgets what was told of a wind zone.
-pub(crate) fn on_remove_zone(removed: On<Remove, WindZone>, mut notices: ResMut<Notices>) {
-    notices.forget(removed.entity);
+pub(crate) fn on_remove_zone(removed: On<Remove, WindZone>, mut commands: Commands) {
+    forget(&mut commands, removed.entity);
+}
+
+/// Forgets what was told of a grip.
+pub(crate) fn on_remove_grab(removed: On<Remove, ClothGrab>, mut commands: Commands) {
+    forget(&mut commands, removed.entity);
+}
+
+/// Forgets what was told of an entity, unless another component of it may have been meant.
+pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
+    commands.queue(move |world: &mut World| {
+        let is_meant = world.get_entity(entity).is_ok_and(|entity| {
+            entity.contains::<Cloth>()
+                || entity.contains::<ClothCollider>()
+                || entity.contains::<ClothCoupling>()
+                || entity.contains::<ClothGrab>()
+                || entity.contains::<WindZone>()
+        });
+        if let Some(mut notices) = world.get_resource_mut::<Notices>().filter(|_| !is_meant) {
+            notices.forget(entity);
+        }
+    });
 }

@@ -265,3 +265,35 @@ fn a_warp_without_texture_coordinates_is_one_warning_and_one_with_them_is_none()
         assert!(lines.iter().any(|line| line.contains(name) && line.contains("unwrap")), "{lines:#?}");
     }
 }
+
+#[test]
+fn one_warning_stays_one_when_another_component_of_the_entity_comes_and_goes() {
+    let lines = warnings(app(), |app| {
+        let material = ClothMaterial { density: -1.0, ..default() };
+        let cloth = spawn(app, sheet(5), (material, Name::new("flag"), border()));
+        for _ in 0..5 {
+            app.world_mut().entity_mut(cloth).insert((ClothCollider::ball(0.1), ClothCoupling::TwoWay));
+            run(app, 3);
+            app.world_mut().entity_mut(cloth).remove::<(ClothCollider, ClothCoupling)>();
+            run(app, 3);
+        }
+    });
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+}
+
+#[test]
+fn a_grip_is_warned_of_anew_after_it_was_let_go() {
+    let lines = warnings(app(), |app| {
+        let cloth = spawn(app, sheet(5), border());
+        run(app, 2);
+        let grip = app.world_mut().spawn(Name::new("hand")).id();
+        for _ in 0..2 {
+            let grab = ClothGrab { cloth, target: Vec3::NAN, ..default() };
+            app.world_mut().entity_mut(grip).insert(grab);
+            run(app, 5);
+            app.world_mut().entity_mut(grip).remove::<ClothGrab>();
+            run(app, 5);
+        }
+    });
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+}
