@@ -36,7 +36,7 @@ impl From<CollisionLayers> for ClothLayers {
 /// Share of a frame by which the time that physics made may differ from it in lockstep (dimensionless).
 const LOCKSTEP: f32 = 1.0e-3;
 
-/// Time that physics had made when cloth last looked [s].
+/// Time that physics had made when cloth last looked `[s]`.
 #[derive(Resource, Clone, Copy, Default)]
 pub(crate) struct Seen(f64);
 

@@ -28,17 +28,17 @@ use crate::simulation::{ClothParticles, ClothRest};
 pub struct ClothDiagnosticsPlugin;
 
 impl ClothDiagnosticsPlugin {
-    /// Time of Integrate [ms].
+    /// Time of Integrate `[ms]`.
     pub const INTEGRATE: DiagnosticPath = DiagnosticPath::const_new("cloth/integrate");
-    /// Time of Detect [ms].
+    /// Time of Detect `[ms]`.
     pub const DETECT: DiagnosticPath = DiagnosticPath::const_new("cloth/detect");
-    /// Time of Resolve [ms].
+    /// Time of Resolve `[ms]`.
     pub const RESOLVE: DiagnosticPath = DiagnosticPath::const_new("cloth/resolve");
-    /// Time of Evaluate [ms].
+    /// Time of Evaluate `[ms]`.
     pub const EVALUATE: DiagnosticPath = DiagnosticPath::const_new("cloth/evaluate");
-    /// Time of Respond [ms].
+    /// Time of Respond `[ms]`.
     pub const RESPOND: DiagnosticPath = DiagnosticPath::const_new("cloth/respond");
-    /// Time of Sync [ms].
+    /// Time of Sync `[ms]`.
     pub const SYNC: DiagnosticPath = DiagnosticPath::const_new("cloth/sync");
     /// Particles of all cloths.
     pub const PARTICLES: DiagnosticPath = DiagnosticPath::const_new("cloth/particles");

@@ -20,7 +20,7 @@ use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
 use crate::solver::step::{Scratch, StepReport};
 
-/// Farthest coordinate from a cloth's origin at which it is looked at [m].
+/// Farthest coordinate from a cloth's origin at which it is looked at `[m]`.
 const FARTHEST: f64 = 1.0e6;
 /// How much wider the boxes are of cloths that are together already.
 const STAY: f64 = 2.0;
@@ -47,9 +47,9 @@ pub(crate) struct ClothGroup {
     pub settings: UntangleSettings,
     /// Whether all of them sleep or stand still.
     pub asleep: bool,
-    /// Origin of the frame of the group in the world [m].
+    /// Origin of the frame of the group in the world `[m]`.
     pub origin: DVec3,
-    /// Time spent on detecting, resolving, evaluating, responding and stepping side by side [ms].
+    /// Time spent on detecting, resolving, evaluating, responding and stepping side by side `[ms]`.
     pub times: [f32; 5],
     /// What members are stepped with while they are stepped side by side.
     pub work: Vec<Work>,
@@ -66,7 +66,7 @@ pub(crate) struct Work {
 }
 
 impl ClothGroup {
-    /// From the frame of a cloth to that of the group [m].
+    /// From the frame of a cloth to that of the group `[m]`.
     pub fn offset(&self, origin: DVec3) -> Vec3 {
         (origin - self.origin).as_vec3()
     }
@@ -115,7 +115,7 @@ struct Candidate {
     origin: DVec3,
     low: DVec3,
     high: DVec3,
-    /// How much wider its box is [m].
+    /// How much wider its box is `[m]`.
     margin: f64,
     /// Group of the last frame.
     last: Option<u32>,
@@ -132,7 +132,7 @@ impl Candidate {
 }
 
 impl ClothGroups {
-    /// Segments of all intersection curves in the world [m], each with how its curve ends; as of the last look.
+    /// Segments of all intersection curves in the world `[m]`, each with how its curve ends; as of the last look.
     pub fn contours(&self) -> impl Iterator<Item = (ContourKind, [DVec3; 2])> + '_ {
         self.list.iter().flat_map(|group| {
             let place = |p: Vec3| group.origin + p.as_dvec3();
@@ -158,7 +158,7 @@ impl ClothGroups {
         self.candidates.clear();
     }
 
-    /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world [m].
+    /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world `[m]`.
     pub(crate) fn add(
         &mut self,
         member: Member,
@@ -286,7 +286,7 @@ fn build(members: &[Member]) -> Option<Group> {
     }
 }
 
-/// Box of the particles around the cloth's origin [m]; none if one of them is nowhere.
+/// Box of the particles around the cloth's origin `[m]`; none if one of them is nowhere.
 fn bounds(state: &ClothState) -> Option<(DVec3, DVec3)> {
     let (mut low, mut high, mut sum) = (Vec4::INFINITY, Vec4::NEG_INFINITY, Vec4::ZERO);
     for &x in &state.positions {

@@ -26,16 +26,16 @@ pub struct ClothHit {
     pub particles: [u32; 3],
     /// Weights of its particles; they add up to one.
     pub barycentric: Vec3,
-    /// The point in the world [m].
+    /// The point in the world `[m]`.
     pub point: Vec3,
     /// Unit normal of the triangle; zero for one without area.
     pub normal: Vec3,
-    /// Distance from the origin of the ray, or from the point that was asked for [m].
+    /// Distance from the origin of the ray, or from the point that was asked for `[m]`.
     pub distance: f32,
 }
 
 impl ClothQuery<'_, '_> {
-    /// The first point of any cloth that a ray meets within `farthest` [m], from either side.
+    /// The first point of any cloth that a ray meets within `farthest` `[m]`, from either side.
     #[must_use]
     pub fn cast_ray(&self, ray: Ray3d, farthest: f32) -> Option<ClothHit> {
         self.cast_ray_if(ray, farthest, |_| true)
@@ -55,7 +55,7 @@ impl ClothQuery<'_, '_> {
         })
     }
 
-    /// The point of any cloth that is nearest to `point` [m], no farther than `farthest` [m].
+    /// The point of any cloth that is nearest to `point` `[m]`, no farther than `farthest` `[m]`.
     #[must_use]
     pub fn nearest_point(&self, point: Vec3, farthest: f32) -> Option<ClothHit> {
         self.nearest_point_if(point, farthest, |_| true)

@@ -48,10 +48,10 @@ use crate::solver::state::ClothState;
 use crate::solver::step::{self, Anchors, FrameInput, Scratch, StepReport, Stepped};
 use crate::solver::wind::{Turbulence, Wind};
 
-/// Standard gravity [m/s²].
+/// Standard gravity `[m/s²]`.
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
-/// Areal density of the cloths in these scenes [kg/m²].
+/// Areal density of the cloths in these scenes `[kg/m²]`.
 pub const DENSITY: f32 = 0.3;
 
 /// A rectangle of `columns` x `rows` vertices at `point(u, v)`, `u` and `v` from 0 to 1; vertex `(i, j)` has index `i * rows + j`.
@@ -100,7 +100,7 @@ pub struct SceneCloth {
 }
 
 impl SceneCloth {
-    /// A cloth with the shape of `rest` moved by `at` [m], held rigidly at the render vertices `pins`.
+    /// A cloth with the shape of `rest` moved by `at` `[m]`, held rigidly at the render vertices `pins`.
     #[must_use]
     pub fn new(rest: Arc<RestShape>, fabric: Fabric, at: Vec3, pins: &[u32]) -> Self {
         let mut particles: Vec<u32> = pins.iter().filter_map(|&v| rest.particle_of_vertex.get(v as usize).copied()).collect();
@@ -144,7 +144,7 @@ impl SceneCloth {
         Member { cloth: Stepped { rest, fabric, anchors, input }, stepping, state, scratch, offset: Vec3::ZERO, moves: true }
     }
 
-    /// Kinetic energy plus potential energy against the origin [J]; what the springs store is not counted.
+    /// Kinetic energy plus potential energy against the origin `[J]`; what the springs store is not counted.
     #[must_use]
     pub fn energy(&self, gravity: Vec3) -> f64 {
         let mut energy = 0.0;
@@ -156,7 +156,7 @@ impl SceneCloth {
         energy
     }
 
-    /// Lowest particle [m].
+    /// Lowest particle `[m]`.
     #[must_use]
     pub fn lowest(&self) -> f32 {
         self.state.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min)
@@ -191,11 +191,11 @@ pub struct Scene {
     pub bodies: Vec<Body>,
     /// Wind.
     pub wind: Wind,
-    /// Gravity [m/s²].
+    /// Gravity `[m/s²]`.
     pub gravity: Vec3,
-    /// Time simulated so far [s].
+    /// Time simulated so far `[s]`.
     pub time: f32,
-    /// Moves bodies and pins: given the time at the end of a frame [s], sets where they go.
+    /// Moves bodies and pins: given the time at the end of a frame `[s]`, sets where they go.
     pub drive: Option<fn(&mut Self, f32)>,
     /// Untangling; none: cloths pass through each other.
     pub untangle: Option<Untangling>,
@@ -220,18 +220,18 @@ pub struct Untangling {
     pub touch: Vec<Touch>,
 }
 
-/// Time that each stage took in a frame [ms].
+/// Time that each stage took in a frame `[ms]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageTimes {
-    /// Stepping all cloths [ms].
+    /// Stepping all cloths `[ms]`.
     pub integrate: f64,
-    /// Looking for crossings, and for what may touch in the next frame [ms].
+    /// Looking for crossings, and for what may touch in the next frame `[ms]`.
     pub detect: f64,
-    /// Taking them apart [ms].
+    /// Taking them apart `[ms]`.
     pub resolve: f64,
-    /// Looking again, and deciding what to show [ms].
+    /// Looking again, and deciding what to show `[ms]`.
     pub evaluate: f64,
-    /// Looking for what may touch again, where something moved since [ms].
+    /// Looking for what may touch again, where something moved since `[ms]`.
     pub respond: f64,
 }
 
@@ -323,7 +323,7 @@ impl Scene {
         self
     }
 
-    /// Sets where bodies and pins go in a frame of `dt` [s]; [`Self::step`] does.
+    /// Sets where bodies and pins go in a frame of `dt` `[s]`; [`Self::step`] does.
     pub fn steer(&mut self, dt: f32) {
         self.time += dt;
         if let Some(drive) = self.drive {
@@ -332,7 +332,7 @@ impl Scene {
         }
     }
 
-    /// Advances every cloth by `dt` [s], one after the other or, where they touch, side by side, and untangles.
+    /// Advances every cloth by `dt` `[s]`, one after the other or, where they touch, side by side, and untangles.
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
         self.steer(dt);
@@ -348,7 +348,7 @@ impl Scene {
         self.settle(dt);
     }
 
-    /// Detects, resolves and evaluates after the cloths were stepped by `dt` [s].
+    /// Detects, resolves and evaluates after the cloths were stepped by `dt` `[s]`.
     pub fn settle(&mut self, dt: f32) {
         let Some(Untangling { group, settings, skip, contact, touch, pose }) = &mut self.untangle else { return };
         let start = Instant::now();
@@ -438,7 +438,7 @@ fn smooth(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// Time since then [ms].
+/// Time since then `[ms]`.
 fn since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1.0e3
 }

@@ -74,7 +74,7 @@ impl TakenSkin {
 pub(crate) struct WaitingSince {
     /// What for.
     pub reason: WaitingFor,
-    /// Real time at the start [s].
+    /// Real time at the start `[s]`.
     pub at: f64,
     /// Whether the user was told.
     pub told: bool,
@@ -104,9 +104,9 @@ impl ClothRest {
 #[component(clone_behavior = Ignore)]
 pub struct ClothParticles {
     pub(crate) state: ClothState,
-    /// Origin of the frame of simulation in the world [m].
+    /// Origin of the frame of simulation in the world `[m]`.
     pub(crate) origin: DVec3,
-    /// Positions at the start of the last frame [m]; only kept when shown positions are interpolated.
+    /// Positions at the start of the last frame `[m]`; only kept when shown positions are interpolated.
     pub(crate) before: Vec<Vec3>,
     pub(crate) recovery: Recovery,
     /// What is shown instead of the live shape while it is tangled.
@@ -130,13 +130,13 @@ impl ClothParticles {
         self.state.positions.is_empty()
     }
 
-    /// Simulated positions in the world [m], one per particle: not in the order of the mesh's vertices, whose particles are
+    /// Simulated positions in the world `[m]`, one per particle: not in the order of the mesh's vertices, whose particles are
     /// [`RestShape::particle_of_vertex`].
     pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
     }
 
-    /// Positions to show in the world [m], one per particle: the simulated ones, except where a tangled cloth is held. With a fixed clock,
+    /// Positions to show in the world `[m]`, one per particle: the simulated ones, except where a tangled cloth is held. With a fixed clock,
     /// what is drawn lies between these and those of the frame before.
     pub fn shown_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
         let held = self.display.held().filter(|held| held.len() == self.len());
@@ -157,7 +157,7 @@ impl ClothParticles {
         &mut self.state
     }
 
-    /// Gives an impulse [N·s] to the particles within `radius` [m] of a point in the world [m], as one piece, fading towards the rim. Held
+    /// Gives an impulse `[N·s]` to the particles within `radius` `[m]` of a point in the world `[m]`, as one piece, fading towards the rim. Held
     /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite or
     /// `radius` not above 0.
     pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
@@ -165,7 +165,7 @@ impl ClothParticles {
         kick::impulse(self.state_mut(), point, impulse, radius)
     }
 
-    /// Blows the particles within `radius` [m] away from a point in the world [m]. `impulse` [N·s] is what the whole cloth gets close by;
+    /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is what the whole cloth gets close by;
     /// it fades to nothing at `radius`. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took
     /// part; none when a number is not finite or `radius` not above 0.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
@@ -173,7 +173,7 @@ impl ClothParticles {
         kick::explosion(self.state_mut(), center, impulse, radius)
     }
 
-    /// Origin of the frame of simulation in the world [m].
+    /// Origin of the frame of simulation in the world `[m]`.
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.origin
@@ -192,7 +192,7 @@ impl ClothParticles {
         self.recovery.carry(motion);
     }
 
-    /// Puts every particle at `pose` [m], without velocity.
+    /// Puts every particle at `pose` `[m]`, without velocity.
     pub(crate) fn place(&mut self, pose: impl Iterator<Item = Vec3>) {
         self.disturbed = true;
         let state = &mut self.state;
@@ -230,10 +230,10 @@ pub(crate) struct ClothInputs {
     /// Whether it was carried anywhere in this frame.
     pub rode: bool,
     pub lod: ClothLod,
-    /// Level of detail by distance alone, and the time for which nobody saw it [s].
+    /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
     pub by_distance: ClothDetail,
     pub unseen_for: f32,
-    /// Least jump [m] and turn [rad] of the carrier that count as a teleport.
+    /// Least jump `[m]` and turn `[rad]` of the carrier that count as a teleport.
     pub teleport: (f32, f32),
     /// The pins that anchors were made from.
     pub pins: ClothPins,
@@ -244,7 +244,7 @@ pub(crate) struct ClothInputs {
     pub joints: Vec<Affine3A>,
     /// Where the cloth's own entity is.
     pub placement: Placement,
-    /// Radius of the ball around the shape at rest [m].
+    /// Radius of the ball around the shape at rest `[m]`.
     pub radius: f32,
     pub bodies: Vec<Body>,
     /// The entity of each body.
@@ -260,7 +260,7 @@ pub(crate) struct ClothInputs {
 }
 
 impl ClothInputs {
-    /// Inputs of a frame in which the clock of the schedule moves by `dt` [s].
+    /// Inputs of a frame in which the clock of the schedule moves by `dt` `[s]`.
     pub fn frame(&self, dt: f32) -> FrameInput<'_> {
         FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind }
     }
@@ -364,7 +364,7 @@ impl ClothInputs {
         self.stale = true;
     }
 
-    /// The pose at rest, or the animated one, in the frame of simulation [m].
+    /// The pose at rest, or the animated one, in the frame of simulation `[m]`.
     pub fn pose<'a>(&'a self, rest: &'a RestShape, origin: DVec3) -> impl Iterator<Item = Vec3> + 'a {
         let place = self.placement.in_frame(origin);
         rest.positions.iter().enumerate().map(move |(i, &p)| match &self.skin {
@@ -385,7 +385,7 @@ pub(crate) struct ClothScratch {
     pub done: Option<StepReport>,
     /// What the last frame had to recover from.
     pub recovered: Option<(RecoveryLevel, RecoveryCause)>,
-    /// Box of the cloth in the world at the last look [m].
+    /// Box of the cloth in the world at the last look `[m]`.
     pub bounds: Option<(DVec3, DVec3)>,
     /// The group of cloths it can meet, and its number there.
     pub group: Option<(u32, u32)>,
@@ -403,7 +403,7 @@ impl Default for ClothScratch {
 pub(crate) struct ClothShown {
     /// How vertices hang on particles.
     pub surface: Surface,
-    /// Shown positions of the particles [m], in the frame of simulation.
+    /// Shown positions of the particles `[m]`, in the frame of simulation.
     pub particles: Vec<Vec3>,
     /// Normals of the particles.
     pub normals: Vec<Vec3>,
@@ -415,7 +415,7 @@ pub(crate) struct ClothShown {
     pub bounds: (Vec3, Vec3),
     /// Where the entity was when the vertices were written.
     pub affine: Affine3A,
-    /// Origin when the vertices were written [m].
+    /// Origin when the vertices were written `[m]`.
     pub origin: DVec3,
     /// Whether the vertices are newer than those of the mesh.
     pub fresh: bool,

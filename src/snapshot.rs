@@ -74,7 +74,7 @@ struct SavedCloth {
     slumber: Slumber,
     report: ClothReport,
     touches: Vec<ClothTouch>,
-    /// What queries see, and its origin [m].
+    /// What queries see, and its origin `[m]`.
     shown: (Vec<Vec3>, DVec3),
 }
 

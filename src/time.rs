@@ -17,7 +17,7 @@ pub(crate) struct ClothTime {
 }
 
 impl ClothTime {
-    /// By how much cloth moves in this frame [s]; 0: not at all.
+    /// By how much cloth moves in this frame `[s]`; 0: not at all.
     pub fn delta_secs(&self) -> f32 {
         self.delta.as_secs_f32()
     }

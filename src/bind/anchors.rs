@@ -18,7 +18,7 @@ pub(crate) struct AnchorSets {
     pub sets: Vec<AnchorSet>,
     /// Set of each anchor.
     pub set_of: Vec<u32>,
-    /// Position of each anchor [m], in the space that its set moves.
+    /// Position of each anchor `[m]`, in the space that its set moves.
     pub local: Vec<Vec3>,
     /// Weight that each anchor is to have (dimensionless, 0 to 1).
     pub weights: Vec<f32>,
@@ -122,7 +122,7 @@ pub(crate) struct Continuing<'a> {
     pub anchors: &'a Anchors,
     /// The old set that each new one goes on from.
     pub known: &'a [Option<usize>],
-    /// Positions of the particles in the world, less `origin` [m].
+    /// Positions of the particles in the world, less `origin` `[m]`.
     pub positions: &'a [Vec4],
     pub origin: DVec3,
     /// From the old scale to the new one.
@@ -168,7 +168,7 @@ impl Resolved {
     }
 }
 
-/// Moves weights towards those that anchors are to have, for `dt` [s]. Whether one moved, and whether one became rigid or ceased to be.
+/// Moves weights towards those that anchors are to have, for `dt` `[s]`. Whether one moved, and whether one became rigid or ceased to be.
 pub(crate) fn slew_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [bool; 2] {
     let step = (dt / SLEW_TIME).max(0.0);
     let (mut moved, mut turned) = (false, false);

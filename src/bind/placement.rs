@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 /// Relative change of scale that makes a new rest shape (dimensionless). Rounding of a turning transform stays below.
 const SCALE_TOLERANCE: f32 = 1.0e-4;
-/// Farthest from the origin along an axis [m]: transforms there are rounded to a metre.
+/// Farthest from the origin along an axis `[m]`: transforms there are rounded to a metre.
 const FARTHEST: f32 = 1.0e7;
 /// Scales are rounded to this many bits, so that equal transforms share one rest shape.
 const SCALE_BITS: i32 = 16;
@@ -54,7 +54,7 @@ impl Placement {
         Affine3A::from_rotation_translation(self.rotation, self.translation_from(origin))
     }
 
-    /// Translation as it is seen from `origin` [m].
+    /// Translation as it is seen from `origin` `[m]`.
     pub fn translation_from(&self, origin: DVec3) -> Vec3 {
         (self.translation.as_dvec3() - origin).as_vec3()
     }

@@ -8,7 +8,7 @@ use crate::components::{ClothError, ClothErrorKind};
 /// A mesh as its author made it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Authored {
-    /// Positions in the space of the mesh [m].
+    /// Positions in the space of the mesh `[m]`.
     pub positions: Vec<Vec3>,
     /// Corners of its triangles; indices may be past the end.
     pub triangles: Vec<[u32; 3]>,

@@ -17,7 +17,7 @@ pub(crate) struct Skin {
     joints: Vec<(Entity, Affine3A)>,
     /// Up to four joints of each particle, with weights that sum to one.
     weights: Vec<([u16; 4], [f32; 4])>,
-    /// Positions of the particles in the space of the mesh [m].
+    /// Positions of the particles in the space of the mesh `[m]`.
     points: Vec<Vec3>,
 }
 

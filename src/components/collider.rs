@@ -30,7 +30,7 @@ use crate::systems::colliders::ColliderBody;
 pub struct ClothCollider {
     /// The shape, in the space of the entity.
     pub shape: ColliderShape,
-    /// Extra distance the cloth keeps from the surface [m], on top of its own thickness. Default 0, range 0 to 1.
+    /// Extra distance the cloth keeps from the surface `[m]`, on top of its own thickness. Default 0, range 0 to 1.
     pub margin: f32,
     /// Coulomb coefficient below which cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined by the geometric mean.
     pub static_friction: f32,
@@ -53,31 +53,31 @@ impl ClothCollider {
         Self { shape, margin: 0.0, static_friction: 0.5, dynamic_friction: 0.4, enabled: true }
     }
 
-    /// A ball of `radius` [m].
+    /// A ball of `radius` `[m]`.
     #[must_use]
     pub const fn ball(radius: f32) -> Self {
         Self::new(ColliderShape::Ball { radius })
     }
 
-    /// A capsule along y: `radius` [m], `length` of the segment without the caps [m].
+    /// A capsule along y: `radius` `[m]`, `length` of the segment without the caps `[m]`.
     #[must_use]
     pub const fn capsule(radius: f32, length: f32) -> Self {
         Self::new(ColliderShape::Capsule { radius, length })
     }
 
-    /// A box of lengths `x`, `y`, `z` [m].
+    /// A box of lengths `x`, `y`, `z` `[m]`.
     #[must_use]
     pub const fn cuboid(x: f32, y: f32, z: f32) -> Self {
         Self::new(ColliderShape::Cuboid { size: Vec3::new(x, y, z) })
     }
 
-    /// A cylinder along y [m].
+    /// A cylinder along y `[m]`.
     #[must_use]
     pub const fn cylinder(radius: f32, height: f32) -> Self {
         Self::new(ColliderShape::Cylinder { radius, height })
     }
 
-    /// A cone along y, tip up [m].
+    /// A cone along y, tip up `[m]`.
     #[must_use]
     pub const fn cone(radius: f32, height: f32) -> Self {
         Self::new(ColliderShape::Cone { radius, height })
@@ -95,25 +95,25 @@ impl ClothCollider {
         Self::half_space(Vec3::Y)
     }
 
-    /// The convex hull of `points` [m].
+    /// The convex hull of `points` `[m]`.
     #[must_use]
     pub fn convex_hull(points: impl IntoIterator<Item = Vec3>) -> Self {
         Self::new(ColliderShape::ConvexHull { points: points.into_iter().collect() })
     }
 
-    /// A surface of triangles [m], with two sides: cloth stays on the side it comes from.
+    /// A surface of triangles `[m]`, with two sides: cloth stays on the side it comes from.
     #[must_use]
     pub const fn tri_mesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self::new(ColliderShape::TriMesh { vertices, triangles, solid: false })
     }
 
-    /// A closed surface of triangles [m], counter-clockwise seen from outside.
+    /// A closed surface of triangles `[m]`, counter-clockwise seen from outside.
     #[must_use]
     pub const fn solid_tri_mesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self::new(ColliderShape::TriMesh { vertices, triangles, solid: true })
     }
 
-    /// Ground over a grid in xz: `heights` row by row (rows along z, `columns` along x), `size` along x and z [m] and scale of heights along y.
+    /// Ground over a grid in xz: `heights` row by row (rows along z, `columns` along x), `size` along x and z `[m]` and scale of heights along y.
     #[must_use]
     pub const fn height_field(rows: u32, columns: u32, heights: Vec<f32>, size: Vec3) -> Self {
         Self::new(ColliderShape::HeightField { rows, columns, heights, size })
@@ -147,14 +147,14 @@ impl ClothCollider {
         self
     }
 
-    /// Sets the extra distance the cloth keeps [m].
+    /// Sets the extra distance the cloth keeps `[m]`.
     #[must_use]
     pub const fn with_margin(mut self, margin: f32) -> Self {
         self.margin = margin;
         self
     }
 
-    /// Margin [m], static and dynamic friction that can be used.
+    /// Margin `[m]`, static and dynamic friction that can be used.
     pub(crate) fn checked(&self, checked: &mut Checked) -> (f32, f32, f32) {
         (
             checked.within("margin", self.margin, 0.0, 0.0, 1.0),

@@ -55,11 +55,11 @@ pub enum ClothCoupling {
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothImpulse {
-    /// Impulse [N s]. Divided by the length of the frame: the mean force [N].
+    /// Impulse `[N s]`. Divided by the length of the frame: the mean force `[N]`.
     pub linear: Vec3,
-    /// Angular impulse about the centre of mass [N m s], which is the origin of the entity unless [`ClothRigidBody`] says otherwise.
+    /// Angular impulse about the centre of mass `[N m s]`, which is the origin of the entity unless [`ClothRigidBody`] says otherwise.
     pub angular: Vec3,
-    /// How far the centre of mass was moved off its way within the frame [m]; zero for a body without a mass. Add it to the position of the body.
+    /// How far the centre of mass was moved off its way within the frame `[m]`; zero for a body without a mass. Add it to the position of the body.
     pub displacement: Vec3,
     /// How the body was turned off its way within the frame. Turn the body by it about its centre of mass.
     pub turn: Quat,
@@ -89,13 +89,13 @@ impl ClothImpulse {
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothRigidBody {
-    /// Inverse mass along each axis of the world [1/kg]. Default 0, range 0 to 1e6; 0: cloth does not move it that way.
+    /// Inverse mass along each axis of the world `[1/kg]`. Default 0, range 0 to 1e6; 0: cloth does not move it that way.
     pub inverse_mass: Vec3,
-    /// Inverse inertia about the centre of mass, in the turned axes of the entity [1/(kg m²)]. Default 0: cloth does not turn it.
+    /// Inverse inertia about the centre of mass, in the turned axes of the entity `[1/(kg m²)]`. Default 0: cloth does not turn it.
     pub inverse_inertia: Mat3,
-    /// Centre of mass from the origin of the entity, in its turned but not scaled axes [m]. Default 0.
+    /// Centre of mass from the origin of the entity, in its turned but not scaled axes `[m]`. Default 0.
     pub center_of_mass: Vec3,
-    /// Velocity of the centre of mass at the end of the frame, without what cloth gives it in this frame [m/s]. Default none: as its transforms say.
+    /// Velocity of the centre of mass at the end of the frame, without what cloth gives it in this frame `[m/s]`. Default none: as its transforms say.
     /// Physics that adds gravity before it moves its bodies ends a frame faster than its way in the frame tells.
     pub velocity: Option<Vec3>,
 }
@@ -108,20 +108,20 @@ impl Default for ClothRigidBody {
 }
 
 impl ClothRigidBody {
-    /// A solid ball of `mass` [kg] and `radius` [m].
+    /// A solid ball of `mass` `[kg]` and `radius` `[m]`.
     #[must_use]
     pub fn ball(mass: f32, radius: f32) -> Self {
         Self::solid(mass, Vec3::splat(0.4 * mass * radius * radius))
     }
 
-    /// A solid box of `mass` [kg] and lengths `size` [m].
+    /// A solid box of `mass` `[kg]` and lengths `size` `[m]`.
     #[must_use]
     pub fn cuboid(mass: f32, size: Vec3) -> Self {
         let square = size * size;
         Self::solid(mass, Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y) * (mass / 12.0))
     }
 
-    /// A body of `mass` [kg] and principal moments `inertia` [kg m²] along the axes of the entity. Cloth does not move what has no mass, or turn
+    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg m²]` along the axes of the entity. Cloth does not move what has no mass, or turn
     /// what has no inertia; numbers below 0 or NaN do no more, and are told of when the body takes part.
     #[must_use]
     pub fn solid(mass: f32, inertia: Vec3) -> Self {

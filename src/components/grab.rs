@@ -34,13 +34,13 @@ pub struct ClothGrab {
     pub particles: [u32; 3],
     /// Their weights; they add up to one.
     pub weights: Vec3,
-    /// Where the point is to be, in the world [m]. What is not finite lets the grip rest.
+    /// Where the point is to be, in the world `[m]`. What is not finite lets the grip rest.
     pub target: Vec3,
-    /// Radius of what is gripped around the point, along the cloth at rest [m]. Default 0.05, range 0 to 10. 0 pulls at one triangle, which shows.
+    /// Radius of what is gripped around the point, along the cloth at rest `[m]`. Default 0.05, range 0 to 10. 0 pulls at one triangle, which shows.
     pub radius: f32,
-    /// Compliance [m/N]. Default 0.001, range 0 to 100.
+    /// Compliance `[m/N]`. Default 0.001, range 0 to 100.
     pub compliance: f32,
-    /// Largest force [N]. Default 20, range 0 to 10,000. Some ten times the weight of the cloth drags it briskly; more than
+    /// Largest force `[N]`. Default 20, range 0 to 10,000. Some ten times the weight of the cloth drags it briskly; more than
     /// twenty times that weight is never used.
     pub max_force: f32,
 }
@@ -67,13 +67,13 @@ impl ClothGrab {
         Self { cloth: hit.entity, particles: hit.particles, weights: hit.barycentric, target: hit.point, ..Self::default() }
     }
 
-    /// The same grip on so much around the point [m].
+    /// The same grip on so much around the point `[m]`.
     #[must_use]
     pub fn with_radius(self, radius: f32) -> Self {
         Self { radius, ..self }
     }
 
-    /// The same grip with another largest force [N].
+    /// The same grip with another largest force `[N]`.
     #[must_use]
     pub fn with_max_force(self, max_force: f32) -> Self {
         Self { max_force, ..self }

@@ -31,10 +31,10 @@ use super::checked::Checked;
 pub struct ClothLod {
     /// Whether distance and visibility matter. Default false.
     pub enabled: bool,
-    /// Distance up to which it is simulated in full [m]. Default 15, range 0.01 to 1e6. Too near: cloth stretches in plain view; too far:
+    /// Distance up to which it is simulated in full `[m]`. Default 15, range 0.01 to 1e6. Too near: cloth stretches in plain view; too far:
     /// nothing is saved.
     pub full_within: f32,
-    /// Distance from which on it stands still [m]. Default 150, range 0.01 to 1e6. Too near: it is seen to stop; too far: cloth of a few
+    /// Distance from which on it stands still `[m]`. Default 150, range 0.01 to 1e6. Too near: it is seen to stop; too far: cloth of a few
     /// pixels is simulated.
     pub still_beyond: f32,
     /// The most that it gets after half a second in which no camera saw it, nor a light that casts its shadow. Default

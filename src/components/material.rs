@@ -28,15 +28,15 @@ use crate::solver::settings::Fabric;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothMaterial {
-    /// Areal density [kg/m²]. Default 0.2, range 0.01 to 10. Lighter flutters more; very light cloth needs a higher substep rate.
+    /// Areal density `[kg/m²]`. Default 0.2, range 0.01 to 10. Lighter flutters more; very light cloth needs a higher substep rate.
     pub density: f32,
-    /// Membrane stiffness along the threads [N/m]: tension per metre of width at a strain of one. Default 2000, range 0 to 1e7.
+    /// Membrane stiffness along the threads `[N/m]`: tension per metre of width at a strain of one. Default 2000, range 0 to 1e7.
     /// Low is rubber; high needs substeps before it is noticed.
     pub stretch_stiffness: f32,
-    /// Shear stiffness `G` of the membrane [N/m]: force per metre of width at an angle of one radian. Default 50, range 0 to 1e7; a woven fabric has 20 to
+    /// Shear stiffness `G` of the membrane `[N/m]`: force per metre of width at an angle of one radian. Default 50, range 0 to 1e7; a woven fabric has 20 to
     /// 200. Low drapes into finer folds; 0 lets quads shear freely.
     pub shear_stiffness: f32,
-    /// Bending stiffness `B` [N·m]: moment per metre of width and curvature. Default 1e-5, range 0 to 1. Low folds finely; high keeps the shape at
+    /// Bending stiffness `B` `[N·m]`: moment per metre of width and curvature. Default 1e-5, range 0 to 1. Low folds finely; high keeps the shape at
     /// rest. Held down to edges of a few millimetres, see [`ClothReport::bend_held`](crate::ClothReport::bend_held).
     pub bend_stiffness: f32,
     /// Stretch stiffness along the warp over that along the weft (dimensionless); `stretch_stiffness` is their mean. Default 1, range 0.1 to 10. The warp
@@ -46,21 +46,21 @@ pub struct ClothMaterial {
     /// have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their bending length; equilateral triangles up to a ratio of 3; squares
     /// cut in four at 45° to the threads not at all.
     pub bend_ratio: f32,
-    /// Angle by which the warp is turned from `v` towards `u` of the texture [rad]. Default 0, range -π to π. It turns the two ratios, and
+    /// Angle by which the warp is turned from `v` towards `u` of the texture `[rad]`. Default 0, range -π to π. It turns the two ratios, and
     /// what stretches and what shears unless [`ClothMembrane::Springs`](crate::ClothMembrane::Springs) is asked for.
     /// A mirrored texture has it mirrored, like a left sleeve beside a right one.
     pub warp_angle: f32,
-    /// Curvature that the friction between its yarns holds [1/m], `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0 to 1000; silk 18, wool 25, cotton
+    /// Curvature that the friction between its yarns holds `[1/m]`, `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0 to 1000; silk 18, wool 25, cotton
     /// 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most, and cloth stops at once; 0: folds open all the way, and it
     /// swings. More than 0 makes it twice as stiff where it begins to bend.
     pub bend_hysteresis: f32,
-    /// Damping inside the fabric [1/s]: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like moving in honey.
+    /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like moving in honey.
     pub damping: f32,
-    /// Damping against the still world [1/s]: rate at which every velocity decays. Default 0.1, range 0 to 100. 0 swings for ever.
+    /// Damping against the still world `[1/s]`: rate at which every velocity decays. Default 0.1, range 0 to 100. 0 swings for ever.
     pub drag: f32,
     /// Largest elongation of an edge as a fraction of its length (dimensionless). Default 0.05, range 0 to 10; infinite switches it off.
     pub strain_limit: f32,
-    /// Thickness [m]: distance kept to bodies. Default 0.005, range 1e-4 to 1. Thin cloth may show what it lies on.
+    /// Thickness `[m]`: distance kept to bodies. Default 0.005, range 1e-4 to 1. Thin cloth may show what it lies on.
     /// Two layers of cloth keep the mean of theirs, from centre to centre.
     pub thickness: f32,
     /// Coulomb coefficient below which it sticks (dimensionless). Default 0.5, range 0 to 10; combined with a body's by the geometric mean.

@@ -57,7 +57,7 @@ pub enum PinSelect {
     Vertices(Vec<u32>),
     /// Vertices of the mesh by index, each with a weight from 0 (free) to 1 (held). What is below or above counts as 0 or 1; NaN holds nothing.
     Weighted(Vec<(u32, f32)>),
-    /// Vertices at whose position, in the space of the mesh [m], the predicate holds.
+    /// Vertices at whose position, in the space of the mesh `[m]`, the predicate holds.
     ///
     /// A function cannot be written to a file: serializing pins or a scene that hold one is an error. Name the vertices, a colour channel or an
     /// attribute instead where scenes are saved.
@@ -93,12 +93,12 @@ pub enum ColorChannel {
 pub struct PositionPredicate(Arc<dyn Fn(Vec3) -> bool + Send + Sync>);
 
 impl PositionPredicate {
-    /// Wraps a function of the position in the space of the mesh [m].
+    /// Wraps a function of the position in the space of the mesh `[m]`.
     pub fn new(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
         Self(Arc::new(predicate))
     }
 
-    /// Whether it holds at `position` [m].
+    /// Whether it holds at `position` `[m]`.
     #[must_use]
     pub fn holds(&self, position: Vec3) -> bool {
         (self.0)(position)
@@ -181,7 +181,7 @@ impl ClothPins {
         PinSelect::Weighted(weights.into_iter().collect()).into()
     }
 
-    /// Holds the vertices at whose position in the space of the mesh [m] the predicate holds. Cannot be serialized: see [`PinSelect::Position`].
+    /// Holds the vertices at whose position in the space of the mesh `[m]` the predicate holds. Cannot be serialized: see [`PinSelect::Position`].
     #[must_use]
     pub fn where_position(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
         PinSelect::Position(PositionPredicate::new(predicate)).into()

@@ -17,7 +17,7 @@ pub struct ClothReport {
     pub substeps: u32,
     /// Inner steps in each of them: more than one where the edges of the mesh are short (see [`ClothSolver::inner_rate`](crate::ClothSolver::inner_rate)).
     pub inner_steps: u32,
-    /// Steps per second [Hz] from which this mesh drapes as its fabric does, within three points of its drape coefficient: 11 m/s over the mean edge. With fewer any
+    /// Steps per second `[Hz]` from which this mesh drapes as its fabric does, within three points of its drape coefficient: 11 m/s over the mean edge. With fewer any
     /// fabric hangs limper, since one pass over the membrane cannot carry tension through a fine mesh. Substeps and inner steps count.
     pub drape_rate: f32,
     /// Share of the bending stiffness that the substeps of the last frame held (dimensionless): less than 1 where the mesh is very fine for them, or the
@@ -37,9 +37,9 @@ pub struct ClothReport {
     pub bodies: u32,
     /// Particles that are pinned.
     pub pinned: u32,
-    /// Simulated time since the start [s].
+    /// Simulated time since the start `[s]`.
     pub time: f32,
-    /// Time that was too much to simulate, since the start [s].
+    /// Time that was too much to simulate, since the start `[s]`.
     pub lost_time: f32,
     /// Times the cloth was taken back to its last good state.
     pub restores: u32,
@@ -50,30 +50,30 @@ pub struct ClothReport {
     pub crossings: u32,
     /// Intersection curves.
     pub contours: u32,
-    /// Length of all curves [m].
+    /// Length of all curves `[m]`.
     pub contour_length: f32,
     /// Curves that cut a piece off a cloth.
     pub regions: u32,
     /// Iterations of untangling in the last frame.
     pub iterations: u32,
-    /// Time since the cloth was last clean [s].
+    /// Time since the cloth was last clean `[s]`.
     pub tangled_for: f32,
     /// Whether the last clean shape is shown where the cloth is tangled.
     pub held: bool,
     /// Frames held in a row, this one included.
     pub held_frames: u32,
-    /// Time spent on integrating this cloth in the last frame [ms].
+    /// Time spent on integrating this cloth in the last frame `[ms]`.
     pub integrate_ms: f32,
     /// Its share, by particles, of the time spent on looking for crossings among the cloths it can meet, and for what
-    /// may touch in the next frame [ms].
+    /// may touch in the next frame `[ms]`.
     pub detect_ms: f32,
-    /// Its share of the time spent on untangling them [ms].
+    /// Its share of the time spent on untangling them `[ms]`.
     pub resolve_ms: f32,
-    /// Its share of the time spent on looking again, and the time spent on deciding what to show [ms].
+    /// Its share of the time spent on looking again, and the time spent on deciding what to show `[ms]`.
     pub evaluate_ms: f32,
-    /// Its share of the time spent on looking for what may touch again, where something was untangled [ms].
+    /// Its share of the time spent on looking for what may touch again, where something was untangled `[ms]`.
     pub respond_ms: f32,
-    /// Time spent on the vertices, normals, tangents and bounds of its mesh when it last moved [ms].
+    /// Time spent on the vertices, normals, tangents and bounds of its mesh when it last moved `[ms]`.
     pub sync_ms: f32,
     /// Pairs of particles and faces, or of edges, of the cloths it can meet that touched in the last substep.
     pub contacts: u32,

@@ -11,33 +11,33 @@ use parry3d::shape::SharedShape;
 pub enum ColliderShape {
     /// A ball around the origin.
     Ball {
-        /// Radius [m].
+        /// Radius `[m]`.
         radius: f32,
     },
     /// A capsule along y.
     Capsule {
-        /// Radius [m].
+        /// Radius `[m]`.
         radius: f32,
-        /// Length of its segment, without the caps [m].
+        /// Length of its segment, without the caps `[m]`.
         length: f32,
     },
     /// A box around the origin.
     Cuboid {
-        /// Its lengths [m].
+        /// Its lengths `[m]`.
         size: Vec3,
     },
     /// A cylinder along y.
     Cylinder {
-        /// Radius [m].
+        /// Radius `[m]`.
         radius: f32,
-        /// Height [m].
+        /// Height `[m]`.
         height: f32,
     },
     /// A cone along y, tip up.
     Cone {
-        /// Radius of its base [m].
+        /// Radius of its base `[m]`.
         radius: f32,
-        /// Height [m].
+        /// Height `[m]`.
         height: f32,
     },
     /// Everything below a plane through the origin.
@@ -47,12 +47,12 @@ pub enum ColliderShape {
     },
     /// The convex hull of points.
     ConvexHull {
-        /// The points [m].
+        /// The points `[m]`.
         points: Vec<Vec3>,
     },
     /// A surface of triangles; cloth stays on the side it comes from, and the surface may be open.
     TriMesh {
-        /// The vertices [m].
+        /// The vertices `[m]`.
         vertices: Vec<Vec3>,
         /// Corners of each triangle.
         triangles: Vec<[u32; 3]>,
@@ -65,9 +65,9 @@ pub enum ColliderShape {
         rows: u32,
         /// Samples along x.
         columns: u32,
-        /// Heights [m], row by row.
+        /// Heights `[m]`, row by row.
         heights: Vec<f32>,
-        /// Size along x and z [m], and scale of the heights along y.
+        /// Size along x and z `[m]`, and scale of the heights along y.
         size: Vec3,
     },
     /// Several shapes moved as one.
@@ -129,7 +129,7 @@ pub enum MeshFit {
 #[reflect(Default, Clone, Debug)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ColliderPart {
-    /// Position in the collider [m].
+    /// Position in the collider `[m]`.
     pub translation: Vec3,
     /// Orientation in the collider.
     pub rotation: Quat,

@@ -16,9 +16,9 @@ pub struct SkipFrame {
     /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but the cloth visibly
     /// sticks.
     pub max_held_frames: u32,
-    /// Most time held in any second under [`SkipPolicy::Ladder`] [s]. Default 0.1, range 0 to 1.
+    /// Most time held in any second under [`SkipPolicy::Ladder`] `[s]`. Default 0.1, range 0 to 1.
     pub max_held_time: f32,
-    /// Time over which what was held fades into the live shape when the bound is reached [s]. Default 0.1, range 0 to 10.
+    /// Time over which what was held fades into the live shape when the bound is reached `[s]`. Default 0.1, range 0 to 10.
     pub fade: f32,
 }
 

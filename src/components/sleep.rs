@@ -19,9 +19,9 @@ use super::checked::Checked;
 pub struct ClothSleep {
     /// Whether it may sleep. Default true.
     pub enabled: bool,
-    /// Speed below which a particle is at rest [m/s]. Default 0.01, range 0 to 1. Too high: cloth stops in mid-swing; 0: it never sleeps.
+    /// Speed below which a particle is at rest `[m/s]`. Default 0.01, range 0 to 1. Too high: cloth stops in mid-swing; 0: it never sleeps.
     pub threshold: f32,
-    /// Time for which all particles have to be at rest [s]. Default 0.5, range 0.05 to 60.
+    /// Time for which all particles have to be at rest `[s]`. Default 0.5, range 0.05 to 60.
     pub delay: f32,
 }
 

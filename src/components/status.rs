@@ -156,7 +156,7 @@ pub struct ClothTangled {
     pub entity: Entity,
     /// Edges that cross faces.
     pub crossings: u32,
-    /// Length of the intersection curves [m].
+    /// Length of the intersection curves `[m]`.
     pub contour_length: f32,
 }
 
@@ -165,7 +165,7 @@ pub struct ClothTangled {
 pub struct ClothUntangled {
     /// The cloth.
     pub entity: Entity,
-    /// How long it was tangled [s].
+    /// How long it was tangled `[s]`.
     pub after: f32,
 }
 
@@ -201,8 +201,8 @@ pub struct ClothTargetLost {
 pub struct ClothTeleported {
     /// The cloth.
     pub entity: Entity,
-    /// Length of the jump [m].
+    /// Length of the jump `[m]`.
     pub distance: f32,
-    /// Angle of the turn [rad].
+    /// Angle of the turn `[rad]`.
     pub angle: f32,
 }

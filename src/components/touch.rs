@@ -10,7 +10,7 @@ use super::checked::Checked;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothContactEvents {
-    /// Time without touch after which a contact has ended [s]. Default 0.1, range 0 to 10. 0: cloth that bounces or flutters tells of every touch.
+    /// Time without touch after which a contact has ended `[s]`. Default 0.1, range 0 to 10. 0: cloth that bounces or flutters tells of every touch.
     pub patience: f32,
     /// What touches the cloth, bodies and other cloths, in the order of entities; written by the plugin, as of the last frame in which each did.
     #[cfg_attr(feature = "serialize", serde(skip))]
@@ -38,13 +38,13 @@ pub struct ClothTouch {
     pub other: Entity,
     /// Particles that touch the body, or pairs of primitives of the two cloths.
     pub contacts: u32,
-    /// Where the largest impulse acts, in the world [m].
+    /// Where the largest impulse acts, in the world `[m]`.
     pub point: Vec3,
     /// Unit normal there, towards this cloth; zero where it has no direction.
     pub normal: Vec3,
-    /// Largest impulse of one contact over the frame [N·s], from the mean push of its substeps.
+    /// Largest impulse of one contact over the frame `[N·s]`, from the mean push of its substeps.
     pub impulse: f32,
-    /// Time since it last touched [s].
+    /// Time since it last touched `[s]`.
     pub since: f32,
 }
 

@@ -10,17 +10,17 @@ use super::checked::Checked;
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct GlobalWind {
-    /// Velocity of the air [m/s]. Default 0, at most 200.
+    /// Velocity of the air `[m/s]`. Default 0, at most 200.
     pub velocity: Vec3,
     /// Strength of gusts as a fraction of the speed (dimensionless). Default 0.3, range 0 to 5; open country 0.15, a city 0.3.
     pub turbulence: f32,
-    /// Size of the largest gusts [m]. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells as a whole; smaller: noise.
+    /// Size of the largest gusts `[m]`. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells as a whole; smaller: noise.
     pub gust_length: f32,
-    /// How often the largest gusts change on top of passing by [Hz]. Default 0.5, range 0 to 20.
+    /// How often the largest gusts change on top of passing by `[Hz]`. Default 0.5, range 0 to 20.
     pub gust_frequency: f32,
     /// Seed of the gusts: the same seed blows the same gusts.
     pub seed: u32,
-    /// Density of the air [kg/m³]. Default 1.225, range 0 to 1000; 0 is vacuum.
+    /// Density of the air `[kg/m³]`. Default 1.225, range 0 to 1000; 0 is vacuum.
     pub air_density: f32,
 }
 
@@ -31,7 +31,7 @@ impl Default for GlobalWind {
 }
 
 impl GlobalWind {
-    /// Steady wind with the default gusts [m/s].
+    /// Steady wind with the default gusts `[m/s]`.
     #[must_use]
     pub fn new(velocity: Vec3) -> Self {
         Self { velocity, ..Self::default() }
@@ -57,7 +57,7 @@ impl GlobalWind {
 pub struct ClothWind(pub GlobalWind);
 
 impl ClothWind {
-    /// Steady wind with the default gusts [m/s].
+    /// Steady wind with the default gusts `[m/s]`.
     #[must_use]
     pub fn new(velocity: Vec3) -> Self {
         Self(GlobalWind::new(velocity))
@@ -79,11 +79,11 @@ impl ClothWind {
 pub struct WindZone {
     /// Where it blows, in the space of the entity.
     pub shape: WindZoneShape,
-    /// Velocity added to the air [m/s], in the axes of the entity. Default 0, at most 200.
+    /// Velocity added to the air `[m/s]`, in the axes of the entity. Default 0, at most 200.
     pub velocity: Vec3,
     /// Whether it takes the place of the wind around it, as in a shelter, instead of adding to it. Default false.
     pub replace: bool,
-    /// Distance from the border inwards over which it rises to its full strength [m]. Default 0.2, range 0 to 1000.
+    /// Distance from the border inwards over which it rises to its full strength `[m]`. Default 0.2, range 0 to 1000.
     pub falloff: f32,
 }
 
@@ -95,12 +95,12 @@ pub struct WindZone {
 pub enum WindZoneShape {
     /// In a box around the origin.
     Box {
-        /// Half its lengths [m].
+        /// Half its lengths `[m]`.
         half_size: Vec3,
     },
     /// In a sphere around the origin.
     Sphere {
-        /// Radius [m].
+        /// Radius `[m]`.
         radius: f32,
     },
 }
@@ -118,13 +118,13 @@ impl Default for WindZone {
 }
 
 impl WindZone {
-    /// Wind of `velocity` [m/s] in a box of lengths `size` [m].
+    /// Wind of `velocity` `[m/s]` in a box of lengths `size` `[m]`.
     #[must_use]
     pub fn cuboid(size: Vec3, velocity: Vec3) -> Self {
         Self { shape: WindZoneShape::Box { half_size: 0.5 * size }, velocity, ..Self::default() }
     }
 
-    /// Wind of `velocity` [m/s] in a sphere of `radius` [m].
+    /// Wind of `velocity` `[m/s]` in a sphere of `radius` `[m]`.
     #[must_use]
     pub fn sphere(radius: f32, velocity: Vec3) -> Self {
         Self { shape: WindZoneShape::Sphere { radius }, velocity, ..Self::default() }

@@ -13,9 +13,9 @@ use crate::simulation::{ClothParticles, ClothScratch};
 /// What touched in the last simulated frame, in the world.
 #[derive(Resource, Default)]
 pub(super) struct Touched {
-    /// The closest points [m], the direction of the force on the first, and its strength [N].
+    /// The closest points `[m]`, the direction of the force on the first, and its strength `[N]`.
     cloth: Vec<([Vec3; 2], Vec3, f32)>,
-    /// Where a particle touched a body [m], and the force of the body on it [N].
+    /// Where a particle touched a body `[m]`, and the force of the body on it `[N]`.
     bodies: Vec<(Vec3, f32)>,
 }
 

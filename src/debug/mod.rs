@@ -93,9 +93,9 @@ pub struct ClothDebug {
     pub strain: f32,
     /// Levels of boxes below the root. Default 4, range 0 to 32.
     pub bvh_levels: u32,
-    /// Length of lines at contacts and of normals [m]. Default 0.03, range 0 to 100.
+    /// Length of lines at contacts and of normals `[m]`. Default 0.03, range 0 to 100.
     pub length: f32,
-    /// Length of an arrow for each metre per second of wind [s]. Default 0.03, range 0 to 100.
+    /// Length of an arrow for each metre per second of wind `[s]`. Default 0.03, range 0 to 100.
     pub wind_scale: f32,
     /// Most arrows on a cloth. Default 200, range 1 to 100,000.
     pub arrows: u32,
@@ -219,7 +219,7 @@ pub(crate) fn border(rest: &RestShape) -> impl Iterator<Item = [u32; 2]> + '_ {
     edges.filter(move |(_, faces)| closed || faces.contains(&NONE)).map(|(edge, _)| *edge)
 }
 
-/// A point of a frame of simulation in the world, as gizmos want it [m].
+/// A point of a frame of simulation in the world, as gizmos want it `[m]`.
 pub(crate) fn place(origin: DVec3, point: Vec3) -> Vec3 {
     (origin + point.as_dvec3()).as_vec3()
 }

@@ -16,8 +16,8 @@
 //!
 //! | scene extras | value |
 //! |---|---|
-//! | `gravity` | `[x, y, z]` [m/s²] |
-//! | `wind` | `[x, y, z]` [m/s] |
+//! | `gravity` | `[x, y, z]` `[m/s²]` |
+//! | `wind` | `[x, y, z]` `[m/s]` |
 //!
 //! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
 //!

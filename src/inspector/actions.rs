@@ -11,7 +11,7 @@ use crate::components::{Cloth, ClothError};
 use crate::groups::ClothGroups;
 use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown};
 
-/// Length of the frame that is stepped while time stands still [s].
+/// Length of the frame that is stepped while time stands still `[s]`.
 pub const STEP: f64 = 1.0 / 60.0;
 
 /// What was asked for.

@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use bevy_egui::egui::{Sense, Stroke, Ui, Vec2, WidgetInfo, WidgetType, vec2};
 
-/// Size of the pad [points], and the speed at its rim [m/s].
+/// Size of the pad `[points]`, and the speed at its rim `[m/s]`.
 const SIZE: f32 = 96.0;
 const RIM: f32 = 20.0;
 

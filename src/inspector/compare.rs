@@ -17,7 +17,7 @@ use crate::presets::ClothPreset;
 /// How the name of a file ends.
 const EXTENSION: &str = ".cloth.ron";
 const NAMES: [&str; 2] = ["A", "B"];
-/// Height of the list of what differs; the rest is scrolled to [points].
+/// Height of the list of what differs; the rest is scrolled to `[points]`.
 const LIST: f32 = 160.0;
 
 /// What was clicked and concerns all settings. It is done after the rows, which take what was being typed in the frame of the click.

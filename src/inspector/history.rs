@@ -5,9 +5,9 @@ use crate::simulation::ClothParticles;
 use crate::solver::evaluate::Shown;
 use crate::solver::state::ClothState;
 
-/// Time that is kept [s].
+/// Time that is kept `[s]`.
 pub const SPAN: f64 = 10.0;
-/// Samples per second at most; faster frames are merged, the worst of them stays [Hz].
+/// Samples per second at most; faster frames are merged, the worst of them stays `[Hz]`.
 const RATE: f64 = 60.0;
 /// A frame joins the last sample within this share of the time for one (dimensionless): a little less than all, so that frames of just that
 /// length are never merged.
@@ -71,19 +71,19 @@ impl Verdict {
 /// A frame, or the worst of several that were faster than the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Time of the clock of the cloth at its end [s].
+    /// Time of the clock of the cloth at its end `[s]`.
     pub time: f64,
-    /// Time spent on each of the [`STAGES`] [ms].
+    /// Time spent on each of the [`STAGES`] `[ms]`.
     pub stages: [f32; STAGES.len()],
     /// Edges that cross faces.
     pub crossings: u32,
-    /// Length of all intersection curves [m].
+    /// Length of all intersection curves `[m]`.
     pub contour_length: f32,
     /// Longest edge over its rest length (dimensionless).
     pub worst_edge: f32,
     /// Mean edge over its rest length (dimensionless).
     pub mean_edge: f32,
-    /// Kinetic energy of the particles that are not pinned [J].
+    /// Kinetic energy of the particles that are not pinned `[J]`.
     pub kinetic: f32,
     /// What was shown.
     pub verdict: Verdict,
@@ -92,7 +92,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// What a cloth did in the frame that ended at `time` [s].
+    /// What a cloth did in the frame that ended at `time` `[s]`.
     pub(crate) fn of(time: f64, report: &ClothReport, particles: &ClothParticles, skip: &SkipFrame) -> Self {
         Self {
             time,
@@ -129,7 +129,7 @@ impl Sample {
     }
 }
 
-/// `½ Σ m v²` over the particles that are not pinned [J].
+/// `½ Σ m v²` over the particles that are not pinned `[J]`.
 fn kinetic_energy(state: &ClothState) -> f32 {
     if !(state.substep > 0.0) {
         return 0.0;
@@ -147,7 +147,7 @@ pub struct History {
     ring: Vec<Sample>,
     /// Place of the oldest, once the ring is full.
     oldest: usize,
-    /// Start of the newest sample [s].
+    /// Start of the newest sample `[s]`.
     since: f64,
 }
 

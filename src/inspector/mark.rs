@@ -7,10 +7,10 @@ use crate::components::Cloth;
 use crate::debug::{border, place};
 use crate::simulation::{ClothParticles, ClothRest, ClothShown};
 
-/// How long it is drawn [s].
+/// How long it is drawn `[s]`.
 const MOMENT: f32 = 1.5;
 
-/// Which cloth was picked last, and how long ago [s].
+/// Which cloth was picked last, and how long ago `[s]`.
 #[derive(Default)]
 pub(super) struct Picked {
     cloth: Option<Entity>,

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::components::Cloth;
 use crate::simulation::{ClothParticles, ClothRest, ClothShown};
 
-/// The nearest cloth that a ray meets, and how far along it [m]; cloths that are hidden are passed.
+/// The nearest cloth that a ray meets, and how far along it `[m]`; cloths that are hidden are passed.
 #[must_use]
 pub fn pick(world: &mut World, ray: Ray3d) -> Option<(Entity, f32)> {
     let mut cloths =
@@ -19,7 +19,7 @@ pub fn pick(world: &mut World, ray: Ray3d) -> Option<(Entity, f32)> {
     hits.min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
 }
 
-/// How far along a ray the first face lies [m].
+/// How far along a ray the first face lies `[m]`.
 fn nearest(origin: Vec3, direction: Vec3, faces: &[[u32; 3]], positions: &[Vec3]) -> Option<f32> {
     let corner = |i: u32| positions.get(i as usize).copied();
     let hits = faces.iter().filter_map(|&[a, b, c]| meets(origin, direction, [corner(a)?, corner(b)?, corner(c)?]));

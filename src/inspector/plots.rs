@@ -5,7 +5,7 @@ use egui_plot::{FilledArea, Line, Plot, PlotPoint, PlotPoints, PlotTransform, Pl
 
 use super::history::{History, SPAN, STAGES, Sample, Verdict};
 
-/// Height of a plot and of the strip [points].
+/// Height of a plot and of the strip `[points]`.
 const HEIGHT: f32 = 74.0;
 const STRIP: f32 = 14.0;
 /// Colours of the stages.

@@ -130,8 +130,8 @@ fn show(world: &mut World) {
     }
 }
 
-/// Width of the window, and its distance from the border [points].
+/// Width of the window, and its distance from the border `[points]`.
 const WIDTH: f32 = 440.0;
 const GAP: f32 = 10.0;
-/// Height of its title and margins [points].
+/// Height of its title and margins `[points]`.
 const TITLE: f32 = 40.0;

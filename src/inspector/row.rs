@@ -9,7 +9,7 @@ use super::entry::{parse, show};
 use super::setting::{Kind, Scale, Setting};
 use super::settings::Edit;
 
-/// Widths of the columns [points].
+/// Widths of the columns `[points]`.
 const NAME: f32 = 136.0;
 const SLIDER: f32 = 120.0;
 const NUMBER: f32 = 64.0;

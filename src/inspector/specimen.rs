@@ -10,11 +10,11 @@ use crate::lab::{FRAME_RATE, SAMPLES, Settling};
 use crate::scenes::Scene;
 use crate::solver::settings::Fabric;
 
-/// Edges of the specimen [m]: the coarsest that shows the nodes of every preset, in about half a millisecond a frame.
+/// Edges of the specimen `[m]`: the coarsest that shows the nodes of every preset, in about half a millisecond a frame.
 const EDGE: f32 = 0.01;
-/// Height of a view [points].
+/// Height of a view `[points]`.
 const HEIGHT: f32 = 150.0;
-/// How far the view from aside looks down [rad].
+/// How far the view from aside looks down `[rad]`.
 const PITCH: f32 = 0.5;
 /// Triangles of the disk as it is drawn.
 const CORNERS: u32 = 48;

@@ -47,7 +47,7 @@ fn held(positions: &[Vec4]) -> Vec<Vec3> {
     positions.iter().filter(|x| x.w == 0.0).map(|x| x.truncate()).collect()
 }
 
-/// How far a particle may follow: 0 where it is held, 1 beyond `reach` [m] from anything held.
+/// How far a particle may follow: 0 where it is held, 1 beyond `reach` `[m]` from anything held.
 fn freedom(x: Vec3, held: &[Vec3], reach: f32) -> f32 {
     let nearest = held.iter().map(|h| h.distance_squared(x)).fold(f32::INFINITY, f32::min).sqrt();
     if reach > 0.0 { (nearest / reach).min(1.0) } else { 1.0 }

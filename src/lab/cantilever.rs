@@ -11,10 +11,10 @@ use super::{FRAME_RATE, bending_length, settle, specimen};
 use crate::solver::rest::SourceMesh;
 use crate::solver::settings::Fabric;
 
-/// Width of a strip [m].
+/// Width of a strip `[m]`.
 const WIDTH: f32 = 0.025;
 
-/// Overhang over bending length, and the angle of the chord that it has [degrees].
+/// Overhang over bending length, and the angle of the chord that it has `[degrees]`.
 const ELASTICA: [(f32, f32); 7] = [(0.0, 0.0), (1.0, 7.1), (1.5, 22.2), (2.0, 41.5), (2.5, 56.9), (3.0, 67.0), (4.0, 77.2)];
 
 /// How a strip is cut from the weave.
@@ -28,7 +28,7 @@ pub enum Cut {
     Bias,
 }
 
-/// Bending length [m] that a strip of the fabric shows with `cells` edges along an overhang of twice the bending length asked for.
+/// Bending length `[m]` that a strip of the fabric shows with `cells` edges along an overhang of twice the bending length asked for.
 #[must_use]
 pub fn test(fabric: &Fabric, cells: u32, cut: Cut, substep_rate: f32) -> f32 {
     let edge = 2.0 * bending_length(fabric) / cells as f32;
@@ -52,7 +52,7 @@ pub fn test(fabric: &Fabric, cells: u32, cut: Cut, substep_rate: f32) -> f32 {
     (end - clamp) / (l0 + (l1 - l0) * (angle - a0) / (a1 - a0))
 }
 
-/// A strip along x of `columns` by `rows` squares of side `edge` [m], its warp along x, or at 45° to it, as it is cut.
+/// A strip along x of `columns` by `rows` squares of side `edge` `[m]`, its warp along x, or at 45° to it, as it is cut.
 pub(super) fn strip(columns: u32, rows: u32, edge: f32, cut: Cut) -> SourceMesh {
     let mut mesh = SourceMesh::default();
     let at = |i: f32, j: f32| vec3(i * edge, 0.0, (j - 0.5 * rows as f32) * edge);

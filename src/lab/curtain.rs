@@ -12,14 +12,14 @@ use super::{FRAME_RATE, bending_length, hold, rate, settle, specimen, vertex};
 use crate::scenes::{Scene, grid};
 use crate::solver::settings::Fabric;
 
-/// Width of the cloth and its height [m].
+/// Width of the cloth and its height `[m]`.
 pub const SIZE: (f32, f32) = (2.8, 1.4);
 /// Width of the hung curtain over that of its cloth (dimensionless).
 pub const GATHERED: f32 = 0.9;
 /// Hooks: as many as the coarsest mesh has vertices on its upper edge.
 pub const HOOKS: u32 = 31;
 
-/// Height of the noise that it starts with [m].
+/// Height of the noise that it starts with `[m]`.
 const NOISE: f32 = 1.0e-3;
 /// How far an extremum stands out from the ones beside it, over the depth of the folds (dimensionless).
 const PROMINENCE: f32 = 0.15;
@@ -29,13 +29,13 @@ const PROMINENCE: f32 = 0.15;
 pub struct Folds {
     /// Folds at half its height; one that ends at a border is a half.
     pub count: f32,
-    /// Their length along the rail [m].
+    /// Their length along the rail `[m]`.
     pub wavelength: f32,
-    /// Height from the rail to the lowest point [m].
+    /// Height from the rail to the lowest point `[m]`.
     pub height: f32,
 }
 
-/// Wavelength that theory gives at half the height [m].
+/// Wavelength that theory gives at half the height `[m]`.
 #[must_use]
 pub fn theory(fabric: &Fabric) -> f32 {
     let tension = 0.5 * SIZE.1;

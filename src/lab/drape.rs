@@ -15,16 +15,16 @@ use crate::scenes::Scene;
 use crate::solver::rest::SourceMesh;
 use crate::solver::settings::Fabric;
 
-/// Radius of the disk [m].
+/// Radius of the disk `[m]`.
 pub const DISK: f32 = 0.09;
 
-/// Radius of the specimen [m].
+/// Radius of the specimen `[m]`.
 pub const SPECIMEN: f32 = 0.15;
 
 /// What a draped specimen shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drape {
-    /// Drape coefficient [%]: 100 for a board, 0 for what hangs straight down.
+    /// Drape coefficient `[%]`: 100 for a board, 0 for what hangs straight down.
     pub coefficient: f32,
     /// Lobes of the rim.
     pub nodes: u32,
@@ -34,13 +34,13 @@ pub struct Drape {
 const LINES: usize = 1000;
 /// Directions in which the rim is looked for.
 const BINS: usize = 720;
-/// Width of the Gaussian that smooths the rim [degrees].
+/// Width of the Gaussian that smooths the rim `[degrees]`.
 const SMOOTHING: f32 = 4.0;
 /// How far a node stands out, over what overhangs (dimensionless): 2.4 mm.
 const PROMINENCE: f32 = 0.04;
 
 impl Drape {
-    /// Judges a sheet of `faces` at `positions` [m], `y` upwards, the axis of the disk through the origin.
+    /// Judges a sheet of `faces` at `positions` `[m]`, `y` upwards, the axis of the disk through the origin.
     #[must_use]
     pub fn of(positions: &[Vec3], faces: &[[u32; 3]]) -> Self {
         let flat: Vec<Vec2> = positions.iter().map(|p| vec2(p.x, p.z)).collect();
@@ -55,25 +55,25 @@ impl Drape {
 /// How a drape is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Substeps per second [Hz].
+    /// Substeps per second `[Hz]`.
     pub substep_rate: f32,
-    /// Frames per second [Hz].
+    /// Frames per second `[Hz]`.
     pub frame_rate: f32,
-    /// Longest time until it is judged [s].
+    /// Longest time until it is judged `[s]`.
     pub longest: f32,
     /// Seed of the noise that it starts with.
     pub seed: u64,
 }
 
 impl Run {
-    /// A run that holds what is asked on edges of `edge` [m].
+    /// A run that holds what is asked on edges of `edge` `[m]`.
     #[must_use]
     pub fn new(edge: f32) -> Self {
         Self { substep_rate: rate(edge), frame_rate: FRAME_RATE, longest: 12.0, seed: 1 }
     }
 }
 
-/// Height of the noise that a specimen starts with [m].
+/// Height of the noise that a specimen starts with `[m]`.
 const NOISE: f32 = 2.0e-4;
 
 /// A specimen that lies flat, held where the disk is.
@@ -115,7 +115,7 @@ pub fn judge(scene: &Scene) -> Drape {
     Drape::of(&positions, &cloth.rest.topology.faces)
 }
 
-/// Area of the union of triangles and the disk [m²], along scan lines.
+/// Area of the union of triangles and the disk `[m²]`, along scan lines.
 fn shadow(points: &[Vec2], faces: &[[u32; 3]], reach: f32) -> f32 {
     let step = 2.0 * reach / LINES as f32;
     let mut spans: Vec<Vec<[f32; 2]>> = vec![Vec::new(); LINES];
@@ -157,7 +157,7 @@ fn shadow(points: &[Vec2], faces: &[[u32; 3]], reach: f32) -> f32 {
     (length * f64::from(step)) as f32
 }
 
-/// Largest radius of the shadow in each direction [m], at least the disk's.
+/// Largest radius of the shadow in each direction `[m]`, at least the disk's.
 fn rim(points: &[Vec2], faces: &[[u32; 3]]) -> Vec<f32> {
     let mut radius = vec![DISK; BINS];
     let step = TAU / BINS as f32;
@@ -219,7 +219,7 @@ fn peaks(radius: &[f32], prominence: f32) -> u32 {
     count
 }
 
-/// A disk of radius [`SPECIMEN`] in rings, its warp along z, of triangles with edges of about `edge` [m], one ring at [`DISK`].
+/// A disk of radius [`SPECIMEN`] in rings, its warp along z, of triangles with edges of about `edge` `[m]`, one ring at [`DISK`].
 #[must_use]
 pub fn rings(edge: f32) -> SourceMesh {
     let inner = (DISK / edge).round().max(1.0) as u32;
@@ -261,7 +261,7 @@ pub fn rings(edge: f32) -> SourceMesh {
     mesh
 }
 
-/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` [m], turned by `angle` [rad], its warp with it; diagonals all one way, or turn about.
+/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` `[m]`, turned by `angle` `[rad]`, its warp with it; diagonals all one way, or turn about.
 /// Vertices near the rim and near the edge of the disk are moved onto them.
 #[must_use]
 pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
@@ -333,7 +333,7 @@ pub fn irregular(edge: f32, seed: u64) -> SourceMesh {
 mod tests {
     use super::*;
 
-    /// Drape of the rings with their points moved to `shape(radius, angle)`: radius and height [m].
+    /// Drape of the rings with their points moved to `shape(radius, angle)`: radius and height `[m]`.
     fn judged(shape: impl Fn(f32, f32) -> (f32, f32)) -> Drape {
         let mesh = rings(0.0025);
         let points: Vec<Vec3> = mesh

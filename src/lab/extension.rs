@@ -13,14 +13,14 @@ use super::cantilever::{Cut, strip};
 use super::{FRAME_RATE, settle, specimen, vertex};
 use crate::solver::settings::Fabric;
 
-/// Load on a strip at 45° [N/m].
+/// Load on a strip at 45° `[N/m]`.
 pub const BIAS_LOAD: f32 = 4.9;
-/// Load on a strip along the threads [N/m].
+/// Load on a strip along the threads `[N/m]`.
 pub const LOAD: f32 = 98.0;
 
 /// Cells across a strip; it is three times as long as wide.
 const ACROSS: u32 = 8;
-/// Side of a cell [m], and substeps per second [Hz]: a load that is much heavier than the strip is felt through many cells only in many substeps.
+/// Side of a cell `[m]`, and substeps per second `[Hz]`: a load that is much heavier than the strip is felt through many cells only in many substeps.
 const EDGE: f32 = 0.05;
 const RATE: f32 = 6000.0;
 
@@ -60,7 +60,7 @@ pub fn test(fabric: &Fabric, mesh: Mesh) -> [f32; 2] {
     [0.0, FRAC_PI_2].map(|warp_angle| elongation(&Fabric { warp_angle, ..fabric.clone() }, 0.0, mesh, LOAD))
 }
 
-/// Elongation of the middle third of a strip cut at an `angle` to the warp of its texture [rad] under `load` [N/m].
+/// Elongation of the middle third of a strip cut at an `angle` to the warp of its texture `[rad]` under `load` `[N/m]`.
 fn elongation(fabric: &Fabric, angle: f32, kind: Mesh, load: f32) -> f32 {
     let cut = if kind == Mesh::Aligned && angle != 0.0 { Cut::Bias } else { Cut::Alternating };
     let columns = 3 * ACROSS;

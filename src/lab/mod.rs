@@ -16,10 +16,10 @@ use crate::scenes::{Scene, SceneCloth};
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::Fabric;
 
-/// Frames per second of the tests [Hz], unless they say otherwise.
+/// Frames per second of the tests `[Hz]`, unless they say otherwise.
 pub const FRAME_RATE: f32 = 60.0;
 
-/// Speed below which a specimen lies still [m/s].
+/// Speed below which a specimen lies still `[m/s]`.
 pub const STILL: f32 = 1.0e-3;
 
 /// What is measured of the fabric that a preset is named after.
@@ -27,11 +27,11 @@ pub const STILL: f32 = 1.0e-3;
 pub struct Sample {
     /// Name of the preset.
     pub name: &'static str,
-    /// Drape coefficient that it is to show [%].
+    /// Drape coefficient that it is to show `[%]`.
     pub drape: f32,
-    /// How far fabrics of that name differ from it [%].
+    /// How far fabrics of that name differ from it `[%]`.
     pub within: f32,
-    /// Thickness of the fabric itself [m], where it is known.
+    /// Thickness of the fabric itself `[m]`, where it is known.
     pub thickness: Option<f32>,
     /// Where that is from.
     pub source: &'static str,
@@ -74,19 +74,19 @@ const fn sample(name: &'static str, drape: f32, within: f32, thickness: Option<f
     Sample { name, drape, within, thickness, source }
 }
 
-/// Least drag of a specimen [1/s].
+/// Least drag of a specimen `[1/s]`.
 const DRAG: f32 = 2.0;
 
-/// Bending length `c = (B / (ρ g))^(1/3)` [m].
+/// Bending length `c = (B / (ρ g))^(1/3)` `[m]`.
 #[must_use]
 pub fn bending_length(fabric: &Fabric) -> f32 {
     (fabric.bend_stiffness / (fabric.density * 9.81)).cbrt()
 }
 
-/// Speed at which the tests carry tension along the mesh [m/s], so that what they show is the fabric and not the number of steps.
+/// Speed at which the tests carry tension along the mesh `[m/s]`, so that what they show is the fabric and not the number of steps.
 const SPEED: f32 = 14.0;
 
-/// Substeps per second [Hz] with which the tests of a mesh with edges of `edge` [m] run: more than it needs to drape as its fabric does.
+/// Substeps per second `[Hz]` with which the tests of a mesh with edges of `edge` `[m]` run: more than it needs to drape as its fabric does.
 #[must_use]
 pub fn rate(edge: f32) -> f32 {
     (SPEED / edge).max(360.0)
@@ -116,11 +116,11 @@ pub(crate) struct Settling {
     still_for: f32,
 }
 
-/// How long a specimen lies still before it is judged [s].
+/// How long a specimen lies still before it is judged `[s]`.
 const LULL: f32 = 0.25;
 
 impl Settling {
-    /// Steps a scene by a frame of `dt` [s]; whether it lies still.
+    /// Steps a scene by a frame of `dt` `[s]`; whether it lies still.
     pub fn step(&mut self, scene: &mut Scene, dt: f32) -> bool {
         self.before.clear();
         self.before.extend(scene.cloths[0].state.positions.iter().map(|x| x.truncate()));
@@ -132,7 +132,7 @@ impl Settling {
     }
 }
 
-/// Steps until a specimen lies still, for `longest` [s] at most.
+/// Steps until a specimen lies still, for `longest` `[s]` at most.
 fn settle(scene: &mut Scene, frame_rate: f32, longest: f32) {
     let mut settling = Settling::default();
     let frame_rate = frame_rate.clamp(1.0, 1.0e4);
@@ -143,7 +143,7 @@ fn settle(scene: &mut Scene, frame_rate: f32, longest: f32) {
     }
 }
 
-/// Position [m] of a vertex of the mesh.
+/// Position `[m]` of a vertex of the mesh.
 fn vertex(scene: &Scene, vertex: u32) -> Vec3 {
     let cloth = &scene.cloths[0];
     cloth.state.positions[cloth.rest.particle_of_vertex[vertex as usize] as usize].truncate()

@@ -10,9 +10,9 @@ use crate::notices::{Notices, label};
 /// What goes over a file: what else the glTF says about the cloth.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PresetOverrides {
-    /// [m]
+    /// `[m]`
     pub thickness: Option<f32>,
-    /// [Hz]
+    /// `[Hz]`
     pub substep_rate: Option<f32>,
     pub self_collision: Option<bool>,
     pub layer: Option<i32>,

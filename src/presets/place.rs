@@ -50,7 +50,7 @@ impl Place {
 #[derive(Default)]
 struct Path<'a> {
     fields: Vec<Option<&'a str>>,
-    /// The last word before the place, and where it begins [B].
+    /// The last word before the place, and where it begins `[B]`.
     word: Option<(&'a str, usize)>,
 }
 

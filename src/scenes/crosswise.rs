@@ -8,9 +8,9 @@ use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::rest::RestShape;
 
-/// Radius of the ball [m].
+/// Radius of the ball `[m]`.
 const BALL: f32 = 0.2;
-/// Length and width of a strip [m].
+/// Length and width of a strip `[m]`.
 const STRIP: (f32, f32) = (1.2, 0.5);
 
 /// Two strips with `n` vertices per metre, one turned by a right angle against the other and 0.1 m above it.

@@ -9,15 +9,15 @@ use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::rest::{RestShape, SourceMesh};
 
-/// Width and height of the curtain as it hangs [m].
+/// Width and height of the curtain as it hangs `[m]`.
 pub const SIZE: (f32, f32) = (1.2, 1.4);
-/// Folds, and how far each reaches to either side [m]: the cloth is 1.4 times as wide as the curtain.
+/// Folds, and how far each reaches to either side `[m]`: the cloth is 1.4 times as wide as the curtain.
 const FOLDS: (f32, f32) = (7.0, 0.035);
-/// Radius of the ball [m].
+/// Radius of the ball `[m]`.
 pub const BALL: f32 = 0.2;
-/// Length of the rope, how far the ball swings to either side [m], and the period [s].
+/// Length of the rope, how far the ball swings to either side `[m]`, and the period `[s]`.
 pub const SWING: (f32, f32, f32) = (1.8, 0.6, 2.7);
-/// How far below the rail the ball hangs [m].
+/// How far below the rail the ball hangs `[m]`.
 const DEPTH: f32 = 0.8;
 
 /// The curtain below y = 0, in the plane z = 0, of `n` vertices per metre and 3`n` / 2 across.
@@ -28,7 +28,7 @@ pub fn mesh(n: u32) -> SourceMesh {
     grid(n.max(2) * 7 / 4, rows, |u, v| vec3(width * (u - 0.5), -height * v, amplitude * (TAU * folds * u).sin()))
 }
 
-/// Where the ball is after `time` [s].
+/// Where the ball is after `time` `[s]`.
 #[must_use]
 pub fn ball(time: f32) -> Pose {
     let (rope, way, period) = SWING;

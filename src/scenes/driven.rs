@@ -6,11 +6,11 @@ use glam::{Vec3, vec3};
 
 use crate::solver::rest::SourceMesh;
 
-/// Length and width of the sheet that was driven [m].
+/// Length and width of the sheet that was driven `[m]`.
 const SIDES: (f32, f32) = (1.1, 0.7);
-/// Where along it the flap begins to bend down, and the radius of the bend [m].
+/// Where along it the flap begins to bend down, and the radius of the bend `[m]`.
 const FLAP: (f32, f32) = (0.74, 0.05);
-/// Height above the flat sheet, of the middle and of the waves [m].
+/// Height above the flat sheet, of the middle and of the waves `[m]`.
 const WAVES: (f32, f32) = (0.042, 0.07);
 
 /// A flat sheet of 1 m x 1 m and one driven through it, each of about `n` x `n` vertices: waves that pierce it in several places, and a
@@ -31,7 +31,7 @@ pub fn driven(n: u32) -> [SourceMesh; 2] {
     [flat, super::grid(columns, rows, |u, v| fold(u * length, (v - 0.5) * width))]
 }
 
-/// The point at `s` along the driven sheet and `y` across it [m].
+/// The point at `s` along the driven sheet and `y` across it `[m]`.
 fn fold(s: f32, y: f32) -> Vec3 {
     let ((bend, radius), (height, amplitude)) = (FLAP, WAVES);
     let fade = ((bend - s) / 0.15).clamp(0.0, 1.0);

@@ -9,18 +9,18 @@ use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::rest::RestShape;
 
-/// Radius and height of the rim, of the neck and of the mouth of the spout [m].
+/// Radius and height of the rim, of the neck and of the mouth of the spout `[m]`.
 pub const PROFILE: [(f32, f32); 3] = [(0.55, 0.75), (0.11, 0.0), (0.11, -0.2)];
-/// Height of the floor [m].
+/// Height of the floor `[m]`.
 pub const FLOOR: f32 = -0.8;
-/// Side and height of the sheet [m].
+/// Side and height of the sheet `[m]`.
 pub const SHEET: (f32, f32) = (0.8, 0.85);
 /// Friction of the funnel: of polished metal (dimensionless).
 pub const FRICTION: f32 = 0.05;
 /// Corners of the funnel seen from above.
 const CORNERS: u32 = 64;
 
-/// Vertices [m] and triangles of the funnel, seen from above and from below.
+/// Vertices `[m]` and triangles of the funnel, seen from above and from below.
 #[must_use]
 pub fn surface() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let ring = |(radius, y): (f32, f32)| {

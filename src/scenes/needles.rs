@@ -5,12 +5,12 @@ use glam::{Vec3, vec3};
 use super::{Scene, SceneCloth, fabric, sheet};
 use crate::solver::body::{Body, Pose, shape};
 
-/// Radius of a needle at its foot and height [m].
+/// Radius of a needle at its foot and height `[m]`.
 pub const NEEDLE: (f32, f32) = (0.012, 0.3);
-/// Needles along x and along z, and how far they are from each other [m].
+/// Needles along x and along z, and how far they are from each other `[m]`.
 const ROWS: (u32, u32, f32) = (5, 4, 0.19);
 
-/// Where the needles stand [m].
+/// Where the needles stand `[m]`.
 pub fn feet() -> impl Iterator<Item = Vec3> {
     let (columns, rows, step) = ROWS;
     let middle = vec3((columns - 1) as f32, 0.0, (rows - 1) as f32) * 0.5;

@@ -7,16 +7,16 @@ use glam::vec3;
 use super::{Scene, SceneCloth, fabric, sheet, smooth};
 use crate::solver::body::{Body, Pose, shape};
 
-/// Radius of the balls [m].
+/// Radius of the balls `[m]`.
 const BALL: f32 = 0.12;
-/// Distance of their surfaces when open [m].
+/// Distance of their surfaces when open `[m]`.
 const OPEN: f32 = 0.5;
-/// When they begin to close, are closed, begin to open and are open, and the period [s].
+/// When they begin to close, are closed, begin to open and are open, and the period `[s]`.
 const TIMES: [f32; 5] = [0.5, 1.3, 2.8, 3.4, 5.0];
-/// How far they drag the sheet aside while closed [m].
+/// How far they drag the sheet aside while closed `[m]`.
 const DRAG: f32 = 0.15;
 
-/// Where the balls are after `time` [s].
+/// Where the balls are after `time` `[s]`.
 #[must_use]
 pub fn balls(time: f32) -> [Pose; 2] {
     let [close, closed, open, opened, period] = TIMES;

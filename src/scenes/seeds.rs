@@ -65,7 +65,7 @@ pub struct Seed {
     pub number: u64,
     /// How it came about.
     pub kind: SeedKind,
-    /// Cloths: shape at rest and where the vertices start [m].
+    /// Cloths: shape at rest and where the vertices start `[m]`.
     pub cloths: Vec<(SourceMesh, Vec<Vec3>)>,
 }
 
@@ -188,7 +188,7 @@ fn axis(rng: &mut fastrand::Rng) -> DVec3 {
     }
 }
 
-/// A place within the middle half of a sheet [m].
+/// A place within the middle half of a sheet `[m]`.
 fn place(rng: &mut fastrand::Rng) -> DVec2 {
     DVec2::new(between(rng, -0.25, 0.25), between(rng, -0.25, 0.25))
 }

@@ -9,23 +9,23 @@ use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::rest::{RestShape, SourceMesh};
 
-/// Radius at the waist and at the hem, and length along the slope [m].
+/// Radius at the waist and at the hem, and length along the slope `[m]`.
 pub const CUT: (f32, f32, f32) = (0.15, 0.40, 0.56);
-/// Strides per second: a stride is a step of each leg [1/s].
+/// Strides per second: a stride is a step of each leg `[1/s]`.
 const STRIDES: f32 = 0.9;
-/// Radius of the circle [m] and speed on it [m/s].
+/// Radius of the circle `[m]` and speed on it `[m/s]`.
 const WALK: (f32, f32) = (0.8, 0.9);
-/// How far a leg swings to either side [rad], and the hips turn.
+/// How far a leg swings to either side `[rad]`, and the hips turn.
 const SWING: (f32, f32) = (0.45, 0.15);
-/// Time in which the walk begins [s].
+/// Time in which the walk begins `[s]`.
 const START: f32 = 1.5;
 
 /// A part of the body: a capsule between two points in the frame that carries it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limb {
-    /// Ends of its axis [m].
+    /// Ends of its axis `[m]`.
     pub ends: [Vec3; 2],
-    /// Radius [m].
+    /// Radius `[m]`.
     pub radius: f32,
 }
 
@@ -35,7 +35,7 @@ pub const LIMBS: [Limb; 3] = [
     Limb { ends: [Vec3::ZERO, vec3(-0.01, -0.8, 0.0)], radius: 0.065 },
     Limb { ends: [Vec3::ZERO, vec3(0.01, -0.8, 0.0)], radius: 0.065 },
 ];
-/// Joints of the legs in the frame of the waist [m].
+/// Joints of the legs in the frame of the waist `[m]`.
 const JOINTS: [Vec3; 2] = [vec3(-0.085, -0.13, 0.0), vec3(0.085, -0.13, 0.0)];
 
 /// The skirt: a cone open at both ends, its waist in the plane y = 0, of `n` vertices per metre.
@@ -54,13 +54,13 @@ pub fn mesh(n: u32) -> SourceMesh {
     })
 }
 
-/// How long the walk has lasted after `time` [s], had it begun at full speed.
+/// How long the walk has lasted after `time` `[s]`, had it begun at full speed.
 fn walked(time: f32) -> f32 {
     let time = time.max(0.0);
     if time < START { 0.5 * time * time / START } else { time - 0.5 * START }
 }
 
-/// Where the waist is after `time` [s].
+/// Where the waist is after `time` `[s]`.
 #[must_use]
 pub fn waist(time: f32) -> Pose {
     let (radius, speed) = WALK;
@@ -71,7 +71,7 @@ pub fn waist(time: f32) -> Pose {
     Pose::from_parts(at, Quat::from_rotation_y(heading + SWING.1 * phase.sin()) * Quat::from_rotation_z(0.05 * phase.sin()))
 }
 
-/// Where the [`LIMBS`] are after `time` [s].
+/// Where the [`LIMBS`] are after `time` `[s]`.
 #[must_use]
 pub fn limbs(time: f32) -> [Pose; 3] {
     let waist = waist(time);

@@ -9,9 +9,9 @@ use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::body::{Body, Pose, shape};
 use crate::solver::rest::{RestShape, SourceMesh};
 
-/// Radius at the waist and at the hem of the skirt that is cut as a flat ring [m].
+/// Radius at the waist and at the hem of the skirt that is cut as a flat ring `[m]`.
 const RING: (f32, f32) = (0.15, 0.5);
-/// Turns per second when it is fastest [1/s], and time after which it repeats [s].
+/// Turns per second when it is fastest `[1/s]`, and time after which it repeats `[s]`.
 const SPIN: (f32, f32) = (1.0, 5.0);
 
 /// A skirt cut as a flat ring round the y axis, of `n` vertices per metre.
@@ -29,7 +29,7 @@ pub fn ring(n: u32) -> SourceMesh {
     })
 }
 
-/// How far the body has turned after `time` [s]: `∫ TAU f sin(TAU t / T) dt`, one way and back.
+/// How far the body has turned after `time` `[s]`: `∫ TAU f sin(TAU t / T) dt`, one way and back.
 fn turned(time: f32) -> f32 {
     let (fastest, period) = SPIN;
     fastest * period * (1.0 - (TAU * time / period).cos())

@@ -7,14 +7,14 @@ use glam::{Vec3, vec3};
 use super::{Scene, SceneCloth, fabric, sheet};
 use crate::solver::body::{Body, Pose, shape};
 
-/// Radius of the ball, whose centre is the origin [m].
+/// Radius of the ball, whose centre is the origin `[m]`.
 pub const BALL: f32 = 0.3;
-/// Height of the floor [m].
+/// Height of the floor `[m]`.
 const FLOOR: f32 = -0.5;
-/// Height of the lowest sheet above the top of the ball, and between two sheets [m].
+/// Height of the lowest sheet above the top of the ball, and between two sheets `[m]`.
 const DROP: (f32, f32) = (0.1, 0.02);
 
-/// Where sheet `i`, counted from below, begins [m]. A little aside, so that no two edges lie exactly above each other.
+/// Where sheet `i`, counted from below, begins `[m]`. A little aside, so that no two edges lie exactly above each other.
 #[must_use]
 pub fn place(i: u32) -> Vec3 {
     let i = i as f32;

@@ -53,7 +53,7 @@ impl Tangle {
         }
     }
 
-    /// The two sheets of about `n` x `n` vertices, tangled [m].
+    /// The two sheets of about `n` x `n` vertices, tangled `[m]`.
     #[must_use]
     pub fn meshes(self, n: u32) -> [SourceMesh; 2] {
         let v = DVec3::new;

@@ -9,11 +9,11 @@ use super::{Scene, SceneCloth, fabric, grid, smooth};
 use crate::solver::body::Pose;
 use crate::solver::rest::{RestShape, SourceMesh};
 
-/// Length and width of the strip [m].
+/// Length and width of the strip `[m]`.
 const STRIP: (f32, f32) = (1.2, 0.35);
-/// Turns of either end, and how long they take [s].
+/// Turns of either end, and how long they take `[s]`.
 const TURNS: (f32, f32) = (2.0, 6.0);
-/// How far either end comes in [m], and when it begins and is done [s].
+/// How far either end comes in `[m]`, and when it begins and is done `[s]`.
 const APPROACH: (f32, f32, f32) = (0.3, 0.0, 7.0);
 
 /// The strip along x, with `n` vertices per metre.
@@ -30,7 +30,7 @@ pub fn end_of(x: f32) -> Option<usize> {
     (x.abs() > 0.4999 * STRIP.0).then_some(usize::from(x > 0.0))
 }
 
-/// Where the ends are after `time` [s], with the middle of the strip as origin.
+/// Where the ends are after `time` `[s]`, with the middle of the strip as origin.
 #[must_use]
 pub fn ends(time: f32) -> [Pose; 2] {
     let (turns, lasts) = TURNS;

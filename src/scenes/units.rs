@@ -43,7 +43,7 @@ impl Unit {
         }
     }
 
-    /// The sheet, about 1 m wide and of about `n` x 2`n` vertices [m]; z is up.
+    /// The sheet, about 1 m wide and of about `n` x 2`n` vertices `[m]`; z is up.
     #[must_use]
     pub fn mesh(self, n: u32) -> SourceMesh {
         let n = n.max(4);
@@ -64,9 +64,9 @@ impl Unit {
 struct Tongue {
     /// Its width over that of the part below.
     width: f32,
-    /// How far it lies to the side [m].
+    /// How far it lies to the side `[m]`.
     shift: f32,
-    /// Depth of a dent in it [m].
+    /// Depth of a dent in it `[m]`.
     dent: f32,
     /// Whether its end is bent down.
     bent: bool,

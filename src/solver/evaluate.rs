@@ -25,7 +25,7 @@ pub struct Verdict {
     pub crossings: u32,
     /// Intersection curves.
     pub contours: u32,
-    /// Length of all curves [m].
+    /// Length of all curves `[m]`.
     pub contour_length: f32,
     /// Contours that cut a piece off a sheet.
     pub regions: u32,
@@ -72,11 +72,11 @@ pub struct EvaluateSettings {
     pub policy: SkipPolicy,
     /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2. More hides longer tangles, but the cloth visibly sticks.
     pub max_held_frames: u32,
-    /// Most time held in any second under [`SkipPolicy::Ladder`] [s]. Default 0.1.
+    /// Most time held in any second under [`SkipPolicy::Ladder`] `[s]`. Default 0.1.
     pub max_held_time: f32,
-    /// Time over which a held part fades into the live shape when the bound is reached [s]. Default 0.1.
+    /// Time over which a held part fades into the live shape when the bound is reached `[s]`. Default 0.1.
     pub fade: f32,
-    /// Time tangled after which stronger means are asked for [s]. Default 1.
+    /// Time tangled after which stronger means are asked for `[s]`. Default 1.
     pub last_resort: f32,
 }
 
@@ -89,7 +89,7 @@ impl Default for EvaluateSettings {
 /// Pose of the frame a cloth hangs in: its anchor or body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
-    /// Translation [m].
+    /// Translation `[m]`.
     pub translation: Vec3,
     /// Rotation.
     pub rotation: Quat,
@@ -132,7 +132,7 @@ pub enum Resort {
 }
 
 impl Resort {
-    /// What to use after so much time tangled [s]: each stands for as long as the first waited.
+    /// What to use after so much time tangled `[s]`: each stands for as long as the first waited.
     #[must_use]
     pub fn after(tangled_for: f32, first: f32) -> Self {
         if tangled_for < first {
@@ -156,7 +156,7 @@ pub struct Outcome {
     pub hold: f32,
     /// Frames held in a row, this one included.
     pub held_frames: u32,
-    /// Time since the cloth was last clean [s].
+    /// Time since the cloth was last clean `[s]`.
     pub tangled_for: f32,
     /// The cloth has become tangled with this frame.
     pub became_tangled: bool,
@@ -190,7 +190,7 @@ pub struct Evaluator {
     ring: [Snapshot; SNAPSHOTS],
     newest: usize,
     kept: usize,
-    /// `(end, duration)` of runs of held frames [s], a ring.
+    /// `(end, duration)` of runs of held frames `[s]`, a ring.
     log: [(f64, f32); LOG],
     logged: usize,
     time: f64,
@@ -218,14 +218,14 @@ impl Evaluator {
         self.last
     }
 
-    /// The last clean shape [m] and how long ago it was shown [s].
+    /// The last clean shape `[m]` and how long ago it was shown `[s]`.
     #[must_use]
     pub fn clean_shape(&self) -> Option<(&[Vec3], f64)> {
         let snapshot = &self.ring[self.newest];
         (self.kept > 0).then_some((snapshot.positions.as_slice(), self.time - snapshot.time))
     }
 
-    /// Decides one frame of length `dt` [s] from the verdict on the shape about to be shown.
+    /// Decides one frame of length `dt` `[s]` from the verdict on the shape about to be shown.
     pub fn judge(&mut self, verdict: &Verdict, dt: f32, settings: &EvaluateSettings) -> Outcome {
         self.time += f64::from(dt);
         let before = self.last;
@@ -295,7 +295,7 @@ impl Evaluator {
         snapshot.time = self.time;
     }
 
-    /// Writes the positions to show [m]. `tangled` weighs each particle, 1 at a tangle and 0 away from it;
+    /// Writes the positions to show `[m]`. `tangled` weighs each particle, 1 at a tangle and 0 away from it;
     /// [`SkipPolicy::UntilClean`] holds the whole cloth instead.
     pub fn present(&self, positions: &[Vec4], tangled: &[f32], pose: Pose, settings: &EvaluateSettings, shown: &mut Vec<Vec3>) {
         shown.clear();

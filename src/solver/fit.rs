@@ -13,7 +13,7 @@ use super::rest::RestShape;
 /// Iterations of the rotation; from any start it is found to a thousandth.
 const ITERATIONS: usize = 40;
 
-/// Writes the shape at rest, rotated and moved to fit `positions` [m] best, weighed by area.
+/// Writes the shape at rest, rotated and moved to fit `positions` `[m]` best, weighed by area.
 pub fn fit(rest: &RestShape, positions: &[Vec4], fitted: &mut Vec<Vec3>) {
     fitted.clear();
     if positions.len() != rest.positions.len() {

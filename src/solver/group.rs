@@ -35,17 +35,17 @@ const MOST_RETREATS: usize = 8;
 /// Rounds in which one cloth after the other stays where it was.
 const MOST_ROUNDS: usize = 8;
 
-/// How far ahead pairs are looked for at most [s]: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
+/// How far ahead pairs are looked for at most `[s]`: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
-/// Time between looks for what strayed within a frame, to the nearest substep [s], where what slips by in between can be taken back at its
+/// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be taken back at its
 /// end. Looking in every substep costs twice as much for a flag in the wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
 /// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less
 /// often, cross.
 const CROWDED: usize = 2;
 
-/// Time in which [`Group::blend`] should draw a tangle to a pose [s].
+/// Time in which [`Group::blend`] should draw a tangle to a pose `[s]`.
 pub const BLEND_TIME: f32 = 0.25;
 
 /// How a group is untangled in a frame.
@@ -76,7 +76,7 @@ pub struct Member<'a> {
     pub state: &'a mut ClothState,
     /// Its buffers.
     pub scratch: &'a mut Scratch,
-    /// From its frame of simulation to that of the group [m].
+    /// From its frame of simulation to that of the group `[m]`.
     pub offset: Vec3,
     /// Whether other cloths can push it.
     pub moves: bool,
@@ -121,7 +121,7 @@ pub struct Group {
     takes_part: Vec<bool>,
     /// Substeps that the last frame took.
     count: u32,
-    /// Time for which pairs were looked for [s], and the share of it that has passed.
+    /// Time for which pairs were looked for `[s]`, and the share of it that has passed.
     horizon: f32,
     share: f32,
     looks: u32,
@@ -155,7 +155,7 @@ impl Group {
         })
     }
 
-    /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness [m]. What is known of it stays known, except where it may
+    /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays known, except where it may
     /// cross itself.
     pub fn tune(&mut self, part: usize, layer: i32, self_collision: bool, thickness: f32) {
         let Some(settings) = self.surface.parts.get_mut(part) else { return };
@@ -166,7 +166,7 @@ impl Group {
         (settings.layer, settings.self_collision, settings.thickness) = (layer, self_collision, thickness);
     }
 
-    /// Takes over the state of cloth `part`, moved by `offset` [m]. A `fixed` cloth is an obstacle for the others and never moved.
+    /// Takes over the state of cloth `part`, moved by `offset` `[m]`. A `fixed` cloth is an obstacle for the others and never moved.
     pub fn gather(&mut self, part: usize, state: &ClothState, offset: Vec3, fixed: bool) {
         let range = self.range(part);
         if state.positions.len() != range.len() || state.previous.len() != range.len() {
@@ -189,7 +189,7 @@ impl Group {
         }
     }
 
-    /// Says that the pairs will be wanted that may touch within the next `dt` [s], the longest of the frames that the cloths will take:
+    /// Says that the pairs will be wanted that may touch within the next `dt` `[s]`, the longest of the frames that the cloths will take:
     /// `touch` says of each cloth how it does, `takes_part` whether it does.
     pub fn expect(&mut self, dt: f32, touch: &[Touch], takes_part: impl Fn(usize) -> bool) {
         let parts = self.surface.parts.len();
@@ -386,7 +386,7 @@ impl Group {
         self.scatter_pairs(cloths);
     }
 
-    /// Sum of what pulls the cloths that move [m/s²], for its direction.
+    /// Sum of what pulls the cloths that move `[m/s²]`, for its direction.
     fn gravity(&self, cloths: &mut impl Members) -> Vec3 {
         let mut of = |part: usize| cloths.member(part).filter(|m| m.moves).map_or(Vec3::ZERO, |m| m.cloth.input.gravity);
         (0..self.surface.parts.len()).map(&mut of).sum()
@@ -519,7 +519,7 @@ impl Group {
         self.looks
     }
 
-    /// How far ahead pairs are looked for [s]: a frame, or less.
+    /// How far ahead pairs are looked for `[s]`: a frame, or less.
     #[must_use]
     pub fn horizon(&self) -> f32 {
         self.horizon
@@ -531,8 +531,8 @@ impl Group {
         &self.contacts
     }
 
-    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them [m] in the
-    /// frame of the group, the unit normal towards the first, and the mean push per substep times the mass it moves [kg·m].
+    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them `[m]` in the
+    /// frame of the group, the unit normal towards the first, and the mean push per substep times the mass it moves `[kg·m]`.
     pub fn touches(&self, mut found: impl FnMut([usize; 2], Vec3, Vec3, f32)) {
         for (ids, weights, normal, drive) in self.contacts.pushes() {
             let parts = [ids[0], ids[3]].map(|v| usize::from(self.surface.part(v)));
@@ -757,7 +757,7 @@ impl Group {
         there || whole
     }
 
-    /// Moves the frame of the group: everything that is known lies `by` [m] elsewhere in it from now on.
+    /// Moves the frame of the group: everything that is known lies `by` `[m]` elsewhere in it from now on.
     pub fn carry(&mut self, by: Vec3) {
         self.retreat.carry(by);
         self.finder.carry(by);
@@ -774,7 +774,7 @@ impl Group {
         self.untangler.resolver.inspect_layers();
     }
 
-    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose [m] in the cloth's own frame, by a
+    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose `[m]` in the cloth's own frame, by a
     /// fraction of the way: [`Resort::Blend`]. All others weigh at least `least`. Call it between [`Self::resolve`] and [`Self::scatter`].
     pub fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
         let range = self.range(part);
@@ -939,7 +939,7 @@ impl Group {
         self.untangler.resolver.strategies()
     }
 
-    /// Segments [m] of all contours found last, in the frame of the group, each with the number of its contour.
+    /// Segments `[m]` of all contours found last, in the frame of the group, each with the number of its contour.
     pub fn segments(&self) -> impl Iterator<Item = (usize, [Vec3; 2])> + '_ {
         let resolver = &self.untangler.resolver;
         let (graph, points) = (resolver.graph(), resolver.points());
@@ -966,7 +966,7 @@ fn parts_of_contours<'a>(surface: &'a Surface, untangler: &'a Untangler) -> impl
 pub struct Display {
     evaluator: Evaluator,
     decided: bool,
-    /// Positions to show [m]; empty while the live ones are shown.
+    /// Positions to show `[m]`; empty while the live ones are shown.
     shown: Vec<Vec3>,
 }
 
@@ -977,7 +977,7 @@ impl Display {
         self.shown.clear();
     }
 
-    /// Decides a frame of `dt` [s] from the verdict on one cloth. `weights` says how much each particle belongs to a tangle, `pose` where
+    /// Decides a frame of `dt` `[s]` from the verdict on one cloth. `weights` says how much each particle belongs to a tangle, `pose` where
     /// what carries the cloth is.
     pub fn settle(
         &mut self,
@@ -1011,13 +1011,13 @@ impl Display {
         self.evaluator.outcome()
     }
 
-    /// Positions to show [m] instead of the live ones, while the cloth is held or fades.
+    /// Positions to show `[m]` instead of the live ones, while the cloth is held or fades.
     #[must_use]
     pub fn held(&self) -> Option<&[Vec3]> {
         (!self.shown.is_empty()).then_some(self.shown.as_slice())
     }
 
-    /// The last clean shape [m], in the place where it was.
+    /// The last clean shape `[m]`, in the place where it was.
     #[must_use]
     pub fn clean_shape(&self) -> Option<&[Vec3]> {
         self.evaluator.clean_shape().map(|(shape, _)| shape)

@@ -24,7 +24,7 @@ pub struct LoadReport {
     pub after: Verdict,
     /// Iterations taken.
     pub iterations: u32,
-    /// Largest displacement of a particle [m].
+    /// Largest displacement of a particle `[m]`.
     pub farthest: f32,
 }
 

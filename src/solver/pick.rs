@@ -11,11 +11,11 @@ pub struct Pick {
     pub face: usize,
     /// Weights of its three corners; they add up to one.
     pub weights: Vec3,
-    /// Distance to it [m].
+    /// Distance to it `[m]`.
     pub distance: f32,
 }
 
-/// First face that a ray from `origin` along the unit vector `direction` meets within `farthest` [m], from either side (Möller, Trumbore 1997).
+/// First face that a ray from `origin` along the unit vector `direction` meets within `farthest` `[m]`, from either side (Möller, Trumbore 1997).
 #[must_use]
 pub fn ray(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, origin: Vec3, direction: Vec3, farthest: f32) -> Option<Pick> {
     let mut best: Option<Pick> = None;
@@ -41,7 +41,7 @@ pub fn ray(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, origin: Vec3, direction
     best
 }
 
-/// Nearest point of a surface to `point`, no farther than `farthest` [m].
+/// Nearest point of a surface to `point`, no farther than `farthest` `[m]`.
 #[must_use]
 pub fn nearest(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, point: Vec3, farthest: f32) -> Option<Pick> {
     let mut best: Option<Pick> = None;

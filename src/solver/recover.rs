@@ -20,7 +20,7 @@ const RESTORES: u32 = 15;
 /// Restores after which good frames in between do not help any more, and how many of them one good frame forgives.
 const WEARY: f32 = 30.0;
 const FORGIVEN: f32 = 0.1;
-/// A reset this soon after the ones before counts towards freezing [s].
+/// A reset this soon after the ones before counts towards freezing `[s]`.
 const WINDOW: f64 = 10.0;
 /// Resets within [`WINDOW`] that freeze the cloth.
 const RESETS: usize = 3;
@@ -30,7 +30,7 @@ const RESETS: usize = 3;
 pub struct Limits {
     /// Edge length over rest length (dimensionless). Default 5.
     pub edge_ratio: f32,
-    /// Speed of a particle [m/s]. Default 1000.
+    /// Speed of a particle `[m/s]`. Default 1000.
     pub speed: f32,
 }
 
@@ -90,7 +90,7 @@ impl Recovery {
         self.frozen
     }
 
-    /// The last good positions [m].
+    /// The last good positions `[m]`.
     #[must_use]
     pub fn good(&self) -> &[Vec3] {
         &self.good
@@ -103,7 +103,7 @@ impl Recovery {
         }
     }
 
-    /// Judges the state after a frame and takes it back if it is bad. `pose` writes the pose at rest [m] into its argument.
+    /// Judges the state after a frame and takes it back if it is bad. `pose` writes the pose at rest `[m]` into its argument.
     ///
     /// `worst_edge` is the largest edge length over rest length, as `StepReport` tells it.
     pub fn judge(

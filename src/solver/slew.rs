@@ -13,18 +13,18 @@
 
 use super::settings::Fabric;
 
-/// Time in which a changed fabric is reached, but for its bounds of elongation [s].
+/// Time in which a changed fabric is reached, but for its bounds of elongation `[s]`.
 pub const SLEW_TIME: f32 = 0.25;
 
-/// A cloth longer than this takes as many times longer [m]: its end has a longer way.
+/// A cloth longer than this takes as many times longer `[m]`: its end has a longer way.
 const LONG: f32 = 2.0;
 
-/// Speed at which a bound of elongation moves the far end of a cloth [m/s].
+/// Speed at which a bound of elongation moves the far end of a cloth `[m/s]`.
 pub const SLEW_SPEED: f32 = 0.12;
 
-/// Time `τ` in which a bound that is lowered comes closer to its end by a factor of e [s].
+/// Time `τ` in which a bound that is lowered comes closer to its end by a factor of e `[s]`.
 const SETTLE: f32 = 0.5;
-/// Least rate at which it does [1/s].
+/// Least rate at which it does `[1/s]`.
 const LEAST_RATE: f32 = 0.005;
 
 /// A bound is out of reach at this many times the worst elongation there is (dimensionless): one that holds an edge may be a little exceeded.
@@ -32,23 +32,23 @@ const REACH: f32 = 1.25;
 /// And by this much more (dimensionless).
 const MARGIN: f32 = 0.005;
 
-/// Membrane stiffness that is as good as none [N/m]: the way from and to 0 begins and ends here.
+/// Membrane stiffness that is as good as none `[N/m]`: the way from and to 0 begins and ends here.
 const SLACK: f32 = 0.1;
-/// Bending stiffness that is as good as none [N·m].
+/// Bending stiffness that is as good as none `[N·m]`.
 const LIMP: f32 = 1.0e-9;
-/// Curvature held by friction that is as good as none [1/m].
+/// Curvature held by friction that is as good as none `[1/m]`.
 const SLIPPERY: f32 = 0.01;
-/// Thinnest fabric [m].
+/// Thinnest fabric `[m]`.
 const THIN: f32 = 1.0e-4;
 
 /// On the way to a fabric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slew {
-    /// Length of the cloth [m].
+    /// Length of the cloth `[m]`.
     length: f32,
     /// None before the first fabric, which is taken as it is.
     target: Option<Fabric>,
-    /// Time until it is reached [s].
+    /// Time until it is reached `[s]`.
     left: f32,
 }
 
@@ -59,13 +59,13 @@ impl Default for Slew {
 }
 
 impl Slew {
-    /// Of a cloth of that length [m], from one end to the other.
+    /// Of a cloth of that length `[m]`, from one end to the other.
     #[must_use]
     pub fn of_length(length: f32) -> Self {
         Self { length: length.max(THIN), target: None, left: 0.0 }
     }
 
-    /// Moves `fabric` towards `wanted` for `dt` [s]; `worst_edge` is the longest edge over its rest length (dimensionless). Whether anything changed.
+    /// Moves `fabric` towards `wanted` for `dt` `[s]`; `worst_edge` is the longest edge over its rest length (dimensionless). Whether anything changed.
     pub fn advance(&mut self, fabric: &mut Fabric, wanted: &Fabric, dt: f32, worst_edge: f32) -> bool {
         match &mut self.target {
             None => {
@@ -104,7 +104,7 @@ impl Slew {
 struct Way {
     /// At most (dimensionless).
     step: f32,
-    /// Length of the frame [s].
+    /// Length of the frame `[s]`.
     dt: f32,
 }
 

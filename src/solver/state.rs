@@ -8,22 +8,22 @@ use glam::{Vec3, Vec4};
 /// the cloth without adding velocity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClothState {
-    /// `xyz` position [m], `w` inverse mass [1/kg]; 0 = pinned. One per particle, in the order of `RestShape`.
+    /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`; 0 = pinned. One per particle, in the order of `RestShape`.
     pub positions: Vec<Vec4>,
-    /// `xyz` position [m] at the start of the last substep; `w` unused (0). One per particle.
+    /// `xyz` position `[m]` at the start of the last substep; `w` unused (0). One per particle.
     pub previous: Vec<Vec4>,
-    /// Curvature [1/m] from which the friction between yarns holds each element of `RestShape::bends`, by lane; empty before the first frame.
+    /// Curvature `[1/m]` from which the friction between yarns holds each element of `RestShape::bends`, by lane; empty before the first frame.
     pub folds: Vec<Vec4>,
-    /// Length of the last substep [s]; 0 before the first.
+    /// Length of the last substep `[s]`; 0 before the first.
     pub substep: f32,
     /// Substeps taken since the start.
     pub substeps: u64,
-    /// Simulated time since the start [s].
+    /// Simulated time since the start `[s]`.
     pub time: f64,
 }
 
 impl ClothState {
-    /// Velocity [m/s] of particle `i` over the last substep; zero before the first.
+    /// Velocity `[m/s]` of particle `i` over the last substep; zero before the first.
     #[must_use]
     pub fn velocity(&self, i: usize) -> Vec3 {
         if self.substep > 0.0 { (self.positions[i] - self.previous[i]).truncate() / self.substep } else { Vec3::ZERO }

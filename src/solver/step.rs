@@ -21,14 +21,14 @@ pub struct Anchors {
     pub particles: Vec<u32>,
     /// How firmly each is held: 1 = rigidly (infinite mass), towards 0 = hardly. Same length as `particles`.
     pub weights: Vec<f32>,
-    /// Target at the start of the frame [m].
+    /// Target at the start of the frame `[m]`.
     pub from: Vec<Vec3>,
-    /// Target at the end of the frame [m].
+    /// Target at the end of the frame `[m]`.
     pub to: Vec<Vec3>,
 }
 
 impl Anchors {
-    /// Longest way of a target in the frame [m].
+    /// Longest way of a target in the frame `[m]`.
     fn longest_way(&self) -> f32 {
         self.from.iter().zip(&self.to).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f32::max).sqrt()
     }
@@ -37,9 +37,9 @@ impl Anchors {
 /// Inputs of one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameInput<'a> {
-    /// Length of the frame [s]; 0, less or not finite: nothing moves.
+    /// Length of the frame `[s]`; 0, less or not finite: nothing moves.
     pub dt: f32,
-    /// Gravity [m/s²].
+    /// Gravity `[m/s²]`.
     pub gravity: Vec3,
     /// Bodies, in the frame of simulation.
     pub bodies: &'a [Body],
@@ -52,7 +52,7 @@ pub struct FrameInput<'a> {
 pub struct StepReport {
     /// Substeps taken.
     pub substeps: u32,
-    /// Time beyond [`Stepping::max_frame`] that was not simulated [s].
+    /// Time beyond [`Stepping::max_frame`] that was not simulated `[s]`.
     pub lost_time: f32,
     /// Largest edge length over rest length after the frame (dimensionless); infinite when a position is not finite.
     pub worst_edge: f32,
@@ -82,9 +82,9 @@ pub struct Scratch {
     faces: FaceContacts,
     laid: Laid,
     carried: air::Carried,
-    /// Area at rest [m²].
+    /// Area at rest `[m²]`.
     area: f32,
-    /// Longest edge at rest [m].
+    /// Longest edge at rest `[m]`.
     longest_edge: f32,
     coupling: Coupling,
     /// Particles that are pinned to bodies that cloth can move.
@@ -93,13 +93,13 @@ pub struct Scratch {
     pulls: pull::Pulls,
     rigid: Vec<u32>,
     acceleration: Vec<Vec4>,
-    /// What particles did in the last substep [m], `w` their inverse mass [1/kg], while it is damped.
+    /// What particles did in the last substep `[m]`, `w` their inverse mass `[1/kg]`, while it is damped.
     motion: Vec<Vec4>,
     before: Vec<Vec4>,
-    /// Ways in the substep [m] before anything held the cloth together, if it bounces.
+    /// Ways in the substep `[m]` before anything held the cloth together, if it bounces.
     inbound: Vec<Vec4>,
     displaced: Vec<Vec4>,
-    /// How much farther the velocity of the last inner step would have got in the substep [m].
+    /// How much farther the velocity of the last inner step would have got in the substep `[m]`.
     late: Vec<Vec4>,
     /// Inner steps of the last substep; 0 before the first.
     inner_steps: u32,
@@ -116,10 +116,10 @@ pub struct Scratch {
     driven: bool,
     /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
     borne: u32,
-    /// For how long it was slow [s].
+    /// For how long it was slow `[s]`.
     slow_for: f32,
     frame: Option<Frame>,
-    /// Substep the factors were computed for [s]; 0: none yet.
+    /// Substep the factors were computed for `[s]`; 0: none yet.
     factors_for: f32,
 }
 
@@ -129,7 +129,7 @@ impl Scratch {
         &mut self.pulls
     }
 
-    /// Number of the body, particle and mean push per substep [m] of every contact in the last substep: of particles, by body, then of
+    /// Number of the body, particle and mean push per substep `[m]` of every contact in the last substep: of particles, by body, then of
     /// faces, by body, each as if its nearest corner bore it alone.
     pub fn touches(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.contacts.loads().chain(self.faces.loads())
@@ -140,7 +140,7 @@ impl Scratch {
         self.contacts.touching().chain(self.faces.touching())
     }
 
-    /// The time over which velocities were the last substep's [s]: that of its last inner step.
+    /// The time over which velocities were the last substep's `[s]`: that of its last inner step.
     fn last_step(&self, state: &ClothState) -> f32 {
         state.substep / self.inner_steps.max(1) as f32
     }
@@ -174,7 +174,7 @@ impl Scratch {
     }
 
     /// Particles that touched a body in the last substep, one once for each of its faces that did, each with the force of the body on it
-    /// [N], on average over the last substeps: `F = m C / h²`, `C` the mean push of a substep `h`. What other cloth lies on them is not in
+    /// `[N]`, on average over the last substeps: `F = m C / h²`, `C` the mean push of a substep `h`. What other cloth lies on them is not in
     /// it.
     pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
         self.touches().filter_map(|(_, p, load)| {
@@ -200,7 +200,7 @@ impl Scratch {
         self.worst_edge - 1.0
     }
 
-    /// Memory held by factors, tethers and forces [B]; contacts and gusts come on top where there are any.
+    /// Memory held by factors, tethers and forces `[B]`; contacts and gusts come on top where there are any.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.springs.bytes()
@@ -216,19 +216,19 @@ impl Scratch {
     }
 }
 
-/// Wind forces are evaluated at least this often [Hz].
+/// Wind forces are evaluated at least this often `[Hz]`.
 const WIND_RATE: f32 = 60.0;
 
 /// Tethers are solved once in this many substeps; in every substep of a calm cloth, which the alternation would keep from rest.
 const TETHER_EVERY: u64 = 2;
 
-/// Root mean square of the speeds over a frame below which a cloth becomes calm [m/s]; at twice that it no longer is.
+/// Root mean square of the speeds over a frame below which a cloth becomes calm `[m/s]`; at twice that it no longer is.
 const CALM_SPEED: f32 = 0.03;
 
-/// Time for which it has to be that slow [s].
+/// Time for which it has to be that slow `[s]`.
 const CALM_AFTER: f32 = 0.25;
 
-/// What a calm cloth loses of its velocities on top of drag [1/s]: what one sweep over constraints in a row leaves over keeps going around
+/// What a calm cloth loses of its velocities on top of drag `[1/s]`: what one sweep over constraints in a row leaves over keeps going around
 /// for ever otherwise.
 const CALM_DRAG: f32 = 6.0;
 
@@ -254,7 +254,7 @@ const WILD: f32 = 8.0;
 /// do it every other frame.
 const EASED: f32 = 0.5;
 
-/// Most by which tethers give way, as a share of their length at rest (dimensionless), and how fast they do, and come back [1/s]: cloth that is let go
+/// Most by which tethers give way, as a share of their length at rest (dimensionless), and how fast they do, and come back `[1/s]`: cloth that is let go
 /// from a body would be thrown.
 const MOST_GIVE: f32 = 0.05;
 const GIVE_WAY: f32 = 10.0;
@@ -353,7 +353,7 @@ pub struct Stepped<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     dt: f32,
-    /// Length of a substep [s].
+    /// Length of a substep `[s]`.
     h: f32,
     /// Substeps begun.
     begun: u32,
@@ -363,14 +363,14 @@ struct Frame {
     strained: bool,
     taut: bool,
     calm: bool,
-    /// Drag [1/s].
+    /// Drag `[1/s]`.
     drag: f32,
     report: StepReport,
 }
 
 impl Frame {
-    /// What of a way over the last step, of `last` [s], is taken over a step of `h` [s] where `motion` is without drag (dimensionless), and what an
-    /// acceleration is multiplied by for that step [s²].
+    /// What of a way over the last step, of `last` `[s]`, is taken over a step of `h` `[s]` where `motion` is without drag (dimensionless), and what an
+    /// acceleration is multiplied by for that step `[s²]`.
     fn forces(&self, h: f32, motion: f32, last: f32) -> (f32, f32) {
         (motion * (-self.drag * h).exp(), 0.5 * h * (last + h))
     }
@@ -396,7 +396,7 @@ const ELASTIC: f32 = 0.1;
 /// Cosine of the angle to gravity within which what cloth gives a body is its own weight: 60°.
 const LIES: f32 = 0.5;
 
-/// Substeps that a cloth that nothing drives takes for a frame of `dt` [s].
+/// Substeps that a cloth that nothing drives takes for a frame of `dt` `[s]`.
 #[must_use]
 pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
     substeps(dt.min(stepping.max_frame), stepping.substep_rate)
@@ -446,12 +446,12 @@ impl Stepped<'_> {
         count * borne.max(driven)
     }
 
-    /// How far a heavier body may press the cloth in a substep [m].
+    /// How far a heavier body may press the cloth in a substep `[m]`.
     fn most_pressed(&self) -> f32 {
         PRESSED * self.fabric.strain_limit.min(ELASTIC) * self.rest.mean_edge
     }
 
-    /// Mass of the cloth [kg], if bodies take what it does to them; 0 otherwise.
+    /// Mass of the cloth `[kg]`, if bodies take what it does to them; 0 otherwise.
     fn mass(&self) -> f32 {
         let takes = self.input.bodies.iter().any(|body| body.rigid.is_some());
         if takes { self.fabric.density * self.rest.areas.iter().sum::<f32>() } else { 0.0 }
@@ -483,7 +483,7 @@ impl Stepped<'_> {
         scratch.borne = borne;
     }
 
-    /// Inner steps in a substep of `h` [s]: as many as tension needs to get along the cloth.
+    /// Inner steps in a substep of `h` `[s]`: as many as tension needs to get along the cloth.
     fn inner_steps(&self, stepping: &Stepping, h: f32) -> u32 {
         let rate = drape_rate(self.rest.mean_edge).min(stepping.inner_rate);
         substeps(h, rate)
@@ -612,7 +612,7 @@ impl Stepped<'_> {
         true
     }
 
-    /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration times `push` [s²].
+    /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration times `push` `[s²]`.
     fn predict(&self, (carry, push): (f32, f32), state: &mut ClothState, scratch: &Scratch) {
         let (x, old) = (&mut state.positions, &mut state.previous);
         if self.input.wind.density > 0.0 {
@@ -622,7 +622,7 @@ impl Stepped<'_> {
         }
     }
 
-    /// The way of a substep of `h` [s] over that of the last one (dimensionless), 0 after none.
+    /// The way of a substep of `h` `[s]` over that of the last one (dimensionless), 0 after none.
     fn motion(state: &ClothState, h: f32) -> f32 {
         if state.substep > 0.0 { h / state.substep } else { 0.0 }
     }
@@ -728,7 +728,7 @@ impl Stepped<'_> {
         scratch.late.clear();
     }
 
-    /// Tells bodies what the cloth did to pins on them in a step of `h` [s] that ended at the share `s` of the frame.
+    /// Tells bodies what the cloth did to pins on them in a step of `h` `[s]` that ended at the share `s` of the frame.
     fn pull(&self, h: f32, s: f32, gravity: Vec3, scratch: &mut Scratch, positions: &mut [Vec4]) {
         let pull = Pull { rest: self.rest, anchors: self.anchors, s, h, gravity, density: self.fabric.density };
         scratch.coupling.react(&pull, positions);
@@ -815,7 +815,7 @@ impl Stepped<'_> {
     }
 }
 
-/// How far tethers give way now, as a share of their length at rest (dimensionless), a time of `dt` [s] after they gave `scratch.give`. Cloth that a
+/// How far tethers give way now, as a share of their length at rest (dimensionless), a time of `dt` `[s]` after they gave `scratch.give`. Cloth that a
 /// body holds farther from its pins than they are long, by more than its thickness, is longer all the way to them, within its strain limit, not
 /// only where the body is.
 fn give(fabric: &Fabric, scratch: &Scratch, positions: &[Vec4], dt: f32) -> f32 {
@@ -834,7 +834,7 @@ fn slow_what_is_stuck(before: &[Vec4], share: f32, state: &mut ClothState) {
     }
 }
 
-/// Mean square of speeds [m²/s²]: of free particles that were `before` and are where they are after a frame of `dt` [s]. Where constraints pull
+/// Mean square of speeds `[m²/s²]`: of free particles that were `before` and are where they are after a frame of `dt` `[s]`. Where constraints pull
 /// against each other within it, they only tremble.
 fn mean_square_speed(positions: &[Vec4], before: &[Vec4], dt: f32) -> f32 {
     let (mut sum, mut count) = (0.0, 0u32);
@@ -934,7 +934,7 @@ fn hold_together(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions
     }
 }
 
-/// Substeps of equal length in a frame of `dt` [s] at `rate` [Hz]: at least one, and not one more for rounding.
+/// Substeps of equal length in a frame of `dt` `[s]` at `rate` `[Hz]`: at least one, and not one more for rounding.
 fn substeps(dt: f32, rate: f32) -> u32 {
     ((dt * rate - 1.0e-3).ceil() as u32).max(1)
 }

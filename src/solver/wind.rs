@@ -24,7 +24,7 @@ use glam::{DVec3, Mat4, Quat, Vec3, Vec3A, Vec4};
 
 use super::rest::LANES;
 
-/// Density of air at 15 °C and sea level [kg/m³].
+/// Density of air at 15 °C and sea level `[kg/m³]`.
 pub const AIR_DENSITY: f32 = 1.225;
 
 /// Number of modes, two vectors of four. Ratio of neighbouring wave numbers is 1.1³, so that `k^(-1/3)` falls by 1.1.
@@ -34,19 +34,19 @@ const RATIO_CBRT: f32 = 1.1;
 /// The air as one cloth sees it in one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wind {
-    /// Mean velocity [m/s]. Default 0. Not finite counts as 0.
+    /// Mean velocity `[m/s]`. Default 0. Not finite counts as 0.
     pub velocity: Vec3,
-    /// Density of the air [kg/m³]. Default 1.225, range 0 to 1000. 0: no air at all, not even drag.
+    /// Density of the air `[kg/m³]`. Default 1.225, range 0 to 1000. 0: no air at all, not even drag.
     pub density: f32,
     /// Gusts.
     pub turbulence: Turbulence,
     /// Places with a wind of their own, in the frame of simulation, applied in this order.
     pub zones: Vec<WindZone>,
-    /// The world's coordinates of the origin of the frame of simulation [m], so that the gusts are one field in the world.
+    /// The world's coordinates of the origin of the frame of simulation `[m]`, so that the gusts are one field in the world.
     pub origin: DVec3,
-    /// How far the mean wind has carried the eddies since the start, `∫ velocity dt` [m]. See [`Wind::advance`].
+    /// How far the mean wind has carried the eddies since the start, `∫ velocity dt` `[m]`. See [`Wind::advance`].
     pub travel: DVec3,
-    /// Time since the start [s]: the age of the eddies. See [`Wind::advance`].
+    /// Time since the start `[s]`: the age of the eddies. See [`Wind::advance`].
     pub time: f64,
 }
 
@@ -77,13 +77,13 @@ impl Wind {
         }
     }
 
-    /// Mean velocity with zones at a point of the frame of simulation [m/s].
+    /// Mean velocity with zones at a point of the frame of simulation `[m/s]`.
     #[must_use]
     pub fn mean_at(&self, point: Vec3) -> Vec3 {
         self.zones.iter().fold(finite(self.velocity), |wind, zone| zone.blend(point, wind))
     }
 
-    /// Bound on the speed of the air anywhere [m/s], but for one gust in a thousand: no particle is blown faster than this.
+    /// Bound on the speed of the air anywhere `[m/s]`, but for one gust in a thousand: no particle is blown faster than this.
     #[must_use]
     pub fn fastest(&self) -> f32 {
         if !self.blows() {
@@ -110,10 +110,10 @@ pub struct Turbulence {
     /// Root mean square of each component of the gusts over the mean wind speed (dimensionless). Default 0; open country 0.15, a city 0.3.
     /// Range 0 to 5.
     pub intensity: f32,
-    /// Size of the largest eddies [m]. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells and fades as a whole;
+    /// Size of the largest eddies `[m]`. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells and fades as a whole;
     /// smaller than its triangles: noise.
     pub length: f32,
-    /// How often the largest eddies turn over [Hz], on top of the `speed / length` at which they pass by. Default 0.5, range 0 to 20.
+    /// How often the largest eddies turn over `[Hz]`, on top of the `speed / length` at which they pass by. Default 0.5, range 0 to 20.
     pub frequency: f32,
     /// Same seed, same gusts.
     pub seed: u64,
@@ -135,13 +135,13 @@ impl Default for Turbulence {
 pub struct WindZone {
     /// Shape of the zone around its centre.
     pub shape: ZoneShape,
-    /// Centre, in the frame of simulation [m].
+    /// Centre, in the frame of simulation `[m]`.
     pub center: Vec3,
     /// Rotation of the zone.
     pub rotation: Quat,
-    /// Velocity of the zone in the axes of the frame of simulation [m/s].
+    /// Velocity of the zone in the axes of the frame of simulation `[m/s]`.
     pub velocity: Vec3,
-    /// Distance from the border inwards over which the zone rises to its full strength [m]. Default 0.2, range 0 to 1000; 0: a hard edge.
+    /// Distance from the border inwards over which the zone rises to its full strength `[m]`. Default 0.2, range 0 to 1000; 0: a hard edge.
     pub falloff: f32,
     /// Whether the zone's wind adds to the wind around it or takes its place.
     pub mode: ZoneMode,
@@ -163,14 +163,14 @@ impl Default for WindZone {
 /// Shape of a [`WindZone`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ZoneShape {
-    /// A ball [m].
+    /// A ball `[m]`.
     Sphere {
-        /// Radius [m].
+        /// Radius `[m]`.
         radius: f32,
     },
-    /// A box [m].
+    /// A box `[m]`.
     Box {
-        /// Half of its sizes along its own axes [m].
+        /// Half of its sizes along its own axes `[m]`.
         half_extents: Vec3,
     },
 }
@@ -234,11 +234,11 @@ impl Default for Aerodynamics {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     made_for: (u64, u32),
-    /// Wave vectors [turns/m], by component, four modes a vector.
+    /// Wave vectors `[turns/m]`, by component, four modes a vector.
     wave: [[Vec4; 3]; MODES / 4],
     /// Amplitudes for a root mean square of 1 per component.
     amplitude: [[Vec4; 3]; MODES / 4],
-    /// Phase at the origin [turns].
+    /// Phase at the origin `[turns]`.
     phase: [f32; MODES],
     /// Frequency over that of the largest eddies (dimensionless).
     aging: [f32; MODES],
@@ -290,7 +290,7 @@ impl Modes {
         self.made_for == (turbulence.seed, length_of(turbulence).to_bits())
     }
 
-    /// Phases at the origin of the frame now [turns], reduced in double precision: exact at any distance and time.
+    /// Phases at the origin of the frame now `[turns]`, reduced in double precision: exact at any distance and time.
     fn now(&self, wind: &Wind) -> [Vec4; MODES / 4] {
         let start = wind.origin - wind.travel;
         let frequency = f64::from(finite(Vec3::splat(wind.turbulence.frequency)).x);
@@ -326,14 +326,14 @@ impl Modes {
 #[derive(Clone, Debug, Default)]
 pub struct WindForces {
     modes: Option<Modes>,
-    /// Wind relative to each particle [m/s].
+    /// Wind relative to each particle `[m/s]`.
     relative: Vec<Vec4>,
-    /// `xyz` force [N], `w` coefficient of drag `|F| / |v|` [kg/s] of each particle.
+    /// `xyz` force `[N]`, `w` coefficient of drag `|F| / |v|` `[kg/s]` of each particle.
     forces: Vec<Vec4>,
 }
 
 impl WindForces {
-    /// Velocity of the air at a point of the frame of simulation [m/s], gusts and zones included.
+    /// Velocity of the air at a point of the frame of simulation `[m/s]`, gusts and zones included.
     pub fn velocity_at(&mut self, wind: &Wind, point: Vec3) -> Vec3 {
         let mean = wind.mean_at(point);
         let intensity = intensity_of(wind);
@@ -345,10 +345,10 @@ impl WindForces {
         mean + Vec3::from(gust) * (intensity * mean.length())
     }
 
-    /// Adds the acceleration of each particle by the air to `acc` (`xyz` [m/s²], `w` unused).
+    /// Adds the acceleration of each particle by the air to `acc` (`xyz` `[m/s²]`, `w` unused).
     ///
-    /// `positions`: `w` = inverse mass [1/kg], particles with 0 get nothing. `substep`: time between `previous` and `positions` [s], 0 or
-    /// less when the cloth is at rest. `hold`: how long the accelerations will be used before the next call [s]. Faces with an index past
+    /// `positions`: `w` = inverse mass `[1/kg]`, particles with 0 get nothing. `substep`: time between `previous` and `positions` `[s]`, 0 or
+    /// less when the cloth is at rest. `hold`: how long the accelerations will be used before the next call `[s]`. Faces with an index past
     /// the end: no force.
     pub fn apply(
         &mut self,
@@ -436,7 +436,7 @@ impl WindForces {
 /// What a triangle does with the wind.
 #[derive(Clone, Copy)]
 struct Plate {
-    /// `ρ / 12`: ½ of the dynamic pressure, ½ of the cross product, ⅓ for each corner [kg/m³].
+    /// `ρ / 12`: ½ of the dynamic pressure, ½ of the cross product, ⅓ for each corner `[kg/m³]`.
     share: f32,
     drag: f32,
     lift: f32,
@@ -581,7 +581,7 @@ mod tests {
         (positions, previous, faces)
     }
 
-    /// Mean force on the sheet [N].
+    /// Mean force on the sheet `[N]`.
     fn force(wind: &Wind, fabric: Aerodynamics, velocity: Vec3) -> Vec3 {
         let (positions, previous, faces) = sheet(9, 0.2, velocity);
         let mut acc = vec![Vec4::ZERO; positions.len()];

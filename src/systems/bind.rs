@@ -29,7 +29,7 @@ use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
 
-/// Silence before a cloth that waits is mentioned [s].
+/// Silence before a cloth that waits is mentioned `[s]`.
 pub(crate) const PATIENCE: f64 = 5.0;
 
 /// A cloth, bound or not.
@@ -443,7 +443,7 @@ fn same_topology(a: &Arc<RestShape>, b: &Arc<RestShape>) -> bool {
         && (a.topology.faces == b.topology.faces || corners(a) == corners(b))
 }
 
-/// Radius of the ball around the box of the shape at rest [m].
+/// Radius of the ball around the box of the shape at rest `[m]`.
 fn radius(rest: &RestShape) -> f32 {
     let fold = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
     let (low, high) = rest.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold);

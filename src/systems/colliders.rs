@@ -37,7 +37,7 @@ impl ColliderBody {
         self.shape = shape;
     }
 
-    /// Radius of the ball around it [m].
+    /// Radius of the ball around it `[m]`.
     #[cfg(feature = "avian")]
     pub fn reach(&self) -> f32 {
         self.reach
@@ -50,7 +50,7 @@ enum Stage {
     /// Not tried yet.
     #[default]
     New,
-    /// Its mesh is not there; since that real time [s].
+    /// Its mesh is not there; since that real time `[s]`.
     Waiting {
         since: f64,
     },
@@ -76,7 +76,7 @@ pub(crate) struct WorldBody {
 /// A body in the world that takes what cloth does to it.
 pub(crate) struct WorldRigid {
     pub entity: Entity,
-    /// Centre of mass at both ends of the frame [m].
+    /// Centre of mass at both ends of the frame `[m]`.
     pub from: Vec3,
     pub to: Vec3,
     pub velocity: Option<Vec3>,
@@ -221,7 +221,7 @@ pub(crate) fn poses(
     bodies.sort_unstable_by_key(|body| body.entity);
 }
 
-/// Jumps shorter than this are motion [m].
+/// Jumps shorter than this are motion `[m]`.
 pub(super) const LEAST_JUMP: f32 = 2.0;
 
 /// A body that jumps further than cloth teleports sweeps nothing on its way.

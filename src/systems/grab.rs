@@ -8,7 +8,7 @@ use crate::notices::Notices;
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::pull::Pull;
 
-/// Largest force over the mass of the free particles [m/s²], twenty times the weight of the cloth: beyond it, springs that are solved once
+/// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth: beyond it, springs that are solved once
 /// a substep give way.
 const MOST_ACCELERATION: f32 = 20.0 * 9.81;
 
@@ -20,7 +20,7 @@ pub(crate) struct Grip {
     shares: Vec<(u32, f32)>,
     /// From what the shares were found: cloth, particles, weights, radius, and number of particles.
     of: Option<(Entity, [u32; 3], Vec3, f32, usize)>,
-    /// Target of the last frame in the world [m].
+    /// Target of the last frame in the world `[m]`.
     target: Option<Vec3>,
 }
 

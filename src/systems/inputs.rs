@@ -20,7 +20,7 @@ use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
 
-/// Distance from the origin of the frame at which it is moved along [m]. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
+/// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
 /// units in the last place, at 16 m only 22.
 const REBASE: f32 = 2.0;
 
@@ -309,8 +309,8 @@ fn scaled(zone: WindZone, scale: Vec3) -> WindZone {
     WindZone { shape, ..zone }
 }
 
-/// Box in the world that a cloth may be in during a frame of `dt` [s], as far as its speed and its anchors tell, with its own radius to spare for
-/// what wind and bodies do [m]; none when it is nowhere.
+/// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed and its anchors tell, with its own radius to spare for
+/// what wind and bodies do `[m]`; none when it is nowhere.
 fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Vec3, Vec3)> {
     let ClothState { positions, previous, substep, .. } = &particles.state;
     let substeps = if *substep > 0.0 { dt / substep } else { 0.0 };
@@ -388,7 +388,7 @@ mod tests {
     use crate::solver::recover::Recovery;
     use crate::solver::step::Anchors;
 
-    /// Numbers of the zones that a particle at `at` with the speed `velocity` [m/s] is told of in a frame of 0.1 s.
+    /// Numbers of the zones that a particle at `at` with the speed `velocity` `[m/s]` is told of in a frame of 0.1 s.
     fn told(at: Vec3, velocity: Vec3, zones: &[(Vec3, f32)]) -> Vec<usize> {
         let mut world = World::new();
         let mut time = ClothTime::default();

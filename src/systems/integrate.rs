@@ -144,7 +144,7 @@ impl Members for Together<'_, '_, '_, '_> {
     }
 }
 
-/// Prepares a frame of `dt` [s]; false when the cloth does not move in it.
+/// Prepares a frame of `dt` `[s]`; false when the cloth does not move in it.
 fn begin(
     rest: &ClothRest,
     dt: f32,

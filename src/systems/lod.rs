@@ -11,9 +11,9 @@ use crate::time::ClothTime;
 
 /// Share of a distance at which the next finer level begins, so that nothing flickers at the border.
 const NEARER: f64 = 0.9;
-/// Time unseen after which it counts [s]: what only leaves the picture for a moment is not touched.
+/// Time unseen after which it counts `[s]`: what only leaves the picture for a moment is not touched.
 const PATIENCE: f32 = 0.5;
-/// Fewest substeps per second [Hz].
+/// Fewest substeps per second `[Hz]`.
 const LEAST_RATE: f32 = 30.0;
 
 /// Scales the substeps of every cloth that has a level of detail, and stops what is far away.
@@ -88,7 +88,7 @@ pub(crate) fn detail(
     }
 }
 
-/// The level at a distance [m] of a cloth that was at `last`.
+/// The level at a distance `[m]` of a cloth that was at `last`.
 fn at_distance(lod: &ClothLod, distance: f64, last: ClothDetail) -> ClothDetail {
     let (near, far) = (f64::from(lod.full_within), f64::from(lod.still_beyond));
     let level = |distance: f64| {

@@ -19,7 +19,7 @@ pub(crate) mod touch;
 
 use bevy::platform::time::Instant;
 
-/// Starts to measure; the result tells how long ago that was [ms].
+/// Starts to measure; the result tells how long ago that was `[ms]`.
 fn stopwatch() -> impl Fn() -> f32 {
     let start = Instant::now();
     move || start.elapsed().as_secs_f32() * 1.0e3

@@ -28,9 +28,9 @@ use crate::solver::body::{Pose, SharedShape};
 use crate::solver::wind::Turbulence;
 use crate::time::ClothTime;
 
-/// Way of a pin or a body that counts as none [m], and of the parts of its rotation.
+/// Way of a pin or a body that counts as none `[m]`, and of the parts of its rotation.
 const STILL: f32 = 1.0e-4;
-/// Distance from the box of a cloth at which a body is near, on top of thickness and margin [m].
+/// Distance from the box of a cloth at which a body is near, on top of thickness and margin `[m]`.
 pub(super) const NEAR: f32 = 0.02;
 
 /// How long a cloth has been at rest, and under what.
@@ -40,13 +40,13 @@ pub(crate) struct Slumber {
     asleep: bool,
     /// Another cloth came near.
     pub roused: bool,
-    /// Time at rest [s].
+    /// Time at rest `[s]`.
     quiet_for: f32,
     /// Whether it rested long enough.
     ready: bool,
     threshold: f32,
     delay: f32,
-    /// Where the particles were when the rest began [m].
+    /// Where the particles were when the rest began `[m]`.
     marks: Vec<Vec3>,
     seen: Seen,
 }
@@ -231,7 +231,7 @@ impl Seen {
     }
 }
 
-/// Whether a body is, or was at the start of the frame, or passed between, near a box [m].
+/// Whether a body is, or was at the start of the frame, or passed between, near a box `[m]`.
 pub(super) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
     let pose = |at: &Isometry3d| Pose::from_parts(at.translation.into(), at.rotation);
     let mut swept = body.shape.compute_aabb(&pose(&body.to));
@@ -243,7 +243,7 @@ pub(super) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
     !((swept.mins - margin).cmpgt(high).any() || (swept.maxs + margin).cmplt(low).any())
 }
 
-/// Whether a zone may reach into a box [m].
+/// Whether a zone may reach into a box `[m]`.
 pub(super) fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
     let radius = match zone.shape {
         WindZoneShape::Box { half_size } => half_size.length(),

@@ -79,7 +79,7 @@ fn entry(now: &mut Vec<ClothTouch>, other: Entity) -> &mut ClothTouch {
     &mut now[at]
 }
 
-/// `edge`: how far a particle may be from the point of its face that touches [m].
+/// `edge`: how far a particle may be from the point of its face that touches `[m]`.
 fn with_bodies(
     edge: f32,
     inputs: &ClothInputs,

@@ -3,7 +3,7 @@
 use crate::components::GlobalWind;
 use crate::inspector::setting::{Field, Kind, Part, Scale, Setting};
 
-/// Wind that can be felt, from calm to a hurricane [m/s].
+/// Wind that can be felt, from calm to a hurricane `[m/s]`.
 const SPEED: Scale = Scale::real(-200.0, 200.0).slider(-30.0, 30.0);
 const TURBULENCE: Scale = Scale::real(0.0, 5.0).slider(0.0, 1.5);
 const LENGTH: Scale = Scale::real(0.05, 1000.0).slider(0.1, 100.0).log();

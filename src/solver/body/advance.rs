@@ -15,7 +15,7 @@ fn between(from: &Face, to: &Face, s: f32) -> Face {
     [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * s)
 }
 
-/// Longest way of a corner [m].
+/// Longest way of a corner `[m]`.
 #[inline]
 pub(super) fn longest_way(from: &Face, to: &Face) -> f32 {
     let square = |i: usize| (to[i] - from[i]).length_squared();

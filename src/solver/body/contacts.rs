@@ -24,15 +24,15 @@ const TELEPORTED: f32 = 16.0;
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
-    /// Length of the frame [s].
+    /// Length of the frame `[s]`.
     pub dt: f32,
-    /// Length of the substep that lies between `previous` and `positions` [s]; 0 or less: the cloth is at rest.
+    /// Length of the substep that lies between `previous` and `positions` `[s]`; 0 or less: the cloth is at rest.
     pub substep: f32,
-    /// Gravity [m/s²].
+    /// Gravity `[m/s²]`.
     pub gravity: Vec3,
-    /// Thickness of the fabric [m].
+    /// Thickness of the fabric `[m]`.
     pub thickness: f32,
-    /// Distance beyond ballistic motion that a particle may be dragged in the frame [m], for example the longest way of an anchor, and of
+    /// Distance beyond ballistic motion that a particle may be dragged in the frame `[m]`, for example the longest way of an anchor, and of
     /// the wind (`Wind::fastest() · dt`). 0 if unknown.
     pub extra: f32,
 }
@@ -40,7 +40,7 @@ pub struct Approach {
 /// The fabric's side of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch {
-    /// Distance kept to every body [m].
+    /// Distance kept to every body `[m]`.
     pub thickness: f32,
     /// Static friction coefficient (dimensionless).
     pub static_friction: f32,
@@ -63,7 +63,7 @@ impl Touch {
         Friction::between((body.static_friction, body.dynamic_friction), (self.static_friction, self.dynamic_friction))
     }
 
-    /// Distance kept to a body [m].
+    /// Distance kept to a body `[m]`.
     pub(super) fn kept(&self, body: &Body) -> f32 {
         finite_or_zero(self.thickness) + finite_or_zero(body.margin)
     }
@@ -79,11 +79,11 @@ impl Touch {
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     particle: u32,
-    /// Running mean of the push per substep [m]; 0 out of contact.
+    /// Running mean of the push per substep `[m]`; 0 out of contact.
     load: f32,
     /// The plane on which it was put when it last touched, in the space of the part.
     plane: Plane,
-    /// A point of body space and a radius without any surface around it [m]: no query while the path stays inside.
+    /// A point of body space and a radius without any surface around it `[m]`: no query while the path stays inside.
     clear_at: Vec3,
     clear: f32,
     /// Whether it is pinned to a body, and so touches none.
@@ -100,7 +100,7 @@ struct Part {
     candidates: (u32, u32),
     /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side by.
     places: Option<u32>,
-    /// Farthest point of the part from its own origin [m]; infinite for a half-space.
+    /// Farthest point of the part from its own origin `[m]`; infinite for a half-space.
     radius: f32,
 }
 
@@ -113,13 +113,13 @@ pub struct BodyContacts {
     /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
-    /// Where candidates of surfaces were when last projected, in the surface's own space [m]; not a number: not known.
+    /// Where candidates of surfaces were when last projected, in the surface's own space `[m]`; not a number: not known.
     places: Vec<Vec3>,
     places_before: Vec<Vec3>,
     rooms: Rooms,
-    /// Length of the frame [s].
+    /// Length of the frame `[s]`.
     dt: f32,
-    /// How far a particle can get in it by itself [m].
+    /// How far a particle can get in it by itself `[m]`.
     way: f32,
 }
 
@@ -135,7 +135,7 @@ impl BodyContacts {
         self.candidates.iter().filter(|c| c.load > 0.0).map(|c| c.particle)
     }
 
-    /// Number of the body, particle and mean push per substep [m] of every contact when last projected, by body.
+    /// Number of the body, particle and mean push per substep `[m]` of every contact when last projected, by body.
     pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.parts.iter().flat_map(|part| {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
@@ -148,7 +148,7 @@ impl BodyContacts {
         self.parts.iter().any(|part| part.body as usize == body)
     }
 
-    /// Bound on how far a particle can get in this frame by itself [m], as of the last [`Self::gather`] that had bodies.
+    /// Bound on how far a particle can get in this frame by itself `[m]`, as of the last [`Self::gather`] that had bodies.
     pub(crate) fn way(&self) -> f32 {
         self.way
     }
@@ -297,7 +297,7 @@ impl BodyContacts {
     ///
     /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the
     /// substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling`
-    /// are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles in the substep [m] as their speeds at its start
+    /// are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles in the substep `[m]` as their speeds at its start
     /// and gravity have them; empty: nothing bounces. Returns the number of contacts.
     pub fn project(
         &mut self,
@@ -434,19 +434,19 @@ struct Setting<'a> {
     rigid: Option<Yielding<'a>>,
     /// Whether no time passes.
     timeless: bool,
-    /// Distance kept [m].
+    /// Distance kept `[m]`.
     keep: f32,
     /// Place of the part among the parts.
     number: u32,
-    /// How deep a straight path may cut a corner between two points outside [m].
+    /// How deep a straight path may cut a corner between two points outside `[m]`.
     clip: f32,
-    /// Way that an overlap is recovered in the substep [m].
+    /// Way that an overlap is recovered in the substep `[m]`.
     recovery: f32,
     friction: Friction,
     restitution: f32,
-    /// Way of an approach from which on it bounces [m].
+    /// Way of an approach from which on it bounces `[m]`.
     impact: f32,
-    /// Ways in the substep [m] if nothing held the cloth together; empty: nothing bounces.
+    /// Ways in the substep `[m]` if nothing held the cloth together; empty: nothing bounces.
     inbound: &'a [Vec4],
 }
 
@@ -633,7 +633,7 @@ impl Setting<'_> {
     }
 }
 
-/// Bound on the way of any particle in the frame [m].
+/// Bound on the way of any particle in the frame `[m]`.
 fn farthest_way(positions: &[Vec4], previous: &[Vec4], approach: &Approach) -> f32 {
     let mut fastest2 = 0.0_f32;
     if approach.substep > 0.0 {

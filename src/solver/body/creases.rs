@@ -61,7 +61,7 @@ struct Known {
     shape: SharedShape,
     /// Number of the body and of its part.
     part: [u32; 2],
-    /// Cosine below which an edge is sharp (dimensionless), and the box in which all that are were found [m].
+    /// Cosine below which an edge is sharp (dimensionless), and the box in which all that are were found `[m]`.
     flat: f32,
     within: Aabb,
     creases: Vec<Crease>,
@@ -88,7 +88,7 @@ impl Creases {
         self.known.retain_mut(|known| core::mem::take(&mut known.used));
     }
 
-    /// Appends the edges of a part of a shape, which is `surface`, in a box [m] that are bent by an angle whose cosine is below `flat`, in order.
+    /// Appends the edges of a part of a shape, which is `surface`, in a box `[m]` that are bent by an angle whose cosine is below `flat`, in order.
     pub(super) fn near(
         &mut self,
         (shape, part, surface): (&SharedShape, [u32; 2], &dyn Shape),
@@ -165,7 +165,7 @@ impl Creases {
     }
 }
 
-/// Cosine of the angle that is flat enough for edges of `edge` [m] that may sag by `sag` [m].
+/// Cosine of the angle that is flat enough for edges of `edge` `[m]` that may sag by `sag` `[m]`.
 pub(super) fn flat(edge: f32, sag: f32) -> f32 {
     let angle = 4.0 * sag / edge.max(f32::MIN_POSITIVE);
     // cos θ = 1 - θ²/2 + θ⁴/24 - …: low by less than a hundredth up to 90°, where it is cut off.

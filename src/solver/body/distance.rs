@@ -6,10 +6,10 @@
 
 use glam::{Vec2, Vec3A};
 
-/// Signed distance [m] and unit normal at a point.
+/// Signed distance `[m]` and unit normal at a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    /// Signed distance to the surface [m]; a lower bound when `normal` is zero.
+    /// Signed distance to the surface `[m]`; a lower bound when `normal` is zero.
     pub(super) distance: f32,
     /// Direction in which the distance grows fastest; zero when nothing is within reach of the query.
     pub(super) normal: Vec3A,

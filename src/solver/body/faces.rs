@@ -10,8 +10,8 @@
 //!
 //! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
 //! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
-//! Two sheets over a box come to rest with it, and shook without **[measured]**. Balls, capsules and creases meet whole faces, where it is no
-//! better, and so does what is thinner than an edge of cloth: it might slip between them **[measured: needles did]**.
+//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and creases meet whole faces, where it is no
+//! better, and so does what is thinner than an edge of cloth: it might slip between them **`[measured: needles did]`**.
 //!
 //! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
 //! distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the
@@ -67,7 +67,7 @@ const EXACT: f32 = 0.02;
 const LEAST_MOBILITY: f32 = 0.05;
 /// Least weight of every corner of a face that is touched between its edges (dimensionless).
 const WITHIN: f32 = 0.02;
-/// Farthest corner that is looked at [m].
+/// Farthest corner that is looked at `[m]`.
 const FARTHEST: f32 = 1.0e6;
 
 /// Pairs listed for each face and its edges, at most: what comes on top, where a fine mesh goes by fast, is left to particles.
@@ -116,7 +116,7 @@ struct Candidate {
     /// Corner nearest to the touch.
     corner: u32,
     particles: [u32; 3],
-    /// Running mean of the push per substep [m]; 0 out of contact.
+    /// Running mean of the push per substep `[m]`; 0 out of contact.
     load: f32,
     /// What the push would be if that corner alone bore it (dimensionless).
     share: f32,
@@ -127,7 +127,7 @@ struct Candidate {
     side: Vec3,
     /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
     over: f32,
-    /// Corners when a tangent plane was last found, in the part's own space [m], and how far they may go until one has to be looked for again [m].
+    /// Corners when a tangent plane was last found, in the part's own space `[m]`, and how far they may go until one has to be looked for again `[m]`.
     corners: [Vec3; 3],
     clear: f32,
     /// Whether a corner is pinned to a body.
@@ -173,16 +173,16 @@ pub struct FaceContacts {
 pub struct Sheet<'a> {
     /// Its faces and edges.
     pub topology: &'a Topology,
-    /// Length of its longest edge [m].
+    /// Length of its longest edge `[m]`.
     pub longest_edge: f32,
-    /// Positions [m] with inverse masses [1/kg].
+    /// Positions `[m]` with inverse masses `[1/kg]`.
     pub positions: &'a [Vec4],
-    /// Thickness of the fabric [m].
+    /// Thickness of the fabric `[m]`.
     pub thickness: f32,
 }
 
 impl Sheet<'_> {
-    /// Box around faces [m].
+    /// Box around faces `[m]`.
     fn bounds(&self, faces: &[[u32; 3]]) -> (Vec3, Vec3) {
         let mut bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for &p in faces.iter().flatten() {
@@ -201,7 +201,7 @@ impl FaceContacts {
         self.candidates.len()
     }
 
-    /// Number of the body, particle and mean push per substep [m] of every touch when last projected, as if the nearest corner bore it alone.
+    /// Number of the body, particle and mean push per substep `[m]` of every touch when last projected, as if the nearest corner bore it alone.
     pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.parts.iter().flat_map(|part| {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
@@ -209,8 +209,8 @@ impl FaceContacts {
         })
     }
 
-    /// Once per frame of `dt` [s], before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on
-    /// the way of any particle [m].
+    /// Once per frame of `dt` `[s]`, before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on
+    /// the way of any particle `[m]`.
     pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
         core::mem::swap(&mut self.parts, &mut self.parts_before);
         core::mem::swap(&mut self.candidates, &mut self.candidates_before);
@@ -509,7 +509,7 @@ impl Candidate {
         }
     }
 
-    /// Notes that the face is in front of the part, and that its corners may go as far as `clear` [m] from here.
+    /// Notes that the face is in front of the part, and that its corners may go as far as `clear` `[m]` from here.
     fn pass_by(&mut self, normal: Vec3A, clear: f32, corners: &Face) {
         if normal != Vec3A::ZERO {
             self.side = normal.into();
@@ -519,7 +519,7 @@ impl Candidate {
     }
 }
 
-/// Smallest radius of curvature of a shape [m]; infinite for those that faces are not looked at for.
+/// Smallest radius of curvature of a shape `[m]`; infinite for those that faces are not looked at for.
 fn smallest_radius(shape: &dyn Shape) -> f32 {
     match shape.as_typed_shape() {
         TypedShape::HalfSpace(_) => f32::INFINITY,
@@ -531,13 +531,13 @@ fn smallest_radius(shape: &dyn Shape) -> f32 {
     }
 }
 
-/// Whether a convex shape has edges or corners, and is wider than an edge of cloth [m] in every direction: what is not pierces faces.
+/// Whether a convex shape has edges or corners, and is wider than an edge of cloth `[m]` in every direction: what is not pierces faces.
 fn has_wide_edges(shape: &dyn Shape, edge: f32) -> bool {
     let is_round = matches!(shape.as_typed_shape(), TypedShape::Ball(_) | TypedShape::Capsule(_));
     !is_round && shape.compute_local_aabb().half_extents().min_element() > 0.5 * edge
 }
 
-/// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` [m] that is kept `keep` [m] away.
+/// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` `[m]` that is kept `keep` `[m]` away.
 fn is_fine(radius: f32, edge: f32, keep: f32, yields: bool) -> bool {
     // One that cloth moves would not come to rest on faces: only what is smaller than they are.
     edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep && (!yields || edge > radius)
@@ -575,7 +575,7 @@ fn normal(face: &Face) -> Vec3A {
     (face[1] - face[0]).cross(face[2] - face[0]).normalize_or_zero()
 }
 
-/// Corners at both ends of the substep, in the part's own space [m], and inverse masses [1/kg].
+/// Corners at both ends of the substep, in the part's own space `[m]`, and inverse masses `[1/kg]`.
 struct Way {
     from: Face,
     to: Face,
@@ -584,7 +584,7 @@ struct Way {
 
 /// What tangent planes tell of a face.
 enum Pass {
-    /// It never met the part; a normal there, and its least height over the plane [m].
+    /// It never met the part; a normal there, and its least height over the plane `[m]`.
     By(Vec3A, f32),
     /// Its nearest point at the end.
     Near(Near),
@@ -600,9 +600,9 @@ struct Setting<'a> {
     pierces: bool,
     /// Place of the part among the parts.
     number: u32,
-    /// Distance kept [m].
+    /// Distance kept `[m]`.
     keep: f32,
-    /// Way that an overlap is recovered in the substep [m].
+    /// Way that an overlap is recovered in the substep `[m]`.
     recovery: f32,
     friction: Friction,
 }
@@ -852,7 +852,7 @@ impl Setting<'_> {
     }
 }
 
-/// How far a unit push moves the point with these weights [1/kg]; nothing where that is too little for it to be pushed.
+/// How far a unit push moves the point with these weights `[1/kg]`; nothing where that is too little for it to be pushed.
 fn mobility(weights: &[f32; 3], masses: &[f32; 3]) -> Option<f32> {
     let mobility: f32 = weights.iter().zip(masses).map(|(weight, mass)| weight * weight * mass).sum();
     let lightest = masses.iter().copied().fold(0.0, f32::max);

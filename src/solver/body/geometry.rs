@@ -47,7 +47,7 @@ impl<'a> Geometry<'a> {
         }
     }
 
-    /// Distance and normal at a point; no nearer than they are where nothing is within `reach` [m].
+    /// Distance and normal at a point; no nearer than they are where nothing is within `reach` `[m]`.
     #[inline]
     pub(super) fn sample(&self, q: Vec3A, reach: f32) -> Sample {
         match *self {
@@ -64,7 +64,7 @@ impl<'a> Geometry<'a> {
         }
     }
 
-    /// Radius of a ball that fits inside [m]: a shorter path through it stays inside. 0 for surfaces.
+    /// Radius of a ball that fits inside `[m]`: a shorter path through it stays inside. 0 for surfaces.
     pub(super) fn inner_radius(&self) -> f32 {
         match *self {
             Self::Ball { radius } | Self::Capsule { radius, .. } => radius,

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Without friction here a sheet that lies on another would rub on what springs have drawn along and the body is going to pull back: of 730 pairs of
-//! two sheets over a box 10 stick, with it 130, and the upper one stays **[measured]**.
+//! two sheets over a box 10 stick, with it 130, and the upper one stays **`[measured]`**.
 
 use glam::{Mat3A, Vec3A, Vec4};
 
@@ -26,7 +26,7 @@ const LET_BE: f32 = 0.6;
 /// be laid and too stretched to get out.
 const DEEPEST: f32 = 2.0;
 
-/// Where particles were before they were laid, and where to [m].
+/// Where particles were before they were laid, and where to `[m]`.
 #[derive(Clone, Debug, Default)]
 pub struct Laid {
     moved: Vec<(u32, Vec4, Vec4)>,
@@ -39,7 +39,7 @@ impl Laid {
         self.moved.reserve(most);
     }
 
-    /// Moves a particle `by` [m].
+    /// Moves a particle `by` `[m]`.
     pub(super) fn put(&mut self, particle: u32, by: Vec3A, positions: &mut [Vec4]) {
         if let Some(x) = positions.get_mut(particle as usize) {
             let from = *x;
@@ -67,14 +67,14 @@ pub struct Grounds<'a> {
     /// How the cloth touches them.
     pub touch: Touch,
     /// Whether friction holds it there, too: where it touches other cloths. Folds of a single one creep more with it: crumpled ones on a floor 0.07 to
-    /// 0.18 mm in a second instead of 0.02 to 0.05 **[measured]**.
+    /// 0.18 mm in a second instead of 0.02 to 0.05 **`[measured]`**.
     pub rubs: bool,
     /// What takes part.
     pub coupling: &'a mut Coupling,
 }
 
 impl Grounds<'_> {
-    /// The part of body `body` at `local` in it, with its farthest point at `radius` [m]; `None` for a body that is not there.
+    /// The part of body `body` at `local` in it, with its farthest point at `radius` `[m]`; `None` for a body that is not there.
     pub(super) fn part(&mut self, body: u32, local: Pose, radius: f32) -> Option<Ground> {
         let body = self.bodies.get(body as usize)?;
         let motion = Motion::so_far(body, local, radius, self.span, self.coupling);
@@ -90,13 +90,13 @@ pub(super) struct Ground {
     /// At the start and the end of the substep.
     to_body: [Mat3A; 2],
     friction: Option<Friction>,
-    /// Distance kept from it [m].
+    /// Distance kept from it `[m]`.
     pub keep: f32,
 }
 
 impl Ground {
-    /// The way [m] to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction holds what slips under
-    /// its `load` [m]. `old` and `now`: where it was when the substep began and is now [m]; `kept`: its distance from the part [m]. `None`: it touches
+    /// The way `[m]` to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction holds what slips under
+    /// its `load` `[m]`. `old` and `now`: where it was when the substep began and is now `[m]`; `kept`: its distance from the part `[m]`. `None`: it touches
     /// no more, or is so deep that it is not where it was when it last touched.
     pub(super) fn way_out(&self, plane: Plane, load: f32, [old, now]: [Vec3A; 2], kept: f32) -> Option<Vec3A> {
         let Motion { rotation1, translation0, translation1, .. } = &self.motion;

@@ -46,17 +46,17 @@ pub use shape::ShapeError;
 /// ([`shape::scaled`]).
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// The shape, in the body's own space [m].
+    /// The shape, in the body's own space `[m]`.
     pub shape: SharedShape,
-    /// Pose at the start of the frame, in the cloth's frame of simulation [m]. A body whose poses are not finite is skipped.
+    /// Pose at the start of the frame, in the cloth's frame of simulation `[m]`. A body whose poses are not finite is skipped.
     pub from: Pose,
-    /// Pose at the end of the frame [m]. Equal to `from` for a body at rest.
+    /// Pose at the end of the frame `[m]`. Equal to `from` for a body at rest.
     pub to: Pose,
     /// Static friction coefficient (dimensionless). Default 0.5, range 0 to 10. Combined with the fabric's by the geometric mean.
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
-    /// Distance kept to the shape on top of the fabric's thickness [m]. Default 0, range 0 to 1.
+    /// Distance kept to the shape on top of the fabric's thickness `[m]`. Default 0, range 0 to 1.
     pub margin: f32,
     /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default none: cloth
     /// does nothing to it.
@@ -70,7 +70,7 @@ impl Body {
         Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None }
     }
 
-    /// Whether the box around its way in the frame meets that between `low` and `high` [m]. False where a pose is not finite.
+    /// Whether the box around its way in the frame meets that between `low` and `high` `[m]`. False where a pose is not finite.
     pub(crate) fn sweeps(&self, low: Vec3, high: Vec3) -> bool {
         let (Some(from), Some(to)) = (motion::valid(self.from), motion::valid(self.to)) else { return false };
         let (swept, bulge, _) = motion::swept_box(&*self.shape.0, &from, &to);

@@ -14,7 +14,7 @@ pub(super) struct Motion {
     pub(super) translation0: Vec3A,
     pub(super) rotation1: Mat3A,
     pub(super) translation1: Vec3A,
-    /// Farthest that a point of the body moves in the substep [m]; infinite for a half-space that turns.
+    /// Farthest that a point of the body moves in the substep `[m]`; infinite for a half-space that turns.
     pub(super) way: f32,
     /// The poses that its own way leads it to, and when.
     planned: (Pose, Pose),
@@ -22,7 +22,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// Of the part of a body at `local`, which reaches `radius` [m] from its origin, from the share `s0` to the share `s1` of the frame.
+    /// Of the part of a body at `local`, which reaches `radius` `[m]` from its origin, from the share `s0` to the share `s1` of the frame.
     pub(super) fn new(body: &Body, local: Pose, radius: f32, s0: f32, s1: f32) -> Self {
         let start = blend(&body.from, &body.to, s0) * local;
         let end = blend(&body.from, &body.to, s1) * local;
@@ -72,7 +72,7 @@ pub(super) struct Yielding<'a> {
     pub(super) slot: &'a mut Slot,
     /// Share of the frame at the end of the substep.
     s: f32,
-    /// Length of the substep [s].
+    /// Length of the substep `[s]`.
     h: f32,
     /// Contacts that share the body.
     pub(super) several: f32,
@@ -80,7 +80,7 @@ pub(super) struct Yielding<'a> {
 }
 
 impl<'a> Yielding<'a> {
-    /// A body at the share `s` of the frame, at the end of a substep of `h` [s].
+    /// A body at the share `s` of the frame, at the end of a substep of `h` `[s]`.
     pub(super) fn new(slot: &'a mut Slot, s: f32, h: f32) -> Self {
         Self { slot, s, h, several: 1.0, gain: Gain::default() }
     }
@@ -94,7 +94,7 @@ impl<'a> Yielding<'a> {
         self.give_now();
     }
 
-    /// Takes what moved mass at `at` [m], which the body did not yield to: `by` is mass times way [kg m].
+    /// Takes what moved mass at `at` `[m]`, which the body did not yield to: `by` is mass times way `[kg m]`.
     pub(super) fn react(&mut self, at: Vec3A, by: Vec3A) {
         self.gain.add(self.slot.arm(at.into(), self.s), -Vec3::from(by), Vec3::ZERO);
     }
@@ -130,7 +130,7 @@ impl<'a> Yielding<'a> {
     }
 }
 
-/// Longest translation of a body in the frame [m].
+/// Longest translation of a body in the frame `[m]`.
 pub(super) fn farthest_push(bodies: &[Body]) -> f32 {
     let ways = bodies.iter().map(|body| (body.to.translation - body.from.translation).length());
     ways.filter(|way| way.is_finite()).fold(0.0, f32::max)
@@ -151,14 +151,14 @@ pub(super) fn blend(from: &Pose, to: &Pose, s: f32) -> Pose {
     Pose::from_parts(from.translation.lerp(to.translation, s), from.rotation.lerp(to.rotation, s).normalize())
 }
 
-/// Angle between two rotations, as chord and with a little to spare [rad].
+/// Angle between two rotations, as chord and with a little to spare `[rad]`.
 fn chord(a: Quat, b: Quat) -> f32 {
     let near = if a.dot(b) < 0.0 { -b } else { b };
     let difference = Vec4::from(a) - Vec4::from(near);
     2.3 * difference.length()
 }
 
-/// Box around a shape in both poses [m], how much farther it may bulge between them [m], and how far it reaches from its own origin [m].
+/// Box around a shape in both poses `[m]`, how much farther it may bulge between them `[m]`, and how far it reaches from its own origin `[m]`.
 pub(super) fn swept_box(shape: &dyn Shape, from: &Pose, to: &Pose) -> (Aabb, f32, f32) {
     let local = shape.compute_local_aabb();
     let radius = local.mins.abs().max(local.maxs.abs()).length();

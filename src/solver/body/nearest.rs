@@ -21,7 +21,7 @@ use crate::solver::detect::proximity::{closest_edges, vertex_face};
 /// Projections in turn after GJK, at most.
 const PROJECTIONS: u32 = 3;
 
-/// Corners of a face in the part's own space [m].
+/// Corners of a face in the part's own space `[m]`.
 pub(super) type Face = [Vec3A; 3];
 
 /// The nearest point of a face.
@@ -88,7 +88,7 @@ fn is_edge(face: &Face) -> bool {
     face[1] == face[2]
 }
 
-/// Weights of the face's closest point to `p`, and its distance [m].
+/// Weights of the face's closest point to `p`, and its distance `[m]`.
 #[inline]
 pub(super) fn to_point(face: &Face, p: Vec3A) -> ([f32; 3], f32) {
     if is_edge(face) {

@@ -23,7 +23,7 @@
 
 use glam::Vec3A;
 
-/// Speed at which particles that start inside a body are brought out [m/s]. Range 0.1 to 10: lower, an overlap stays
+/// Speed at which particles that start inside a body are brought out `[m/s]`. Range 0.1 to 10: lower, an overlap stays
 /// visible; higher, springs of the cloth are stretched by it.
 pub(super) const RECOVERY_SPEED: f32 = 1.0;
 
@@ -49,7 +49,7 @@ impl Friction {
         Self { fixed: mean(body.0, fabric.0).max(sliding), sliding }
     }
 
-    /// How much of the way `slip` [m] along a surface is taken back under a load [m], and whether that is all of it.
+    /// How much of the way `slip` `[m]` along a surface is taken back under a load `[m]`, and whether that is all of it.
     #[inline]
     pub(super) fn hold(self, slip: Vec3A, load: f32) -> (Vec3A, bool) {
         let length2 = slip.length_squared();
@@ -64,7 +64,7 @@ impl Friction {
     }
 }
 
-/// Speed of approach up to which nothing bounces [m/s]: what rests is pulled in by its springs and by gravity in every substep.
+/// Speed of approach up to which nothing bounces `[m/s]`: what rests is pulled in by its springs and by gravity in every substep.
 pub(crate) const IMPACT_SPEED: f32 = 0.25;
 
 /// The contact plane `n · q = c`; with a normal of zero nothing is below it.
@@ -75,7 +75,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Signed height of a point over the plane [m].
+    /// Signed height of a point over the plane `[m]`.
     #[inline]
     pub(super) fn gap(&self, q: Vec3A) -> f32 {
         self.normal.dot(q) - self.offset
@@ -88,14 +88,14 @@ pub(crate) struct Response {
     pub(crate) end: Vec3A,
     pub(crate) shift: Vec3A,
     pub(crate) load: f32,
-    /// Push of this substep, recovery aside [m].
+    /// Push of this substep, recovery aside `[m]`.
     pub(crate) push: f32,
     /// Whether static friction holds it.
     pub(crate) sticks: bool,
 }
 
 /// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one); `rise`: how far over where it began
-/// what bounces ends [m], 0: it does not.
+/// what bounces ends `[m]`, 0: it does not.
 #[inline]
 pub(crate) fn respond(
     plane: Plane,

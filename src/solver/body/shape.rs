@@ -8,9 +8,9 @@ use parry3d::math::Pose;
 use parry3d::shape::{Compound, ConvexPolyhedron, HeightField, SharedShape, TriMesh, TriMeshFlags, TypedShape};
 use parry3d::utils::Array2;
 
-/// Largest coordinate or size of a shape [m].
+/// Largest coordinate or size of a shape `[m]`.
 const LARGEST: f32 = 1.0e6;
-/// Smallest size of a primitive and of a triangle's height [m].
+/// Smallest size of a primitive and of a triangle's height `[m]`.
 const SMALLEST: f32 = 1.0e-6;
 /// Segments of a round primitive that is scaled unevenly and becomes a convex hull.
 const SUBDIVISIONS: u32 = 24;
@@ -24,7 +24,7 @@ pub enum ShapeError {
     Size {
         /// Which size.
         what: &'static str,
-        /// What was given [m].
+        /// What was given `[m]`.
         value: f32,
     },
     /// A vector without a direction.
@@ -108,7 +108,7 @@ pub fn ball(radius: f32) -> Result<SharedShape, ShapeError> {
     Ok(SharedShape::ball(size("radius", radius)?))
 }
 
-/// All points within `radius` [m] of the segment from `-half_length` to `+half_length` [m] on the Y axis. A half length of 0 makes a ball.
+/// All points within `radius` `[m]` of the segment from `-half_length` to `+half_length` `[m]` on the Y axis. A half length of 0 makes a ball.
 pub fn capsule(radius: f32, half_length: f32) -> Result<SharedShape, ShapeError> {
     let radius = size("radius", radius)?;
     if half_length == 0.0 {
@@ -117,13 +117,13 @@ pub fn capsule(radius: f32, half_length: f32) -> Result<SharedShape, ShapeError>
     Ok(SharedShape::capsule_y(size("half length", half_length)?, radius))
 }
 
-/// All points within `radius` [m] of the segment `a..b` [m].
+/// All points within `radius` `[m]` of the segment `a..b` `[m]`.
 pub fn capsule_between(a: Vec3, b: Vec3, radius: f32) -> Result<SharedShape, ShapeError> {
     points(&[a, b])?;
     Ok(SharedShape::capsule(a, b, size("radius", radius)?))
 }
 
-/// A box with the half extents [m] along X, Y and Z.
+/// A box with the half extents `[m]` along X, Y and Z.
 pub fn cuboid(half_extents: Vec3) -> Result<SharedShape, ShapeError> {
     let x = size("half extent x", half_extents.x)?;
     let y = size("half extent y", half_extents.y)?;
@@ -131,12 +131,12 @@ pub fn cuboid(half_extents: Vec3) -> Result<SharedShape, ShapeError> {
     Ok(SharedShape::cuboid(x, y, z))
 }
 
-/// A cylinder along Y [m].
+/// A cylinder along Y `[m]`.
 pub fn cylinder(radius: f32, half_height: f32) -> Result<SharedShape, ShapeError> {
     Ok(SharedShape::cylinder(size("half height", half_height)?, size("radius", radius)?))
 }
 
-/// A cone along Y [m]: apex at `+half_height`, base at `-half_height`.
+/// A cone along Y `[m]`: apex at `+half_height`, base at `-half_height`.
 pub fn cone(radius: f32, half_height: f32) -> Result<SharedShape, ShapeError> {
     Ok(SharedShape::cone(size("half height", half_height)?, size("radius", radius)?))
 }
@@ -201,7 +201,7 @@ fn box_of(bounds: Aabb) -> Result<(), ShapeError> {
     points(&[bounds.mins, bounds.maxs])
 }
 
-/// The convex hull of a cloud of points [m].
+/// The convex hull of a cloud of points `[m]`.
 pub fn convex_hull(cloud: &[Vec3]) -> Result<SharedShape, ShapeError> {
     points(cloud)?;
     let flat = ShapeError::Flat { points: cloud.len() };
@@ -251,13 +251,13 @@ fn spans_volume(cloud: &[Vec3]) -> bool {
     ac.length() > least && (d - a).dot(normal).abs() > least
 }
 
-/// A triangle mesh with two sides [m]: the cloth stays on the side it came from, and the mesh may be open.
+/// A triangle mesh with two sides `[m]`: the cloth stays on the side it came from, and the mesh may be open.
 /// Triangles with an index past the end and triangles without area are dropped.
 pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedShape, ShapeError> {
     trimesh_with(vertices, triangles, TriMeshFlags::empty())
 }
 
-/// A closed triangle mesh with an inside [m], wound counter-clockwise seen from outside: cloth that starts inside is brought out.
+/// A closed triangle mesh with an inside `[m]`, wound counter-clockwise seen from outside: cloth that starts inside is brought out.
 /// A mesh that is not closed or not manifold has no inside; use [`trimesh`].
 pub fn solid_trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedShape, ShapeError> {
     trimesh_with(vertices, triangles, TriMeshFlags::ORIENTED)
@@ -293,7 +293,7 @@ fn trimesh_with(vertices: Vec<Vec3>, mut triangles: Vec<[u32; 3]>, flags: TriMes
     }
 }
 
-/// A terrain with two sides: `rows x columns` heights, row by row along Z, each row along X, over a rectangle of `extent.x` by `extent.z` [m] around
+/// A terrain with two sides: `rows x columns` heights, row by row along Z, each row along X, over a rectangle of `extent.x` by `extent.z` `[m]` around
 /// the origin; heights are multiplied by `extent.y`.
 pub fn heightfield(rows: usize, columns: usize, heights: &[f32], extent: Vec3) -> Result<SharedShape, ShapeError> {
     if rows < 2 || columns < 2 || rows.checked_mul(columns) != Some(heights.len()) || heights.len() > (1 << 30) {

@@ -271,7 +271,7 @@ fn at_rest_every_particle_on_a_shape_keeps_more_than_half_the_thickness() {
     }
 }
 
-/// Way down the slope in 2 s [m] of a sheet with springs, and of the sheet's theory without friction.
+/// Way down the slope in 2 s `[m]` of a sheet with springs, and of the sheet's theory without friction.
 fn slide(shape: SharedShape, pose: Pose, down: Vec3, up: Vec3, friction: f32, springs: bool) -> f32 {
     let turn = Quat::from_rotation_arc(Vec3::Y, up);
     let mut scene = Scene::sheet(12, 0.4, turn, up * (THICKNESS + 1.0e-5), Vec3::ZERO);

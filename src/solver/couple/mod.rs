@@ -36,15 +36,15 @@ use super::step::Anchors;
 /// A body that takes what cloth gives it, in the cloth's frame of simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rigid {
-    /// Inverse mass along each axis [1/kg]; 0: cloth cannot move it that way.
+    /// Inverse mass along each axis `[1/kg]`; 0: cloth cannot move it that way.
     pub inverse_mass: Vec3,
-    /// Inverse inertia about the centre of mass [1/(kg m²)]; 0: cloth cannot turn it.
+    /// Inverse inertia about the centre of mass `[1/(kg m²)]`; 0: cloth cannot turn it.
     pub inverse_inertia: Mat3,
-    /// Centre of mass at the start of the frame [m].
+    /// Centre of mass at the start of the frame `[m]`.
     pub from: Vec3,
-    /// Centre of mass at the end of the frame if no cloth were there [m].
+    /// Centre of mass at the end of the frame if no cloth were there `[m]`.
     pub to: Vec3,
-    /// Velocity of the centre at the end of the frame if no cloth were there [m/s]. `None`: `(to - from) / dt`.
+    /// Velocity of the centre at the end of the frame if no cloth were there `[m/s]`. `None`: `(to - from) / dt`.
     pub velocity: Option<Vec3>,
 }
 
@@ -65,11 +65,11 @@ impl Rigid {
 /// What cloth gave a body in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Given {
-    /// Impulse [N s].
+    /// Impulse `[N s]`.
     pub linear: Vec3,
-    /// Angular impulse about the centre of mass [N m s].
+    /// Angular impulse about the centre of mass `[N m s]`.
     pub angular: Vec3,
-    /// How far the centre of mass ends from where it would have been [m].
+    /// How far the centre of mass ends from where it would have been `[m]`.
     pub shift: Vec3,
     /// Turn about the centre of mass, off how it would have been turned.
     pub turn: Quat,
@@ -91,7 +91,7 @@ struct Deviation {
 impl Deviation {
     const NONE: Self = Self { shift: Vec3::ZERO, turn: Quat::IDENTITY };
 
-    /// Moved by `shift` [m] and turned by the small rotation vector `turn` [rad].
+    /// Moved by `shift` `[m]` and turned by the small rotation vector `turn` `[rad]`.
     fn by(self, shift: Vec3, turn: Vec3) -> Self {
         let turn = Quat::from_vec4((0.5 * turn).extend(1.0)) * self.turn;
         Self { shift: self.shift + shift, turn: turn.normalize() }
@@ -103,12 +103,12 @@ impl Deviation {
 pub(crate) struct Slot {
     rigid: Rigid,
     movable: bool,
-    /// How much its way is curved: `x(s) = from + (to - from) s + bend (s² - s)` [m].
+    /// How much its way is curved: `x(s) = from + (to - from) s + bend (s² - s)` `[m]`.
     bend: Vec3,
     /// At the start and at the end of the substep.
     start: Deviation,
     now: Deviation,
-    /// Speed [m/s] and spin [rad/s] off the way.
+    /// Speed `[m/s]` and spin `[rad/s]` off the way.
     velocity: Vec3,
     spin: Vec3,
     linear: Vec3,
@@ -141,17 +141,17 @@ impl Slot {
         Pose::from_parts(translation, (off.turn * pose.rotation).normalize())
     }
 
-    /// Where the centre of mass would be [m].
+    /// Where the centre of mass would be `[m]`.
     fn way(&self, s: f32) -> Vec3 {
         self.rigid.from.lerp(self.rigid.to, s) + self.bend * (s * s - s)
     }
 
-    /// From the centre of mass to a point, at the share `s` of the frame [m].
+    /// From the centre of mass to a point, at the share `s` of the frame `[m]`.
     pub(crate) fn arm(&self, point: Vec3, s: f32) -> Vec3 {
         point - self.way(s) - self.now.shift
     }
 
-    /// `K` of a particle of inverse mass `w` [1/kg] at the end of the arm `r` [m], and one of `several` shares of the body.
+    /// `K` of a particle of inverse mass `w` `[1/kg]` at the end of the arm `r` `[m]`, and one of `several` shares of the body.
     pub(crate) fn compliance(&self, w: f32, r: Vec3, several: f32) -> Mat3 {
         let mut k = Mat3::from_diagonal(self.rigid.inverse_mass * several + Vec3::splat(w));
         if self.movable {
@@ -161,7 +161,7 @@ impl Slot {
         k
     }
 
-    /// Gives the body what it gained in a substep of `h` [s].
+    /// Gives the body what it gained in a substep of `h` `[s]`.
     pub(crate) fn give(&mut self, gain: &Gain, h: f32) {
         let Gain { linear, angular, silent_linear, silent_angular } = *gain;
         let (loud, loud_angular) = (linear - silent_linear, angular - silent_angular);
@@ -180,9 +180,9 @@ impl Slot {
 /// What a body gains in a substep, times its length.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Gain {
-    /// [kg m]
+    /// `[kg m]`
     linear: Vec3,
-    /// About its centre of mass [kg m²].
+    /// About its centre of mass `[kg m²]`.
     angular: Vec3,
     /// The part of it that moves the body without giving it speed.
     silent_linear: Vec3,
@@ -195,7 +195,7 @@ impl Gain {
         self.linear != Vec3::ZERO && self.linear.is_finite() && self.angular.is_finite()
     }
 
-    /// Adds `by` [kg m] at the end of the arm `r` [m], of which `silent` gives no speed.
+    /// Adds `by` `[kg m]` at the end of the arm `r` `[m]`, of which `silent` gives no speed.
     pub(crate) fn add(&mut self, r: Vec3, by: Vec3, silent: Vec3) {
         self.linear += by;
         self.angular += r.cross(by);
@@ -242,7 +242,7 @@ impl Coupling {
         })
     }
 
-    /// Mass of body `slot` [kg] along the axis along which it is least, or the cloth's share of it where several give it something; infinite if cloth
+    /// Mass of body `slot` `[kg]` along the axis along which it is least, or the cloth's share of it where several give it something; infinite if cloth
     /// cannot move it.
     pub(crate) fn mass(&self, slot: u32) -> f32 {
         self.slots.get(slot as usize).map_or(f32::INFINITY, |slot| slot.rigid.inverse_mass.max_element().recip())
@@ -258,7 +258,7 @@ impl Coupling {
         self.slots.get_mut(slot as usize)
     }
 
-    /// Begins a frame of `dt` [s].
+    /// Begins a frame of `dt` `[s]`.
     pub(crate) fn begin(&mut self, dt: f32, anchors: &Anchors, positions: &[Vec4]) {
         self.pins.begin(self.slots.len(), anchors, positions);
         for slot in &mut self.slots {
@@ -269,7 +269,7 @@ impl Coupling {
         }
     }
 
-    /// Begins a substep of `h` [s].
+    /// Begins a substep of `h` `[s]`.
     pub(crate) fn advance(&mut self, h: f32) {
         for slot in self.slots.iter_mut().filter(|slot| slot.movable) {
             slot.start = slot.now;
@@ -280,12 +280,12 @@ impl Coupling {
 
 /// Positions of one cloth with what they are pinned to.
 impl Coupling {
-    /// Inverse masses [1/kg] that pins on bodies are to have, by their place in the anchors; the others are rigid.
+    /// Inverse masses `[1/kg]` that pins on bodies are to have, by their place in the anchors; the others are rigid.
     pub(crate) fn weigh(&mut self, anchors: &Anchors) {
         self.pins.weigh(&mut self.slots, anchors);
     }
 
-    /// Anchors of the pins that something moves, and their inverse masses [1/kg].
+    /// Anchors of the pins that something moves, and their inverse masses `[1/kg]`.
     pub(crate) fn weights(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
         self.pins.weights()
     }

@@ -23,9 +23,9 @@ use crate::solver::step::Anchors;
 struct Pin {
     anchor: u32,
     slot: u32,
-    /// Inverse mass [1/kg]; 0: nothing moves it.
+    /// Inverse mass `[1/kg]`; 0: nothing moves it.
     w: f32,
-    /// Where it was put [m].
+    /// Where it was put `[m]`.
     placed: Vec3,
 }
 
@@ -33,9 +33,9 @@ struct Pin {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pins {
     pins: Vec<Pin>,
-    /// Where each particle was when pins had been placed [m].
+    /// Where each particle was when pins had been placed `[m]`.
     before: Vec<Vec4>,
-    /// What each rigid pin bears, in the order of the anchors [kg m].
+    /// What each rigid pin bears, in the order of the anchors `[kg m]`.
     borne: Vec<Vec3>,
 }
 
@@ -45,10 +45,10 @@ pub(crate) struct Pull<'a> {
     pub anchors: &'a Anchors,
     /// Share of the frame at the end of the substep.
     pub s: f32,
-    /// Length of the substep [s].
+    /// Length of the substep `[s]`.
     pub h: f32,
     pub gravity: Vec3,
-    /// Areal density [kg/m²].
+    /// Areal density `[kg/m²]`.
     pub density: f32,
 }
 

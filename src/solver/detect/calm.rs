@@ -19,11 +19,11 @@ const SLACK: f32 = 0.1;
 /// The faces that can cross while cloth hardly moves. See the module.
 #[derive(Clone, Debug, Default)]
 pub struct Calm {
-    /// Where each particle was at the last look at everything [m].
+    /// Where each particle was at the last look at everything `[m]`.
     noted: Vec<Vec3A>,
-    /// Square of how far each may go, while [`Self::close`] is known [m²].
+    /// Square of how far each may go, while [`Self::close`] is known `[m²]`.
     slack: Vec<f32>,
-    /// How close faces must be then to be able to cross [m].
+    /// How close faces must be then to be able to cross `[m]`.
     pub reach: f32,
     /// Pairs of faces that were.
     close: Vec<[u32; 2]>,
@@ -44,7 +44,7 @@ impl Calm {
         }
     }
 
-    /// The pairs of faces that can cross at `positions` [m], if that is known.
+    /// The pairs of faces that can cross at `positions` `[m]`, if that is known.
     pub fn close(&mut self, positions: &[Vec4]) -> Option<&[[u32; 2]]> {
         let used = self.used?;
         if !self.is_near(positions) {
@@ -54,7 +54,7 @@ impl Calm {
         Some(&self.close)
     }
 
-    /// Begins a look at everything, at `positions` [m]. Whether it is worth [taking in](Self::take_in) what is close: where cloth has
+    /// Begins a look at everything, at `positions` `[m]`. Whether it is worth [taking in](Self::take_in) what is close: where cloth has
     /// hardly moved since the last look, or did so for some time.
     pub fn begin(&mut self, surface: &Surface, positions: &[Vec4]) -> bool {
         let pays = match self.used {

@@ -80,7 +80,7 @@ impl Detector {
         self.calm.forget();
     }
 
-    /// Finds all crossings at `positions` ([m], `w` inverse mass), sorted by edge, then face.
+    /// Finds all crossings at `positions` (`[m]`, `w` inverse mass), sorted by edge, then face.
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
@@ -117,7 +117,7 @@ impl Detector {
     }
 
     /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`, and calls `also` with every pair of faces whose boxes
-    /// come within `margin` [m]; no more once something is known to cross. It says whether they may cross where they are.
+    /// come within `margin` `[m]`; no more once something is known to cross. It says whether they may cross where they are.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
@@ -299,7 +299,7 @@ fn cross_close_faces(
     cross(g, &pg, &sides_g, f, &pf);
 }
 
-/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` [m] apart, a shared particle aside:
+/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` `[m]` apart, a shared particle aside:
 /// a cheap way to dismiss almost all neighbours in a smooth sheet.
 #[inline]
 pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>, gap: f32) -> bool {

@@ -9,7 +9,7 @@
 //! is summed exactly as an expansion. Positions are `f32`, so a product of two differences is exact in `f64` almost always.
 //!
 //! Four points in one plane are a tie. Counting ties as positive in a fixed order of the ids is not enough: a particle lying exactly on
-//! a flat sheet is then above one of its faces and below the next, and contours break **[measured: 25 pieces instead of 1]**. Instead
+//! a flat sheet is then above one of its faces and below the next, and contours break **`[measured: 25 pieces instead of 1]`**. Instead
 //! every particle is thought to be moved by an infinitesimal multiple of its own direction (Edelsbrunner and Mücke 1990, *Simulation of
 //! simplicity*), so the answers are those of real surfaces in general position. The direction is the normal, longer for each
 //! further cloth, plus a little noise: cloths that only touch are thought apart, and count as not crossing.
@@ -28,14 +28,14 @@ const FILTER: f64 = 1.0e-15;
 pub struct Point {
     /// Global particle id.
     pub id: u32,
-    /// Position [m]; every coordinate must be exactly an `f32`.
+    /// Position `[m]`; every coordinate must be exactly an `f32`.
     pub at: DVec3,
 }
 
-/// The determinant [m³] rounded, and whether it is positive, decided exactly.
+/// The determinant `[m³]` rounded, and whether it is positive, decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Side {
-    /// Rounded determinant [m³].
+    /// Rounded determinant `[m³]`.
     pub value: f64,
     /// Exact sign, ties broken by ids.
     pub positive: bool,

@@ -31,14 +31,14 @@ pub struct Proximity {
     /// The closest points are `Σ wᵢ xᵢ` of the first primitive and `-Σ wᵢ xᵢ` of the second: `Σ wᵢ xᵢ` over all four is the vector from the
     /// second's closest point to the first's.
     pub weights: [f32; 4],
-    /// Distance [m].
+    /// Distance `[m]`.
     pub distance: f32,
 }
 
 /// What counts as close.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProximitySettings {
-    /// Contact distance [m].
+    /// Contact distance `[m]`.
     pub distance: f32,
     /// Pairs of one cloth within this many edges of each other are left out. Default 2.
     pub exclude_rings: u32,
@@ -53,7 +53,7 @@ impl Default for ProximitySettings {
 }
 
 impl Detector {
-    /// Finds close pairs at `positions` ([m], `w` inverse mass), in a fixed order, into `found`.
+    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`.
     pub fn proximities(
         &mut self,
         surface: &Surface,
@@ -133,7 +133,7 @@ pub(crate) fn closest_edges(particles: [u32; 4], at: impl Fn(u32) -> Vec3) -> Pr
     Proximity { kind: ProximityKind::EdgeEdge, particles, weights: [1.0 - x, x, y - 1.0, -y], distance }
 }
 
-/// Distance of a pair at rest [m].
+/// Distance of a pair at rest `[m]`.
 pub(crate) fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
     let at = |v: u32| surface.rest[v as usize];
     match pair.kind {

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Surface;
 
-/// Smallest and largest corner [m] of the box around particles at rest.
+/// Smallest and largest corner `[m]` of the box around particles at rest.
 pub fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2] {
     particles.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], v| {
         let x = surface.rest[v as usize];

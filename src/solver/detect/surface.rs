@@ -18,13 +18,13 @@ use crate::solver::rest::{NONE, Topology};
 pub struct PartRef<'a> {
     /// Connectivity of the cloth.
     pub topology: &'a Topology,
-    /// Rest positions [m], one per particle; they give areas, edge lengths and the shape of the search tree.
+    /// Rest positions `[m]`, one per particle; they give areas, edge lengths and the shape of the search tree.
     pub rest: &'a [Vec3],
     /// Order of layered garments: of two cloths, the one with the larger number is worn outside. Equal numbers have no order.
     pub layer: i32,
     /// Whether crossings of the cloth with itself count.
     pub self_collision: bool,
-    /// Thickness of the cloth [m]: the distance at which two of its sides touch.
+    /// Thickness of the cloth `[m]`: the distance at which two of its sides touch.
     pub thickness: f32,
 }
 
@@ -41,7 +41,7 @@ pub struct Part {
     pub layer: i32,
     /// Whether crossings of the cloth with itself count.
     pub self_collision: bool,
-    /// Thickness [m].
+    /// Thickness `[m]`.
     pub thickness: f32,
 }
 
@@ -77,13 +77,13 @@ pub struct Surface {
     pub parts: Vec<Part>,
     /// Cloth of every particle.
     pub part_of_particle: Vec<u16>,
-    /// Rest positions [m] of every particle.
+    /// Rest positions `[m]` of every particle.
     pub rest: Vec<Vec3>,
-    /// Third of the rest area around every particle [m²].
+    /// Third of the rest area around every particle `[m²]`.
     pub areas: Vec<f32>,
     /// Whether a particle lies on a border.
     pub on_border: Vec<bool>,
-    /// Mean rest length of all edges [m].
+    /// Mean rest length of all edges `[m]`.
     pub mean_edge: f32,
 }
 
@@ -160,7 +160,7 @@ impl Surface {
         self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
     }
 
-    /// Finds the squares of the least heights of the faces around each particle [m²], with particles `at` their positions [m]; infinite
+    /// Finds the squares of the least heights of the faces around each particle `[m²]`, with particles `at` their positions `[m]`; infinite
     /// where there is no face.
     pub(crate) fn least_heights_squared(&self, at: impl Fn(u32) -> Vec3A, squares: &mut Vec<f32>) {
         squares.clear();
@@ -204,7 +204,7 @@ impl Surface {
     }
 }
 
-/// Largest coordinate [m] that is simulated; a cloth with a particle beyond it, or with one that is not finite, is left out.
+/// Largest coordinate `[m]` that is simulated; a cloth with a particle beyond it, or with one that is not finite, is left out.
 pub const FARTHEST: f32 = 1.0e6;
 
 /// Whether a position can be handed to the search tree.

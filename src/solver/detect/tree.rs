@@ -11,10 +11,10 @@
 //!
 //! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not tested against
 //! itself while all normals below lie within 60° of one direction: inside, 90° would do; around a point of its border cloth without strain closes to
-//! a cone at 60°, and triangles at its tip are steeper **[measured: none of 17,500 crossings of squeezed sheets missed]**. It needs a piece
+//! a cone at 60°, and triangles at its tip are steeper **`[measured: none of 17,500 crossings of squeezed sheets missed]`**. It needs a piece
 //! without slits, holes and seams, so it is drawn only for nodes whose faces form a disc in which borders of the mesh, if any, run along the
 //! sides of its box at rest. Nor may faces around a leaf fold back over it: cloth that is squeezed within its plane slides over itself across
-//! them **[measured: up to a fifth of the crossings missed]**.
+//! them **`[measured: up to a fifth of the crossings missed]`**.
 //!
 //! Two nodes that share particles always meet, and are most of all that does. They are known from the start and are one piece
 //! of cloth: the same test on the normals of both dismisses them, where borders run along the sides of the box of the whole cloth only.
@@ -50,9 +50,9 @@ const MIXED: u16 = u16::MAX;
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
-    /// Smallest corner [m].
+    /// Smallest corner `[m]`.
     pub min: Vec3A,
-    /// Largest corner [m].
+    /// Largest corner `[m]`.
     pub max: Vec3A,
 }
 
@@ -90,7 +90,7 @@ impl Bounds {
         (axis * self.min).min(axis * self.max).element_sum() > 0.0
     }
 
-    /// Whether two boxes come within `margin` [m] along every axis; touching counts.
+    /// Whether two boxes come within `margin` `[m]` along every axis; touching counts.
     #[inline]
     #[must_use]
     pub fn meets(&self, other: &Self, margin: Vec3A) -> bool {
@@ -412,9 +412,9 @@ impl Tree {
         self.nodes.len() - 1
     }
 
-    /// Fits the boxes to the positions [m] and finds the cloths to leave out.
+    /// Fits the boxes to the positions `[m]` and finds the cloths to leave out.
     ///
-    /// With `ahead` [m], one per particle, boxes also hold where particles will be; normals do not.
+    /// With `ahead` `[m]`, one per particle, boxes also hold where particles will be; normals do not.
     pub fn refit(&mut self, surface: &Surface, positions: &[Vec4], ahead: Option<&[Vec3A]>) {
         for (part, out) in surface.parts.iter().zip(&mut self.quarantined) {
             let range = part.particles.start as usize..part.particles.end as usize;
@@ -440,7 +440,7 @@ impl Tree {
         self.find_folds();
     }
 
-    /// Fits the leaves and their faces to where particles are `now` [m]; `around` is the box of three of them.
+    /// Fits the leaves and their faces to where particles are `now` `[m]`; `around` is the box of three of them.
     #[inline]
     fn fit_leaves(&mut self, now: impl Fn(u32) -> Vec3A, around: impl Fn([u32; 3]) -> Bounds) {
         for leaf in &mut self.leaves {
@@ -494,7 +494,7 @@ impl Tree {
         self.quarantined[usize::from(part)]
     }
 
-    /// Calls `found` once with every pair of different faces whose boxes come within `margin` [m]; in a cloth that does not
+    /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`; in a cloth that does not
     /// collide with itself, only with faces of other cloths.
     pub fn pairs(&mut self, surface: &Surface, margin: f32, found: impl FnMut(u32, u32)) {
         self.traverse::<false>(surface, margin, found);
@@ -650,7 +650,7 @@ impl Tree {
         }
     }
 
-    /// Calls `found` with every face whose box a segment from `from` along `path` [m] may meet.
+    /// Calls `found` with every face whose box a segment from `from` along `path` `[m]` may meet.
     pub fn along(&mut self, from: Vec3, path: Vec3, mut found: impl FnMut(u32)) {
         if self.nodes.is_empty() {
             return;

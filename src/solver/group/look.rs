@@ -8,13 +8,13 @@ use crate::solver::resolve::ContourKind;
 use crate::solver::resolve::region::Flood;
 
 impl Group {
-    /// Positions [m] in the frame of the group, `w` inverse mass [1/kg], as gathered last and moved since.
+    /// Positions `[m]` in the frame of the group, `w` inverse mass `[1/kg]`, as gathered last and moved since.
     #[must_use]
     pub fn particles(&self) -> &[Vec4] {
         &self.positions
     }
 
-    /// The points [m] where edges cross faces, in the frame of the group, each with the kind of its contour.
+    /// The points `[m]` where edges cross faces, in the frame of the group, each with the kind of its contour.
     pub fn crossing_points(&self) -> impl Iterator<Item = (ContourKind, Vec3)> + '_ {
         let resolver = &self.untangler.resolver;
         let graph = resolver.graph();
@@ -22,7 +22,7 @@ impl Group {
         resolver.points().iter().enumerate().map(move |(i, &point)| (kind(i), point))
     }
 
-    /// The boxes of the search tree down to a `depth`, each with its own [m]: around where particles are and are foreseen to be, less the
+    /// The boxes of the search tree down to a `depth`, each with its own `[m]`: around where particles are and are foreseen to be, less the
     /// motion that all share; as of the last look.
     pub fn boxes(&self, depth: u32) -> impl Iterator<Item = (u32, Bounds)> + '_ {
         self.untangler.detector.tree_ref().boxes(depth)

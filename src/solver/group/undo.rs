@@ -16,15 +16,15 @@ const WORSE_EDGES: f32 = 8.0;
 /// How everything was before a frame took crossings apart, and how little of them there has been.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Undo {
-    /// Where all particles were [m]; empty while nothing is undone.
+    /// Where all particles were `[m]`; empty while nothing is undone.
     begun: Vec<Vec4>,
-    /// Length of the contours of each cloth, then and now [m]; of two that cross each other, half for each.
+    /// Length of the contours of each cloth, then and now `[m]`; of two that cross each other, half for each.
     lengths: Vec<[f32; 2]>,
-    /// The least that was since it was clean, of those that are tangled with each other shared out by what each has [m].
+    /// The least that was since it was clean, of those that are tangled with each other shared out by what each has `[m]`.
     least: Vec<f32>,
     /// Another cloth that each is tangled with, or itself: those that are tangled with each other are led to the same.
     tied: Vec<u16>,
-    /// Of each cloth to which others are led: lengths then and now, and the least, of all of them [m].
+    /// Of each cloth to which others are led: lengths then and now, and the least, of all of them `[m]`.
     knots: Vec<[f32; 3]>,
     undone: Vec<bool>,
 }

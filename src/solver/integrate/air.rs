@@ -21,13 +21,13 @@ use crate::solver::settings::Fabric;
 /// The air around the particles of a cloth in a frame.
 #[derive(Clone, Debug, Default)]
 pub struct Carried {
-    /// Velocities at the start of the substep [m/s]; empty while no air is carried.
+    /// Velocities at the start of the substep `[m/s]`; empty while no air is carried.
     before: Vec<Vec4>,
     /// Normals at the start of the frame, as long as the root of the share of the air that goes along (dimensionless).
     normals: Vec<Vec4>,
 }
 
-/// Mass per area of the air that goes with a cloth of `area` [m²], over all that moves (dimensionless), 0 to 1.
+/// Mass per area of the air that goes with a cloth of `area` `[m²]`, over all that moves (dimensionless), 0 to 1.
 #[must_use]
 pub fn share(fabric: &Fabric, area: f32, gravity: f32, air_density: f32) -> f32 {
     let size = area.sqrt();
@@ -38,7 +38,7 @@ pub fn share(fabric: &Fabric, area: f32, gravity: f32, air_density: f32) -> f32 
 }
 
 impl Carried {
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(&self.before[..]) + size_of_val(&self.normals[..])
@@ -83,7 +83,7 @@ impl Carried {
         }
     }
 
-    /// Notes the velocities at the start of a substep; `substep` [s] lies between `previous` and `positions`, 0 before the first.
+    /// Notes the velocities at the start of a substep; `substep` `[s]` lies between `previous` and `positions`, 0 before the first.
     pub fn note(&mut self, substep: f32, positions: &[Vec4], previous: &[Vec4]) {
         self.before.clear();
         if !self.normals.is_empty() {
@@ -92,7 +92,7 @@ impl Carried {
         }
     }
 
-    /// Takes from what a substep of `substep` [s] changed of the velocities across the cloth what the air keeps.
+    /// Takes from what a substep of `substep` `[s]` changed of the velocities across the cloth what the air keeps.
     pub fn keep(&self, substep: f32, positions: &[Vec4], previous: &mut [Vec4]) {
         for (((x, old), before), normal) in positions.iter().zip(previous).zip(&self.before).zip(&self.normals) {
             let change = (*x - *old) - *before * substep;

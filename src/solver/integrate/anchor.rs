@@ -7,10 +7,10 @@ use crate::solver::step::Anchors;
 /// A pin of at least this weight is rigid (dimensionless).
 pub const RIGID: f32 = 0.999;
 
-/// Time in which a pin of weight one half pulls its particle to 1/e of the distance [s].
+/// Time in which a pin of weight one half pulls its particle to 1/e of the distance `[s]`.
 const SOFT_TIME: f32 = 0.1;
 
-/// Moves anchored particles towards their targets at fraction `s` of the frame, in a step of `h` [s]; rigid ones are put there.
+/// Moves anchored particles towards their targets at fraction `s` of the frame, in a step of `h` `[s]`; rigid ones are put there.
 pub fn solve(anchors: &Anchors, s: f32, h: f32, positions: &mut [Vec4]) {
     solve_rigid(anchors, s, positions);
     solve_soft(anchors, s, h, positions);
@@ -24,7 +24,7 @@ pub fn solve_rigid(anchors: &Anchors, s: f32, positions: &mut [Vec4]) {
     }
 }
 
-/// Moves the others towards theirs, in a step of `h` [s].
+/// Moves the others towards theirs, in a step of `h` `[s]`.
 pub fn solve_soft(anchors: &Anchors, s: f32, h: f32, positions: &mut [Vec4]) {
     for (k, &p) in anchors.particles.iter().enumerate().filter(|(k, _)| anchors.weights[*k] < RIGID) {
         let (target, weight) = (anchors.from[k].lerp(anchors.to[k], s), anchors.weights[k]);

@@ -46,7 +46,7 @@ const MOST_STAGES: u32 = 32;
 /// Share of the reach of the most stages that is made use of (dimensionless): the eigenvalue is an estimate, and beyond the reach they grow without bound.
 const WITHIN: f32 = 0.9;
 
-/// Curvature that friction holds in any cloth [1/m], far less than measured in any: 0, and it trembles for long; much more, and folds creep to their place.
+/// Curvature that friction holds in any cloth `[1/m]`, far less than measured in any: 0, and it trembles for long; much more, and folds creep to their place.
 const TREMBLE: f32 = 4.0;
 
 /// Share of a rate that one element may take (dimensionless), since elements overlap.
@@ -60,23 +60,23 @@ const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 /// How stiff a cloth is against bending, and the buffers of its steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BendFactors {
-    /// `(1 + GRIP) B` [N·m].
+    /// `(1 + GRIP) B` `[N·m]`.
     stiffness: f32,
-    /// Largest eigenvalue of `W K` [1/s²], an estimate.
+    /// Largest eigenvalue of `W K` `[1/s²]`, an estimate.
     fastest: f32,
     /// Largest eigenvalue of `h² W K` that the most stages hold.
     most: f32,
-    /// Where the warp is stiffer than the weft or the other way round: its own `K` [1/m²] and shares of stiffness that elements keep.
+    /// Where the warp is stiffer than the weft or the other way round: its own `K` `[1/m²]` and shares of stiffness that elements keep.
     weave: Option<Weave>,
     matrix: Vec<[f32; LANES]>,
     keeps: Vec<Vec4>,
     /// The polynomial for an eigenvalue of `h² W K`.
     chosen: Option<(f32, Polynomial)>,
-    /// `f` [N], what keeps the curvature at rest and folds; empty where nothing does.
+    /// `f` `[N]`, what keeps the curvature at rest and folds; empty where nothing does.
     folds: Vec<Vec4>,
-    /// `r` [m].
+    /// `r` `[m]`.
     residual: Vec<Vec4>,
-    /// `D_(j-1)` and `D_(j-2)` [m].
+    /// `D_(j-1)` and `D_(j-2)` `[m]`.
     moves: [Vec<Vec4>; 2],
 }
 
@@ -107,7 +107,7 @@ impl Polynomial {
 }
 
 impl BendFactors {
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let [a, b] = &self.moves;
@@ -117,7 +117,7 @@ impl BendFactors {
             + weave
     }
 
-    /// Must follow a change of the fabric or of inverse masses, in `w` of `positions` [1/kg]; `areas` [m²] around particles.
+    /// Must follow a change of the fabric or of inverse masses, in `w` of `positions` `[1/kg]`; `areas` `[m²]` around particles.
     pub fn update(&mut self, bends: &Bends, fabric: &Fabric, areas: &[f32], positions: &[Vec4]) {
         self.stiffness = (1.0 + grip(fabric)) * fabric.bend_stiffness;
         // A pin on a light body may be lighter than the cloth around it.
@@ -127,7 +127,7 @@ impl BendFactors {
         self.most = WITHIN * Polynomial::new(MOST_STAGES).reach;
     }
 
-    /// Makes the directions of the fabric as stiff as asked; the largest eigenvalue of `A⁻¹ K` [1/m⁴].
+    /// Makes the directions of the fabric as stiff as asked; the largest eigenvalue of `A⁻¹ K` `[1/m⁴]`.
     fn weave(&mut self, bends: &Bends, fabric: &Fabric, areas: &[f32]) -> f32 {
         self.matrix.clear();
         self.keeps.clear();
@@ -150,14 +150,14 @@ impl BendFactors {
         share * weave.fastest(alpha)
     }
 
-    /// Share of the stiffness that substeps of `h` [s] hold (dimensionless): 1, unless the mesh is very fine for them.
+    /// Share of the stiffness that substeps of `h` `[s]` hold (dimensionless): 1, unless the mesh is very fine for them.
     #[must_use]
     pub fn held(&self, h: f32) -> f32 {
         // Nothing to hold is infinitely much of it.
         (self.most / (h * h * self.fastest)).min(1.0)
     }
 
-    /// Finds what keeps the curvature at rest, and folds, where the cloth is now; once a frame. `set`: the curvature [1/m] from which friction holds each
+    /// Finds what keeps the curvature at rest, and folds, where the cloth is now; once a frame. `set`: the curvature `[1/m]` from which friction holds each
     /// hinge, which follows.
     pub fn fold(&mut self, bends: &Bends, fabric: &Fabric, positions: &[Vec4], set: &mut Vec<Vec4>) {
         self.folds.clear();
@@ -199,7 +199,7 @@ impl BendFactors {
         }
     }
 
-    /// Bends the cloth in a substep of `h` [s].
+    /// Bends the cloth in a substep of `h` `[s]`.
     pub fn solve(&mut self, bends: &Bends, h: f32, positions: &mut [Vec4]) {
         let fastest = h * h * self.fastest;
         if !(fastest > 0.0) {
@@ -251,8 +251,8 @@ impl BendFactors {
     }
 }
 
-/// Takes out what trembles: a moment `M = B · TREMBLE` [N] per width against every change of `v`, whatever its speed. Once
-/// per frame of `dt` [s], for the `motion` [m] over a substep of `h` [s], `w` its inverse mass [1/kg]; Coulomb's law as an impulse:
+/// Takes out what trembles: a moment `M = B · TREMBLE` `[N]` per width against every change of `v`, whatever its speed. Once
+/// per frame of `dt` `[s]`, for the `motion` `[m]` over a substep of `h` `[s]`, `w` its inverse mass `[1/kg]`; Coulomb's law as an impulse:
 ///
 /// ```text
 /// Δv̇ = -min(|v̇| / 4, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
@@ -327,7 +327,7 @@ mod tests {
         }
     }
 
-    /// A strip of `n` by 3 vertices in a cylinder of radius `r` [m], flat at rest.
+    /// A strip of `n` by 3 vertices in a cylinder of radius `r` `[m]`, flat at rest.
     fn strip(n: u32, d: f32) -> RestShape {
         let mut mesh = SourceMesh::default();
         for i in 0..n {
@@ -342,7 +342,7 @@ mod tests {
         RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default()
     }
 
-    /// The strip bent along a zigzag of unequal triangles, `turn` [rad] at each.
+    /// The strip bent along a zigzag of unequal triangles, `turn` `[rad]` at each.
     fn zigzag(turn: f32) -> RestShape {
         let mut mesh = SourceMesh::default();
         let mut at = glam::Vec2::ZERO;

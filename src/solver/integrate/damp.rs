@@ -8,7 +8,7 @@ use crate::solver::rest::{LANES, Springs};
 
 const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
-/// Notes the motion of each particle over the last substep: `xyz` [m], `w` its inverse mass [1/kg].
+/// Notes the motion of each particle over the last substep: `xyz` `[m]`, `w` its inverse mass `[1/kg]`.
 pub fn note(positions: &[Vec4], previous: &[Vec4], motion: &mut Vec<Vec4>) {
     motion.clear();
     motion.extend(positions.iter().zip(previous).map(|(x, old)| Vec4::select(XYZ, *x - *old, *x)));
@@ -21,7 +21,7 @@ pub fn apply(positions: &[Vec4], motion: &[Vec4], previous: &mut [Vec4]) {
     }
 }
 
-/// Damps every spring over `dt` [s] at `rate` [1/s].
+/// Damps every spring over `dt` `[s]` at `rate` `[1/s]`.
 pub fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], motion: &mut [Vec4]) {
     let fraction = Vec4::splat(1.0 - (-rate * dt).exp());
     for (a, b) in springs.a.iter().zip(&springs.b) {

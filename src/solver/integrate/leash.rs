@@ -16,7 +16,7 @@ pub struct Leash {
 }
 
 impl Leash {
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(&self.ends[..])

@@ -8,7 +8,7 @@
 //! C_warp = |F_warp| - 1     C_weft = |F_weft| - 1     C_shear = F_warp · F_weft
 //! ```
 //!
-//! They are solved one after the other, each a constraint of XPBD of compliance `1 / (A K)`. With `a_i = ∂F_warp/∂x_i` and `b_i = ∂F_weft/∂x_i` [1/m] all that they do is
+//! They are solved one after the other, each a constraint of XPBD of compliance `1 / (A K)`. With `a_i = ∂F_warp/∂x_i` and `b_i = ∂F_weft/∂x_i` `[1/m]` all that they do is
 //!
 //! ```text
 //! Δx_i = w_i (a_i P + b_i Q)      ΔF_warp = g_aa P + g_ab Q,  ΔF_weft = g_ab P + g_bb Q      g_ab = Σ w_i a_i b_i
@@ -27,7 +27,7 @@ use crate::solver::settings::Fabric;
 /// held ones can move, it would have to go far to change the length of a thread: half as much, and it is thrown as far again.
 const LEAST_MOBILITY: f32 = 1.0 / 16.0;
 
-/// Solves every triangle once in a substep of `h` [s].
+/// Solves every triangle once in a substep of `h` `[s]`.
 pub fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mut [Vec4]) {
     let weft = 2.0 * fabric.stretch_stiffness / (1.0 + fabric.stretch_ratio);
     let compliance = |stiffness: f32| Vec4::splat((stiffness * h * h).max(1.0e-12).recip());
@@ -70,7 +70,7 @@ pub fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mut [Vec4
     }
 }
 
-/// How much of `F` to take back [kg m²]: its `square`d length (dimensionless), how easily it yields [1/(kg m²)], and its compliance in the substep [1/(kg m²)].
+/// How much of `F` to take back `[kg m²]`: its `square`d length (dimensionless), how easily it yields `[1/(kg m²)]`, and its compliance in the substep `[1/(kg m²)]`.
 #[inline(always)]
 fn stretch(square: Vec4, mobility: Vec4, compliance: Vec4, bound: Bound) -> Vec4 {
     let u = inverse_length(square);

@@ -13,16 +13,16 @@ const PASSES: u32 = 2;
 /// Masses and corrections of hubs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hubs {
-    /// Inverse mass of each hub [1/kg]; 0: pinned.
+    /// Inverse mass of each hub `[1/kg]`; 0: pinned.
     inverse_mass: Vec<f32>,
     /// How much of its hubs' moves each particle takes: 0 at a pin, 1 from one distance between hubs on (dimensionless).
     freedom: Vec<f32>,
-    /// Where each hub goes in this substep [m].
+    /// Where each hub goes in this substep `[m]`.
     moves: Vec<Vec4>,
 }
 
 impl Hubs {
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.inverse_mass.len() * (size_of::<f32>() + size_of::<Vec4>()) + size_of_val(&self.freedom[..])

@@ -7,8 +7,8 @@ use glam::Vec4;
 
 /// Moves free particles by `x + (x - x') · carry + a · push` and remembers `x` in `previous`.
 ///
-/// `carry` = `h / h'` times what drag leaves of a velocity (dimensionless), `push` = `h (h' + h) / 2` [s²].
-/// `acceleration` [m/s²] holds gravity and wind, one per particle, `w` = 0.
+/// `carry` = `h / h'` times what drag leaves of a velocity (dimensionless), `push` = `h (h' + h) / 2` `[s²]`.
+/// `acceleration` `[m/s²]` holds gravity and wind, one per particle, `w` = 0.
 pub fn predict(positions: &mut [Vec4], previous: &mut [Vec4], acceleration: &[Vec4], carry: f32, push: f32) {
     let push = Vec4::splat(push);
     let carry = Vec4::splat(carry);

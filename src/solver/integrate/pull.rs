@@ -12,13 +12,13 @@ use glam::{Vec3, Vec4};
 /// One grip on a cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
-    /// Target at the start of the frame [m], in the frame of simulation.
+    /// Target at the start of the frame `[m]`, in the frame of simulation.
     pub from: Vec3,
-    /// Target at the end of the frame [m].
+    /// Target at the end of the frame `[m]`.
     pub to: Vec3,
-    /// Compliance [m/N]. 0: as firm as the force allows.
+    /// Compliance `[m/N]`. 0: as firm as the force allows.
     pub compliance: f32,
-    /// Largest force [N].
+    /// Largest force `[N]`.
     pub force: f32,
 }
 
@@ -49,7 +49,7 @@ impl Pulls {
         self.pulls.push((pull, self.grips.len()));
     }
 
-    /// How far a grip can move a particle in a frame of `dt` [s], at most [m].
+    /// How far a grip can move a particle in a frame of `dt` `[s]`, at most `[m]`.
     pub(crate) fn reach(&self, dt: f32, positions: &[Vec4]) -> f32 {
         let (mut first, mut farthest) = (0, 0.0f32);
         for &(pull, end) in &self.pulls {
@@ -70,7 +70,7 @@ impl Pulls {
         if farthest.is_finite() { farthest } else { 0.0 }
     }
 
-    /// Pulls, at the fraction `s` of the frame at the end of a substep of `h` [s].
+    /// Pulls, at the fraction `s` of the frame at the end of a substep of `h` `[s]`.
     pub(crate) fn solve(&self, s: f32, h: f32, positions: &mut [Vec4]) {
         let mut first = 0;
         for &(pull, end) in &self.pulls {

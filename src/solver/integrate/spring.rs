@@ -35,13 +35,13 @@ pub struct SpringFactors {
 }
 
 impl SpringFactors {
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         3 * size_of_val(&self.give[..])
     }
 
-    /// Recomputes all factors for a substep of `h` [s].
+    /// Recomputes all factors for a substep of `h` `[s]`.
     pub fn update(&mut self, springs: &Springs, fabric: &Fabric, positions: &[Vec4], h: f32) {
         // `K (1 + r cos 2(φ - φ₀))`: `2 ρ / (1 + ρ)` of `K` along the warp and `2 / (1 + ρ)` along the weft.
         let uneven = (fabric.stretch_ratio - 1.0) / (fabric.stretch_ratio + 1.0);

@@ -21,14 +21,14 @@ const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 pub struct Tethers {
     particle: Vec<[u32; LANES]>,
     pin: Vec<[u32; LANES]>,
-    /// One over the squared geodesic distance at rest [1/m²].
+    /// One over the squared geodesic distance at rest `[1/m²]`.
     inverse_square: Vec<Vec4>,
     /// How many lanes hold the shortest tethers, in the order of particles.
     first_rank: usize,
 }
 
 impl Tethers {
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.particle.len() * (2 * size_of::<[u32; LANES]>() + size_of::<Vec4>())
@@ -73,7 +73,7 @@ impl Tethers {
     }
 
     /// By how much the tethers of some particles are longer than `scale` (dimensionless), the most, over their length at rest; of those that are so by
-    /// more than `least` [m]. 0 of none. Only the shortest tether of each particle counts, to whose pins it is drawn hardest.
+    /// more than `least` `[m]`. 0 of none. Only the shortest tether of each particle counts, to whose pins it is drawn hardest.
     #[must_use]
     pub fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
         let list = self.particle.as_flattened();

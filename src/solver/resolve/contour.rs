@@ -61,11 +61,11 @@ pub struct Contour {
     pub loops: [u32; 2],
     /// The crossings at its first two border ends; [`NONE`] where there is none.
     pub border_ends: [u32; 2],
-    /// Length of the curve [m].
+    /// Length of the curve `[m]`.
     pub length: f32,
-    /// Mean of its crossings [m].
+    /// Mean of its crossings `[m]`.
     pub centre: Vec3,
-    /// Mean length at rest of the edges that cross [m].
+    /// Mean length at rest of the edges that cross `[m]`.
     pub edge: f32,
 }
 
@@ -115,7 +115,7 @@ pub struct ContourGraph {
 }
 
 impl ContourGraph {
-    /// Links the crossings (sorted by edge, then face) at `points` [m].
+    /// Links the crossings (sorted by edge, then face) at `points` `[m]`.
     pub fn trace(&mut self, surface: &Surface, crossings: &[Crossing], points: &[Vec3], at: impl Fn(u32) -> Vec3) {
         self.link(surface, crossings);
         self.walk_all(surface, crossings);

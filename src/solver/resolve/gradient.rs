@@ -24,7 +24,7 @@ pub const BOUND: f64 = 0.05;
 /// The gradient's ingredients at one crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
-    /// The crossing [m], on the edge.
+    /// The crossing `[m]`, on the edge.
     pub point: DVec3,
     /// Unit normal of the face.
     pub normal: DVec3,
@@ -35,7 +35,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Evaluates one crossing; `at` gives the positions [m]. `bound` is [`BOUND`] except where the exact derivative is wanted (0).
+    /// Evaluates one crossing; `at` gives the positions `[m]`. `bound` is [`BOUND`] except where the exact derivative is wanted (0).
     #[must_use]
     pub fn new(topology: &Topology, crossing: &Crossing, bound: f64, at: impl Fn(u32) -> DVec3) -> Self {
         let [a, b] = topology.edges[crossing.edge as usize].map(&at);

@@ -19,12 +19,12 @@ pub struct History {
     close: Vec<Proximity>,
 }
 
-/// Displacement [m] asked for at one particle.
+/// Displacement `[m]` asked for at one particle.
 pub type Push = (u32, Vec3);
 
 impl History {
-    /// Looks for close pairs within `reach` [m], remembers new ones, and returns where those on the wrong side should be pushed, until they
-    /// are `thickness` [m] on the right one.
+    /// Looks for close pairs within `reach` `[m]`, remembers new ones, and returns where those on the wrong side should be pushed, until they
+    /// are `thickness` `[m]` on the right one.
     pub fn pushes(
         &mut self,
         surface: &Surface,

@@ -48,13 +48,13 @@ pub struct Latch {
     pub resort: Resort,
     /// How often the strategy was given up.
     pub turns: u32,
-    /// Smallest measure of progress so far: length [m], or area of the region that is pushed [m²].
+    /// Smallest measure of progress so far: length `[m]`, or area of the region that is pushed `[m²]`.
     pub best: f32,
-    /// Largest length so far [m].
+    /// Largest length so far `[m]`.
     pub longest: f32,
     /// Plan being carried out; 0: none yet.
     pub plan: u32,
-    /// How far the region that is pushed reached through at most [m].
+    /// How far the region that is pushed reached through at most `[m]`.
     pub depth: f32,
     centre: Vec3,
 }

@@ -189,7 +189,7 @@ fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray
 }
 
 impl Resolver {
-    /// Plans how cloths get into the order of their layers, in steps of at most `step` [m].
+    /// Plans how cloths get into the order of their layers, in steps of at most `step` `[m]`.
     pub(super) fn order(&mut self, view: View<'_>, step: f32) {
         let Self { graph, layers: Layers { plans, pairs, strays, of_pair, .. }, probe, set, .. } = self;
         pairs.retain(|p| plans.is_live(p.plan));

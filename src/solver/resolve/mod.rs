@@ -143,7 +143,7 @@ impl Resolver {
         &self.graph
     }
 
-    /// The points [m] of the crossings analysed last.
+    /// The points `[m]` of the crossings analysed last.
     #[must_use]
     pub fn points(&self) -> &[Vec3] {
         &self.points

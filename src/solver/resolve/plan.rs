@@ -26,7 +26,7 @@ struct Plan {
     number: u32,
     /// Iterations left.
     left: u32,
-    /// Particle and displacement per iteration [m].
+    /// Particle and displacement per iteration `[m]`.
     moves: Vec<(u32, Vec3)>,
 }
 
@@ -101,7 +101,7 @@ impl Plans {
         self.count();
     }
 
-    /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` [m]. Returns its number, never 0.
+    /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` `[m]`. Returns its number, never 0.
     pub fn carry_out(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], probe: &mut Probe, step: f32) -> u32 {
         let Self { list, live, numbers, last, farthest } = self;
         if *live == list.len() {
@@ -137,7 +137,7 @@ impl Plans {
     }
 }
 
-/// How far apart the sides of some contours are at rest where they cross [m]; infinitely where they are of two cloths.
+/// How far apart the sides of some contours are at rest where they cross `[m]`; infinitely where they are of two cloths.
 fn apart_at_rest(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
     let rest = |v: u32| view.surface.rest[v as usize];
     let (mut sum, mut count) = (0.0, 0.0);
@@ -155,7 +155,7 @@ fn apart_at_rest(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
     if count > 0.0 { sum / count } else { f32::INFINITY }
 }
 
-/// Largest thickness of the two sides [m].
+/// Largest thickness of the two sides `[m]`.
 fn thickness(view: View<'_>, probe: &Probe) -> f32 {
     let of = |v: &u32| view.surface.parts[usize::from(view.surface.part(*v))].thickness;
     probe.behind.iter().filter_map(|b| b.first()).map(of).fold(0.0, f32::max)
@@ -181,7 +181,7 @@ fn share_ways(view: View<'_>, probe: &mut Probe) {
     }
 }
 
-/// Lengthens every way by `room` [m] and lets the rest of the side follow, so far that no edge is strained much.
+/// Lengthens every way by `room` `[m]` and lets the rest of the side follow, so far that no edge is strained much.
 fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) {
     let at = |v: u32| view.positions[v as usize].truncate();
     let Probe { seen, stamp, behind, .. } = probe;

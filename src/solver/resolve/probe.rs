@@ -46,7 +46,7 @@ pub(super) struct Stray {
     pub side: usize,
     pub particle: u32,
     pub face: u32,
-    /// How far it may be behind it [m].
+    /// How far it may be behind it `[m]`.
     pub near: f32,
 }
 
@@ -83,7 +83,7 @@ pub(super) fn nodes<'a>(graph: &'a ContourGraph, set: &'a [Member]) -> impl Iter
     })
 }
 
-/// Largest area [m²] that belongs to contours of some length [m] in a mesh of such edges [m], where it reaches so far through [m]: a strip as wide
+/// Largest area `[m²]` that belongs to contours of some length `[m]` in a mesh of such edges `[m]`, where it reaches so far through `[m]`: a strip as wide
 /// as they are long. What is larger is no flap or dent but a whole sheet that lies close.
 pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
     let wide = length + LONGER * edge;
@@ -94,7 +94,7 @@ pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
     pub stamp: u32,
-    /// Way to go [m]; not positive: none.
+    /// Way to go `[m]`; not positive: none.
     pub way: f32,
     /// In which direction.
     pub along: Vec3,
@@ -110,18 +110,18 @@ pub(super) struct Probe {
     pub behind: [Vec<u32>; 2],
     /// Face that each of them meets.
     pub meets: [Vec<u32>; 2],
-    /// Mean length at rest of the edges that cross [m].
+    /// Mean length at rest of the edges that cross `[m]`.
     pub edge: f32,
-    /// Length of the contours [m].
+    /// Length of the contours `[m]`.
     length: f32,
-    /// Longest way that is meant [m]: what is farther through than the contour is long is something else.
+    /// Longest way that is meant `[m]`: what is farther through than the contour is long is something else.
     farthest: f32,
-    /// Area that has a way to go, by side, and the largest that may [m²].
+    /// Area that has a way to go, by side, and the largest that may `[m²]`.
     area: [f32; 2],
     largest: f32,
     /// Share of the crossings of the contours that the ways undo.
     pub undone: f32,
-    /// Area times squared way [m⁴].
+    /// Area times squared way `[m⁴]`.
     pub cost: f32,
     /// Pinned particles that were looked at and meet faces that are pinned, too, and those of them that have a way to go.
     pub pins: [u32; 2],
@@ -215,7 +215,7 @@ impl Probe {
         true
     }
 
-    /// Way that a particle of a side has to go [m].
+    /// Way that a particle of a side has to go `[m]`.
     pub fn way(&self, side: usize, v: u32) -> f32 {
         let seen = self.seen[v as usize][side];
         if seen.stamp == self.stamp { seen.way } else { 0.0 }
@@ -282,7 +282,7 @@ impl Probe {
     }
 }
 
-/// How far an edge has to go along a unit direction until it meets another, if it does [m].
+/// How far an edge has to go along a unit direction until it meets another, if it does `[m]`.
 fn pass([p, q]: [Vec3; 2], [r, s]: [Vec3; 2], along: Vec3) -> Option<f32> {
     let (u, v, w) = (q - p, s - r, r - p);
     let across = u.cross(v);
@@ -292,7 +292,7 @@ fn pass([p, q]: [Vec3; 2], [r, s]: [Vec3; 2], along: Vec3) -> Option<f32> {
     (slope.abs() > GRAZING * across.length() && meets(x) && meets(y)).then(|| w.dot(across) / slope)
 }
 
-/// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go [m], and the face.
+/// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go `[m]`, and the face.
 fn project(view: View<'_>, point: Vec3, along: Vec3, face: u32) -> Option<(f32, u32)> {
     let topology = &view.surface.topology;
     let (mut face, mut before) = (face, NONE);

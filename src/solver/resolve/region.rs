@@ -21,9 +21,9 @@ const HYSTERESIS: f32 = 0.5;
 /// What a flood found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// Rest area [m²].
+    /// Rest area `[m²]`.
     pub area: f32,
-    /// Sum of the masses of its free particles [kg].
+    /// Sum of the masses of its free particles `[kg]`.
     pub mass: f32,
     /// Whether it holds a pinned particle.
     pub pinned: bool,

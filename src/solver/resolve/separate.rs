@@ -72,7 +72,7 @@ pub(super) fn between(view: View<'_>, graph: &ContourGraph, [a, b]: [u16; 2]) ->
 }
 
 impl Resolver {
-    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` [m], together with all other contours
+    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`, together with all other contours
     /// between the same two cloths if one direction undoes them all. Returns whether there is one.
     pub(super) fn separate(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
         let mut set = core::mem::take(&mut self.set);

@@ -20,7 +20,7 @@ pub(super) fn shares(masses: [Load; 2]) -> [f32; 2] {
     }
 }
 
-/// Mass [kg] of the free particles of a body, and whether some are pinned.
+/// Mass `[kg]` of the free particles of a body, and whether some are pinned.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Load {
     pub mass: f32,

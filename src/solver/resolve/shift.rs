@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shift {
-    /// Displacement and cap [m] per particle.
+    /// Displacement and cap `[m]` per particle.
     pub of: Vec<Vec4>,
     pub touched: Vec<u32>,
 }

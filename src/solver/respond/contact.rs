@@ -23,7 +23,7 @@ use crate::solver::body::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respo
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
-/// Speed at which pairs that are closer than their thickness are taken apart [m/s].
+/// Speed at which pairs that are closer than their thickness are taken apart `[m/s]`.
 const RECOVERY_SPEED: f32 = 0.5;
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1 leaves a pile of three
 /// on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
@@ -46,16 +46,16 @@ pub(super) struct Contact {
     pub weights: [f32; 4],
     /// Unit vector towards the first primitive, on whichever side it is.
     pub normal: Vec3,
-    /// Distance kept [m].
+    /// Distance kept `[m]`.
     pub thickness: f32,
     pub friction: Friction,
     /// Speed apart after an impact over that of approach before (dimensionless).
     pub restitution: f32,
     /// Whether it is of two cloths.
     pub across: bool,
-    /// Mean push [m].
+    /// Mean push `[m]`.
     pub load: f32,
-    /// Mean of what all pushes of a substep do: push over mobility [kg·m]; divided by the substep it is an impulse.
+    /// Mean of what all pushes of a substep do: push over mobility `[kg·m]`; divided by the substep it is an impulse.
     pub drive: f32,
     /// Whether static friction held it when last pushed.
     pub sticks: bool,
@@ -190,7 +190,7 @@ impl Contact {
         }
     }
 
-    /// How fast a pair is to part that met fast [m/s]: what its restitution makes of the velocities with which the substep began. None of one that did
+    /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep began. None of one that did
     /// not, however hard springs press it together.
     #[inline]
     pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
@@ -201,7 +201,7 @@ impl Contact {
         (approach > IMPACT_SPEED).then_some(self.restitution * approach)
     }
 
-    /// Gives a pair its way `apart` [m] in the substep, and moves nothing.
+    /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
     pub fn rebound(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
         let now = self.along(self.slots.map(|s| (positions[s as usize] - previous[s as usize]).truncate()));
         let x = self.slots.map(|s| positions[s as usize]);
@@ -219,7 +219,7 @@ impl Contact {
         (0..4).map(|i| self.weights[i] * self.normal.dot(of[i])).sum()
     }
 
-    /// How far a unit push moves the closest points apart [1/kg], or a share of that of the lightest particle; 0 where nothing moves.
+    /// How far a unit push moves the closest points apart `[1/kg]`, or a share of that of the lightest particle; 0 where nothing moves.
     #[inline]
     fn mobility(&self, x: &[Vec4; 4]) -> f32 {
         let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
@@ -261,7 +261,7 @@ fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
 
 #[cfg(test)]
 impl Contact {
-    /// A pair of the first four slots that has not touched yet, without friction, `thickness` [m] apart.
+    /// A pair of the first four slots that has not touched yet, without friction, `thickness` `[m]` apart.
     pub fn bare(kind: ProximityKind, thickness: f32) -> Self {
         Self {
             kind,

@@ -51,7 +51,7 @@ const FLUTTER: f32 = 2.0;
 const MOST_PAIRS: usize = 32;
 
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest (dimensionless). In folds of less than 60°, which are
-/// taken for [flat](FLAT), they may get to half of it; 0.5 here took twice as long to untangle a garment of many layers **[measured]**.
+/// taken for [flat](FLAT), they may get to half of it; 0.5 here took twice as long to untangle a garment of many layers **`[measured]`**.
 const REST_SHARE: f32 = 0.7;
 
 /// Share of their thickness at which pairs are kept apart where how far they are is not up to them (dimensionless): where both sides are pinned
@@ -72,11 +72,11 @@ const SLACK: f32 = 0.1;
 /// What pairs are looked for in: the state of all cloths after a substep.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
-    /// Position [m] and, in `w`, inverse mass [1/kg] of every particle.
+    /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle.
     pub positions: &'a [Vec4],
-    /// Positions [m] at the start of the substep.
+    /// Positions `[m]` at the start of the substep.
     pub previous: &'a [Vec4],
-    /// Length [s] of the substep, for each cloth.
+    /// Length `[s]` of the substep, for each cloth.
     pub substep: &'a [f32],
     /// Thickness and friction of each cloth.
     pub touch: &'a [Touch],
@@ -97,28 +97,28 @@ impl Moment<'_> {
 pub struct Finder {
     /// Bits 0 to 2: corners the face owns; bits 3 to 5: its edges.
     owns: Vec<u8>,
-    /// Where each particle is foreseen to be in the next frame [m], less the motion that all cloths share.
+    /// Where each particle is foreseen to be in the next frame `[m]`, less the motion that all cloths share.
     ahead: Vec<Vec3A>,
-    /// Where each particle was at the last look [m].
+    /// Where each particle was at the last look `[m]`.
     start: Vec<Vec3A>,
-    /// Where each particle was when the time looked ahead began, a frame or half of one ago [m].
+    /// Where each particle was when the time looked ahead began, a frame or half of one ago `[m]`.
     before: Vec<Vec3A>,
     /// Particles that are elsewhere than foreseen, those that were so at a substep since the last look, and faces with one.
     astray: Vec<bool>,
     shifted: Vec<bool>,
     marked: Vec<bool>,
     flatness: Flatness,
-    /// The motion that all share until the next frame [m].
+    /// The motion that all share until the next frame `[m]`.
     shared: Vec3A,
-    /// Mean speed at the last look at everything, less what all cloths share [m/s].
+    /// Mean speed at the last look at everything, less what all cloths share `[m/s]`.
     haste: f32,
     /// Each face when it was last looked at.
     faces: Vec<Looked>,
-    /// How far each particle has drifted, or will, since the last look [m].
+    /// How far each particle has drifted, or will, since the last look `[m]`.
     drift: Vec<f32>,
-    /// Where to [m].
+    /// Where to `[m]`.
     there: Vec<Vec3A>,
-    /// Longest edge of each cloth at rest [m].
+    /// Longest edge of each cloth at rest `[m]`.
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
@@ -127,11 +127,11 @@ pub struct Finder {
 /// A face when it was last looked at.
 #[derive(Clone, Copy, Debug, Default)]
 struct Looked {
-    /// Twice its area along its normal [m²].
+    /// Twice its area along its normal `[m²]`.
     normal: Vec3A,
-    /// Its least height [m].
+    /// Its least height `[m]`.
     height: f32,
-    /// How far its particles had drifted then, at most [m].
+    /// How far its particles had drifted then, at most `[m]`.
     drift: f32,
 }
 
@@ -142,7 +142,7 @@ impl Looked {
         Self { normal, height: (normal.length_squared() / base.max(f32::MIN_POSITIVE)).sqrt(), drift }
     }
 
-    /// Whether it has turned since, its particles having drifted as far as `drift` [m]; `now` and `there`: where they are and will be [m].
+    /// Whether it has turned since, its particles having drifted as far as `drift` `[m]`; `now` and `there`: where they are and will be `[m]`.
     #[inline]
     fn has_turned(&self, drift: f32, now: impl Fn() -> [Vec3A; 3], there: impl Fn() -> [Vec3A; 3]) -> bool {
         let [still, far] = DRIFT_OF_HEIGHT.map(|share| share * self.height);
@@ -161,7 +161,7 @@ impl Looked {
 /// a crease are at least half of those at rest.
 #[derive(Clone, Debug, Default)]
 struct Flatness {
-    /// Normals of faces as long as twice their area [m²], and their sums around particles.
+    /// Normals of faces as long as twice their area `[m²]`, and their sums around particles.
     normals: Vec<Vec3A>,
     sums: Vec<Vec3A>,
     /// Whether particles are flat; none where it was not asked for since everything moved.
@@ -293,7 +293,7 @@ impl Finder {
         }
     }
 
-    /// Prepares for looking at all pairs that may touch within `dt` [s]: with [`Self::ask`], in whatever order [`Tree::pairs`] finds faces within
+    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: with [`Self::ask`], in whatever order [`Tree::pairs`] finds faces within
     /// [`Self::reach`] in a tree fitted to where particles are and [will be](Self::ahead).
     pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
         contacts.begin();
@@ -302,7 +302,7 @@ impl Finder {
         self.flatness.forget();
     }
 
-    /// Finds the pairs that may touch within `dt` [s]. `tangled` says how much a particle belongs to a tangle (0 to 1), within which there is no
+    /// Finds the pairs that may touch within `dt` `[s]`. `tangled` says how much a particle belongs to a tangle (0 to 1), within which there is no
     /// right side.
     pub fn find(
         &mut self,
@@ -381,39 +381,39 @@ impl Finder {
         count
     }
 
-    /// Where each particle is foreseen to be [m], less the motion that all cloths share.
+    /// Where each particle is foreseen to be `[m]`, less the motion that all cloths share.
     #[must_use]
     pub fn ahead(&self) -> &[Vec3A] {
         &self.ahead
     }
 
-    /// How far ahead to look [s] when the next look at everything is due in `dt` [s]: half of that where cloth flutters, as boxes swept
-    /// half as far meet a third of the faces; a whole number of substeps of `h` [s].
+    /// How far ahead to look `[s]` when the next look at everything is due in `dt` `[s]`: half of that where cloth flutters, as boxes swept
+    /// half as far meet a third of the faces; a whole number of substeps of `h` `[s]`.
     #[must_use]
     pub fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
         if self.haste * dt > FLUTTER * thickest { (h * (0.5 * dt / h - 1.0e-3).ceil()).min(dt) } else { dt }
     }
 
-    /// Moves everything that is known `by` [m].
+    /// Moves everything that is known `by` `[m]`.
     pub fn carry(&mut self, by: Vec3) {
         let by = Vec3A::from(by);
         [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten().for_each(|x| *x += by);
     }
 
-    /// Notes where all particles are [m] at the end of a frame, or of the time looked ahead within one, to tell at the next look which of
+    /// Notes where all particles are `[m]` at the end of a frame, or of the time looked ahead within one, to tell at the next look which of
     /// them are stuck.
     pub fn note(&mut self, positions: &[Vec4]) {
         self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
     }
 
-    /// How close boxes must come for their faces to be asked [m].
+    /// How close boxes must come for their faces to be asked `[m]`.
     #[must_use]
     pub fn reach(moment: &Moment<'_>) -> f32 {
         (1.0 + MARGIN) * moment.thickest()
     }
 
-    /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` [s] of the time looked ahead, of which `share`
+    /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` `[s]` of the time looked ahead, of which `share`
     /// has passed.
     pub fn find_strayed(
         &mut self,
@@ -621,8 +621,8 @@ impl Finder {
     }
 
     /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found before the next substep
-    /// ends, when `share` (0 to 1) of the time looked ahead will have passed. `positions` and `previous` and `offset` [m] as gathered,
-    /// `thickness` [m] of the cloth. Whether there are any.
+    /// ends, when `share` (0 to 1) of the time looked ahead will have passed. `positions` and `previous` and `offset` `[m]` as gathered,
+    /// `thickness` `[m]` of the cloth. Whether there are any.
     pub fn strayed(
         &mut self,
         first: usize,
@@ -692,7 +692,7 @@ impl Finder {
     }
 }
 
-/// The motion of particle `v` until the next look [m]: that of the last substep times `scale`. Where constraints pull against each other
+/// The motion of particle `v` until the next look `[m]`: that of the last substep times `scale`. Where constraints pull against each other
 /// the last substep tells nothing: what is as good as where it was `before` moves on as it did since, `ahead` times as far.
 #[inline]
 fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
@@ -703,7 +703,7 @@ fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32
     if way.length_squared() < still { way * ahead } else { motion }
 }
 
-/// A motion no longer than `longest` [m]: of what goes farther, the rest is looked for when it gets there.
+/// A motion no longer than `longest` `[m]`: of what goes farther, the rest is looked for when it gets there.
 fn limited(motion: Vec3A, longest: f32) -> Vec3A {
     let motion = motion.clamp_length_max(longest);
     if motion.is_finite() { motion } else { Vec3A::ZERO }
@@ -718,7 +718,7 @@ fn corners<T: Copy, U>([a, b, c]: [T; 3], of: impl Fn(T) -> U) -> [U; 3] {
     [of(a), of(b), of(c)]
 }
 
-/// Where a particle is, and where it is foreseen to be [m].
+/// Where a particle is, and where it is foreseen to be `[m]`.
 #[derive(Clone, Copy)]
 struct Path {
     now: Vec3A,
@@ -732,12 +732,12 @@ impl Path {
     }
 }
 
-/// How far two faces are apart along the line between their centres, now and ahead, times its length [m²].
+/// How far two faces are apart along the line between their centres, now and ahead, times its length `[m²]`.
 #[derive(Clone, Copy)]
 struct Gaps {
     now: f32,
     ahead: f32,
-    /// Square of that length [m²].
+    /// Square of that length `[m²]`.
     square: f32,
 }
 
@@ -753,7 +753,7 @@ impl Gaps {
         Self { now: apart(|p| p.now), ahead: apart(|p| p.ahead), square: axis.length_squared() }
     }
 
-    /// Whether a gap is wider than `reach` [m].
+    /// Whether a gap is wider than `reach` `[m]`.
     #[inline]
     fn exceed(&self, reach: f32, gap: f32) -> bool {
         gap > 0.0 && gap * gap > reach * reach * self.square

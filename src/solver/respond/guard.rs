@@ -69,7 +69,7 @@ impl Contacts {
         true
     }
 
-    /// Takes in where the particles of pairs in cloth `part` would end the substep: `read` gives the position of its `i`-th ([m], `w` inverse mass).
+    /// Takes in where the particles of pairs in cloth `part` would end the substep: `read` gives the position of its `i`-th (`[m]`, `w` inverse mass).
     pub fn gather_end(&mut self, part: usize, read: impl Fn(usize) -> Vec4) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
@@ -77,7 +77,7 @@ impl Contacts {
         }
     }
 
-    /// Gives back those that were stopped: `write` takes the position of the `i`-th [m].
+    /// Gives back those that were stopped: `write` takes the position of the `i`-th `[m]`.
     pub fn scatter_cut(&self, part: usize, mut write: impl FnMut(usize, Vec4)) {
         let first = self.firsts.get(part).copied().unwrap_or_default();
         for &s in self.slots_of(part) {
@@ -94,7 +94,7 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all.
     cut: &'a mut [u8],
-    /// What all do [m]; worked out when it is first needed.
+    /// What all do `[m]`; worked out when it is first needed.
     shared: Vec3,
     pass: u8,
 }
@@ -158,7 +158,7 @@ fn divides(n: Vec3, first: usize, from: &[Vec3; 4], to: &[Vec4; 4]) -> bool {
     separation(n, first, from) > 0.0 && separation(n, first, &to.map(Vec4::truncate)) > 0.0
 }
 
-/// How far the first primitive, `first` points, lies beyond the second along `n` [m].
+/// How far the first primitive, `first` points, lies beyond the second along `n` `[m]`.
 #[inline]
 fn separation(n: Vec3, first: usize, points: &[Vec3; 4]) -> f32 {
     let along = points.map(|p| n.dot(p));
@@ -190,7 +190,7 @@ fn dividing(pair: &Contact, from: &[Vec3; 4]) -> Vec3 {
     delta.try_normalize().unwrap_or(pair.normal)
 }
 
-/// Mean motion by mass [m]; of what is held if something is.
+/// Mean motion by mass `[m]`; of what is held if something is.
 fn mean_motion(motion: &[Vec3; 4], to: &[Vec4; 4]) -> Vec3 {
     let held = to.iter().any(|x| x.w <= 0.0);
     let mass = |x: &Vec4| if held { f32::from(x.w <= 0.0) } else { 1.0 / x.w };
@@ -202,7 +202,7 @@ fn mean_motion(motion: &[Vec3; 4], to: &[Vec4; 4]) -> Vec3 {
     sum / total
 }
 
-/// Mean motion of all [m].
+/// Mean motion of all `[m]`.
 fn shared_motion(start: &[Vec4], now: &[Vec4]) -> Vec3 {
     let mut sum = Vec4::ZERO;
     for (now, start) in now.iter().zip(start) {

@@ -40,14 +40,14 @@ pub struct Contacts {
     slots_of: Vec<Vec<u32>>,
     /// Whether each cloth touches another one.
     meets_other: Vec<bool>,
-    /// Positions [m] with inverse masses [1/kg], now and at the start of the substep; by slot.
+    /// Positions `[m]` with inverse masses `[1/kg]`, now and at the start of the substep; by slot.
     now: Vec<Vec4>,
     old: Vec<Vec4>,
-    /// Velocities at the start of the substep [m/s]; by slot.
+    /// Velocities at the start of the substep `[m/s]`; by slot.
     velocities: Vec<Vec3A>,
-    /// Pairs that met fast in the last substep, and how fast each is to part [m/s].
+    /// Pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
     impacts: Vec<(u32, f32)>,
-    /// Positions at the start of the substep, whatever was done to velocities since [m].
+    /// Positions at the start of the substep, whatever was done to velocities since `[m]`.
     start: Vec<Vec4>,
     /// Pass of the guard in which the particle was last stopped, by slot.
     cut: Vec<u8>,
@@ -55,7 +55,7 @@ pub struct Contacts {
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     behind: Vec<(u8, [u32; 4])>,
-    /// Mean pushes [m] and drives [kg·m] of pairs that touched before the last look: they go on from there.
+    /// Mean pushes `[m]` and drives `[kg·m]` of pairs that touched before the last look: they go on from there.
     loads: Vec<(u8, [u32; 4], [f32; 2])>,
     /// Faces that are close, or may come close: no others can cross before the next look.
     close: Vec<[u32; 2]>,
@@ -63,7 +63,7 @@ pub struct Contacts {
     coincide: bool,
     /// Pairs that touched in the last substep.
     touching: u32,
-    /// The last substep [s], and how often pairs are solved in it.
+    /// The last substep `[s]`, and how often pairs are solved in it.
     substep: f32,
     passes: u32,
     /// Whether a pair was pushed in it as far as only an impact does.
@@ -159,7 +159,7 @@ impl Contacts {
         self.touching
     }
 
-    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep [kg·m] of every pair that touched in
+    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep `[kg·m]` of every pair that touched in
     /// the last substep.
     pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
@@ -276,8 +276,8 @@ impl Contacts {
         self.velocities.resize(self.particles.len(), Vec3A::ZERO);
     }
 
-    /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its `i`-th [m] and its
-    /// velocity [m/s].
+    /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its `i`-th `[m]` and its
+    /// velocity `[m/s]`.
     pub fn note_start(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec3A)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
@@ -294,8 +294,8 @@ impl Contacts {
         self.old.resize(self.particles.len(), Vec4::NAN);
     }
 
-    /// Takes in the particles of pairs in cloth `part`: `read` gives the position ([m], `w` inverse mass) and the position at the start of
-    /// the substep [m] of its `i`-th.
+    /// Takes in the particles of pairs in cloth `part`: `read` gives the position (`[m]`, `w` inverse mass) and the position at the start of
+    /// the substep `[m]` of its `i`-th.
     pub fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
@@ -303,7 +303,7 @@ impl Contacts {
         }
     }
 
-    /// Begins to keep pairs apart at the end of a substep of `h` [s], in so many `passes`: two where all cloth is calm, else one.
+    /// Begins to keep pairs apart at the end of a substep of `h` `[s]`, in so many `passes`: two where all cloth is calm, else one.
     pub fn begin_solve(&mut self, h: f32, passes: u32) {
         (self.touching, self.substep, self.passes, self.hit) = (0, h, passes, false);
         self.impacts.clear();

@@ -10,11 +10,11 @@ use crate::solver::detect::ProximityKind;
 pub struct Touching {
     /// Whether a particle touched a face, or two edges each other.
     pub kind: ProximityKind,
-    /// The closest points of the first primitive and the second [m], in the frame of the group.
+    /// The closest points of the first primitive and the second `[m]`, in the frame of the group.
     pub points: [Vec3; 2],
     /// Unit vector from the second towards the first, on the side where it belongs.
     pub normal: Vec3,
-    /// With what the pair is pushed apart, on average over the last substeps [N].
+    /// With what the pair is pushed apart, on average over the last substeps `[N]`.
     pub force: f32,
 }
 

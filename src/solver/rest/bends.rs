@@ -31,12 +31,12 @@ pub struct Bends {
     pub hinges: Vec<[[u32; 4]; LANES]>,
     /// Coefficients `c` of the four particles (dimensionless), one vector per lane.
     pub coefficients: Vec<[Vec4; LANES]>,
-    /// Curvature at rest [1/m] across the edge, `±|v| / (A1 + A2)`, by lane; positive where `v` points along the [normal](Self::lean).
+    /// Curvature at rest `[1/m]` across the edge, `±|v| / (A1 + A2)`, by lane; positive where `v` points along the [normal](Self::lean).
     pub rest: Vec<Vec4>,
     /// How far the normal leans to one of the two triangles (dimensionless), -1 to 1, by lane: it is `(x1 - x0) × o`,
     /// `o = (x3 - x2) + lean (x3 + x2 - 2 x0)`, which at rest points along `v`.
     pub lean: Vec<Vec4>,
-    /// `A1 + A2` [m²], by lane.
+    /// `A1 + A2` `[m²]`, by lane.
     pub area: Vec<Vec4>,
     /// Number of elements.
     pub count: usize,
@@ -47,9 +47,9 @@ pub struct Bends {
     /// Particles that share an element with the particle of the row, sorted; filled up with the last, whose entries count once. The diagonal is not kept:
     /// rows sum to zero, since a cloth that is only moved has no curvature, so that `(K x)_i = Σ K_ij (x_j - x_i)`.
     pub columns: Vec<[u32; LANES]>,
-    /// Entries of `K` [1/m²], as the columns.
+    /// Entries of `K` `[1/m²]`, as the columns.
     pub matrix: Vec<[f32; LANES]>,
-    /// Largest eigenvalue of `A⁻¹ K` [1/m⁴]; 0 without elements.
+    /// Largest eigenvalue of `A⁻¹ K` `[1/m⁴]`; 0 without elements.
     pub fastest: f32,
     /// Share of the stiffness that each element keeps (dimensionless), by lane: less than all where triangles are much smaller than the rest.
     pub keeps: Vec<Vec4>,
@@ -71,7 +71,7 @@ const POWER_STEPS: u32 = 32;
 const POWER_MARGIN: f32 = 1.1;
 
 impl Bends {
-    /// One element per interior edge of `topology`, at rest at `positions` [m]; `areas` [m²] around particles.
+    /// One element per interior edge of `topology`, at rest at `positions` `[m]`; `areas` `[m²]` around particles.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], areas: &[f32]) -> Self {
         let hinges: Vec<[u32; 4]> = (0..topology.edges.len() as u32)
@@ -181,7 +181,7 @@ impl Bends {
         }
     }
 
-    /// How far Gershgorin's circle of a particle reaches [1/m⁴].
+    /// How far Gershgorin's circle of a particle reaches `[1/m⁴]`.
     fn width(&self, i: usize, areas: &[f32]) -> f32 {
         let row = self.matrix[self.row(i)].as_flattened();
         (row.iter().map(|k| k.abs()).sum::<f32>() + row.iter().sum::<f32>().abs()) / areas[i]
@@ -205,7 +205,7 @@ impl Bends {
         }
     }
 
-    /// Largest eigenvalue of `A⁻¹ K` [1/m⁴], by power iteration: from below.
+    /// Largest eigenvalue of `A⁻¹ K` `[1/m⁴]`, by power iteration: from below.
     fn largest_eigenvalue(&self, matrix: &[[f32; LANES]], areas: &[f32]) -> f32 {
         // Noise that is the same in every run.
         let noise = |i: usize| ((i as u32).wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 23) as f32 - 1.0;
@@ -238,7 +238,7 @@ impl Bends {
         self.row_start[particle] as usize..self.row_start[particle + 1] as usize
     }
 
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.hinges.len() * (size_of::<[[u32; 4]; LANES]>() + 8 * size_of::<Vec4>())
@@ -252,13 +252,13 @@ impl Bends {
 /// in which it bends and `φ₀` the warp's, and `α` is found from what the elements of this mesh take for curvature along the two.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weave {
-    /// Angle of the warp in the texture, `φ₀` [rad].
+    /// Angle of the warp in the texture, `φ₀` `[rad]`.
     pub angle: f32,
     /// `cos 2(φ - φ₀)`, by lane.
     pub along: Vec<Vec4>,
-    /// The matrix of the elements times [`Self::along`] [1/m²].
+    /// The matrix of the elements times [`Self::along`] `[1/m²]`.
     pub matrix: Vec<[f32; LANES]>,
-    /// Largest eigenvalue for `α` of -1, 0 and 1 [1/m⁴].
+    /// Largest eigenvalue for `α` of -1, 0 and 1 `[1/m⁴]`.
     fastest: [f32; 3],
     /// Mean of `κ²` of the elements where only the warp bends, and only the weft, and the same times [`Self::along`].
     even: Vec2,
@@ -274,7 +274,7 @@ const MOST_UNEVEN: f32 = 0.95;
 const SPREAD: f32 = 4.0 / 3.0;
 
 impl Weave {
-    /// Of a mesh whose warp is at `angle` [rad] in its texture; none where nothing tells it.
+    /// Of a mesh whose warp is at `angle` `[rad]` in its texture; none where nothing tells it.
     #[must_use]
     pub fn new(bends: &Bends, areas: &[f32], angle: f32) -> Option<Self> {
         if bends.warp.is_empty() {
@@ -325,7 +325,7 @@ impl Weave {
         (alpha, if share.is_finite() { share } else { 1.0 })
     }
 
-    /// Largest eigenvalue for `α` [1/m⁴], from above: it is convex in `α`.
+    /// Largest eigenvalue for `α` `[1/m⁴]`, from above: it is convex in `α`.
     #[must_use]
     pub fn fastest(&self, alpha: f32) -> f32 {
         let [below, at, above] = self.fastest;
@@ -343,7 +343,7 @@ struct Element {
 }
 
 impl Element {
-    /// Of a hinge at rest at `x` [m].
+    /// Of a hinge at rest at `x` `[m]`.
     fn new(x: [Vec3; 4]) -> Self {
         let cot = |u: Vec3, v: Vec3| u.dot(v) / u.cross(v).length().max(1.0e-12);
         let (e0, e1, e2, e3, e4) = (x[1] - x[0], x[2] - x[0], x[3] - x[0], x[2] - x[1], x[3] - x[1]);

@@ -16,16 +16,16 @@ use glam::Vec3;
 
 use super::{NONE, Topology};
 
-/// Distance [m] to the nearest of some sources, and which it is.
+/// Distance `[m]` to the nearest of some sources, and which it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Length of the shortest path found [m]; infinite where no path leads.
+    /// Length of the shortest path found `[m]`; infinite where no path leads.
     pub distance: f32,
     /// The source at its end; [`NONE`] where no path leads.
     pub source: u32,
 }
 
-/// Geodesic distance of every particle from the nearest of `sources`, on the surface at `positions` [m].
+/// Geodesic distance of every particle from the nearest of `sources`, on the surface at `positions` `[m]`.
 #[must_use]
 pub fn distances(topology: &Topology, positions: &[Vec3], sources: &[u32]) -> Vec<Nearest> {
     let mut front = Front::new(topology.particles as usize);
@@ -54,7 +54,7 @@ impl Front {
         }
     }
 
-    /// The particles within `limit` [m] of a run from `sources`, nearest first, with their distances.
+    /// The particles within `limit` `[m]` of a run from `sources`, nearest first, with their distances.
     pub fn run(&mut self, topology: &Topology, positions: &[Vec3], sources: &[u32], limit: f32) -> &[(u32, f32)] {
         for &(p, _) in &self.reached {
             self.best[p as usize] = Nearest { distance: f32::INFINITY, source: NONE };
@@ -109,7 +109,7 @@ impl Front {
     }
 }
 
-/// Distance of `w` [m] when the front comes straight across edge `u v`; `None` when it does not.
+/// Distance of `w` `[m]` when the front comes straight across edge `u v`; `None` when it does not.
 fn across([u, v, w]: [Vec3; 3], du: f32, dv: f32) -> Option<f32> {
     let edge = v - u;
     let length = edge.length();

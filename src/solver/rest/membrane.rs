@@ -14,16 +14,16 @@ use super::weave::Threads;
 pub struct Membrane {
     /// The three particles of each triangle.
     pub corners: Vec<[[u32; LANES]; 3]>,
-    /// Shares of `d1` and `d2` in `F_warp` [1/m].
+    /// Shares of `d1` and `d2` in `F_warp` `[1/m]`.
     pub warp: Vec<[Vec4; 2]>,
-    /// Shares of `d1` and `d2` in `F_weft` [1/m].
+    /// Shares of `d1` and `d2` in `F_weft` `[1/m]`.
     pub weft: Vec<[Vec4; 2]>,
-    /// One over the area at rest [1/m²].
+    /// One over the area at rest `[1/m²]`.
     pub inverse_area: Vec<Vec4>,
 }
 
 impl Membrane {
-    /// Of the faces of `topology` at rest at `positions` [m], with the directions of the threads of each, or of none.
+    /// Of the faces of `topology` at rest at `positions` `[m]`, with the directions of the threads of each, or of none.
     pub(super) fn new(topology: &Topology, positions: &[Vec3], threads: &[Threads]) -> Self {
         let mut membrane = Self::default();
         if threads.len() != topology.faces.len() {
@@ -57,7 +57,7 @@ impl Membrane {
         self.corners.is_empty()
     }
 
-    /// Memory held [B].
+    /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.corners.len() * (size_of::<[[u32; LANES]; 3]>() + 5 * size_of::<Vec4>())

@@ -31,9 +31,9 @@ const AREA_FRACTION: f32 = 1.0e-11;
 pub struct RestShape {
     /// Connectivity over particles.
     pub topology: Topology,
-    /// Rest positions [m] of the particles, in the scaled, unrotated frame of the mesh.
+    /// Rest positions `[m]` of the particles, in the scaled, unrotated frame of the mesh.
     pub positions: Vec<Vec3>,
-    /// Third of the area of the faces around each particle [m²].
+    /// Third of the area of the faces around each particle `[m²]`.
     pub areas: Vec<f32>,
     /// Particle of each render vertex.
     pub particle_of_vertex: Vec<u32>,
@@ -47,7 +47,7 @@ pub struct RestShape {
     pub bends: Bends,
     /// Coarse net over the cloth.
     pub net: Net,
-    /// Mean rest length of the edges [m].
+    /// Mean rest length of the edges `[m]`.
     pub mean_edge: f32,
 }
 
@@ -162,7 +162,7 @@ impl RestShape {
         self.springs.count + self.bends.count
     }
 
-    /// Memory held by this shape [B].
+    /// Memory held by this shape `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let of = size_of_val::<[f32]>;
@@ -187,7 +187,7 @@ impl RestShape {
     }
 }
 
-/// Smallest and largest corner [m] of a non-empty set of points.
+/// Smallest and largest corner `[m]` of a non-empty set of points.
 fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
 }

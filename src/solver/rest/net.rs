@@ -25,7 +25,7 @@ pub const PER_PARTICLE: usize = 4;
 /// Hubs and links of a mesh at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Net {
-    /// Least distance between hubs [m].
+    /// Least distance between hubs `[m]`.
     pub spacing: f32,
     /// Particle of each hub.
     pub hubs: Vec<u32>,
@@ -35,12 +35,12 @@ pub struct Net {
     pub weights: Vec<[f32; PER_PARTICLE]>,
     /// Pairs of neighbouring hubs.
     pub links: Vec<[u32; 2]>,
-    /// Geodesic distance between the two hubs of each link [m].
+    /// Geodesic distance between the two hubs of each link `[m]`.
     pub lengths: Vec<f32>,
 }
 
 impl Net {
-    /// Hubs spread over `topology`, at rest at `positions` [m] with edges of `mean_edge` [m].
+    /// Hubs spread over `topology`, at rest at `positions` `[m]` with edges of `mean_edge` `[m]`.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], mean_edge: f32) -> Self {
         let n = positions.len();

@@ -2,13 +2,13 @@
 
 use glam::{Vec2, Vec3};
 
-/// Farthest coordinate of a vertex [m]: squares of areas of what is farther out would overflow.
+/// Farthest coordinate of a vertex `[m]`: squares of areas of what is farther out would overflow.
 pub(super) const FARTHEST: f32 = 1.0e9;
 
 /// A triangle soup as an asset delivers it, already scaled to world units.
 #[derive(Clone, Debug, Default)]
 pub struct SourceMesh {
-    /// Positions [m] of the render vertices, scaled to world size, unrotated.
+    /// Positions `[m]` of the render vertices, scaled to world size, unrotated.
     pub positions: Vec<Vec3>,
     /// Corners of each triangle; may be out of range, degenerate or repeated: [`RestShape::build`](super::RestShape::build) cleans up.
     pub triangles: Vec<[u32; 3]>,

@@ -8,7 +8,7 @@ use super::{NONE, Topology};
 /// A diagonal is this much longer than every other edge of its two faces (dimensionless; √2 in a square, 1 among equilateral triangles).
 const DIAGONAL_RATIO: f32 = 1.15;
 
-/// Angle to the threads [rad] at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff as it shears, add as much
+/// Angle to the threads `[rad]` at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff as it shears, add as much
 /// shear stiffness `K sin²(2φ) / 4` as it has.
 const OFF_THREAD: f32 = 5.0 * core::f32::consts::PI / 180.0;
 
@@ -19,7 +19,7 @@ pub struct Springs {
     pub a: Vec<[u32; LANES]>,
     /// Second particle of each spring.
     pub b: Vec<[u32; LANES]>,
-    /// One over the squared rest length [1/m²].
+    /// One over the squared rest length `[1/m²]`.
     pub inverse_square: Vec<Vec4>,
     /// `ΣA / L²` (dimensionless): stiffness of the spring over that of the membrane (Van Gelder 1998).
     pub width_ratio: Vec<Vec4>,
@@ -32,7 +32,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// One spring per edge of `topology`, at rest at `positions` [m]; `twice`: cosine and sine of twice the angle of each edge from the warp, or none.
+    /// One spring per edge of `topology`, at rest at `positions` `[m]`; `twice`: cosine and sine of twice the angle of each edge from the warp, or none.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], twice: &[Vec2]) -> Self {
         let length = |e: u32| {
@@ -74,7 +74,7 @@ impl Springs {
         springs
     }
 
-    /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` [rad], as far as anything tells those: only then are they a membrane that
+    /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as anything tells those: only then are they a membrane that
     /// stretches and shears as the fabric.
     #[must_use]
     pub fn run_along_threads(&self, warp_angle: f32) -> bool {

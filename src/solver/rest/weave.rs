@@ -15,7 +15,7 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// Of a triangle at `x` [m] with texture coordinates `uv`. A mirrored texture has its weft mirrored, as a piece cut from the other side has.
+    /// Of a triangle at `x` `[m]` with texture coordinates `uv`. A mirrored texture has its weft mirrored, as a piece cut from the other side has.
     pub fn new(x: [Vec3; 3], uv: [Vec2; 3]) -> Option<Self> {
         let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
         let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
@@ -31,7 +31,7 @@ impl Threads {
         Some(Self { warp, weft })
     }
 
-    /// Itself, or directions along the edges `d1` and `d2` of a triangle [m] where nothing tells any.
+    /// Itself, or directions along the edges `d1` and `d2` of a triangle `[m]` where nothing tells any.
     pub fn or_along(self, d1: Vec3, d2: Vec3) -> Self {
         if self.warp != Vec3::ZERO {
             return self;

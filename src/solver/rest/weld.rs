@@ -5,7 +5,7 @@ use glam::Vec3;
 /// Vertices closer than this fraction of the mesh's diagonal are one (dimensionless).
 pub const WELD_FRACTION: f32 = 1.0e-5;
 
-/// Maps each vertex to the smallest index among the vertices within `tolerance` [m] of it, transitively.
+/// Maps each vertex to the smallest index among the vertices within `tolerance` `[m]` of it, transitively.
 ///
 /// Vertices are sorted along a direction no modelling grid is aligned with, so each is compared with few others.
 #[must_use]

@@ -36,18 +36,18 @@ const MOST_STAYS: u32 = 8;
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default)]
 pub struct Retreat {
-    /// Positions [m] at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
+    /// Positions `[m]` at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
     clean: Vec<Vec4>,
     /// Which particles were taken back in this frame, and in the one before.
     taken: Vec<bool>,
     took: Vec<bool>,
-    /// Mean motion since then of the cloth that crosses and moved least [m]: what rests is not put where what fell on it went.
+    /// Mean motion since then of the cloth that crosses and moved least `[m]`: what rests is not put where what fell on it went.
     shared: Vec3A,
     /// Substeps of the frame.
     substeps: f32,
-    /// Way of the fastest particle of each cloth in the last substep of the last clean frame [m].
+    /// Way of the fastest particle of each cloth in the last substep of the last clean frame `[m]`.
     fastest: Vec<f32>,
-    /// How far particles of each cloth may be put back in this frame [m].
+    /// How far particles of each cloth may be put back in this frame `[m]`.
     farthest: Vec<f32>,
     /// Whether something was taken back in this frame, and whether whole cloths stayed.
     retreats: bool,
@@ -68,7 +68,7 @@ impl Retreat {
         !self.clean.is_empty()
     }
 
-    /// Notes how a frame ended, whose last substep lies between `previous` and `positions` [m]; nothing is known of one that was not clean.
+    /// Notes how a frame ended, whose last substep lies between `previous` and `positions` `[m]`; nothing is known of one that was not clean.
     pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
         self.taken.resize(positions.len(), false);
@@ -84,7 +84,7 @@ impl Retreat {
     }
 
     /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to begin the next one at
-    /// `positions`, `offset` [m] from the frame of the group.
+    /// `positions`, `offset` `[m]` from the frame of the group.
     pub fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
         let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
@@ -96,13 +96,13 @@ impl Retreat {
         }
     }
 
-    /// Everything lies `by` [m] elsewhere from now on.
+    /// Everything lies `by` `[m]` elsewhere from now on.
     pub fn carry(&mut self, by: Vec3) {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
     /// Begins with nothing taken back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`,
-    /// the last of which lies between `previous` and `positions` [m].
+    /// the last of which lies between `previous` and `positions` `[m]`.
     pub fn begin(
         &mut self,
         surface: &Surface,
@@ -204,7 +204,7 @@ impl Retreat {
         any
     }
 
-    /// Puts the particles that cross where `place` says: positions now and a substep before [m]. Whether any was elsewhere.
+    /// Puts the particles that cross where `place` says: positions now and a substep before `[m]`. Whether any was elsewhere.
     fn put(
         &mut self,
         surface: &Surface,
@@ -224,7 +224,7 @@ impl Retreat {
         any
     }
 
-    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing, and with its position [m].
+    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing, and with its position `[m]`.
     fn for_each_that_crosses(
         &mut self,
         surface: &Surface,
@@ -246,7 +246,7 @@ impl Retreat {
         }
     }
 
-    /// Way of all together in a substep [m].
+    /// Way of all together in a substep `[m]`.
     fn mean(&self) -> Vec3 {
         Vec3::from(self.shared / self.substeps.max(1.0))
     }
@@ -293,7 +293,7 @@ fn crosses(surface: &Surface, crossings: &[Crossing], part: usize) -> bool {
     crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].map(usize::from).contains(&part))
 }
 
-/// Longest way of a free particle [m].
+/// Longest way of a free particle `[m]`.
 fn fastest(range: Range<usize>, positions: &[Vec4], previous: &[Vec4]) -> f32 {
     let ways = positions[range.clone()].iter().zip(&previous[range]).filter(|(now, _)| now.w > 0.0);
     ways.map(|(now, old)| Vec3A::from_vec4(*now - *old).length_squared()).fold(0.0, f32::max).sqrt()

@@ -48,7 +48,7 @@ impl Pins {
         self.on.clear();
     }
 
-    /// Puts what crosses pins, or what rides along with them, on their ride: from `clean` to `positions` [m].
+    /// Puts what crosses pins, or what rides along with them, on their ride: from `clean` to `positions` `[m]`.
     pub fn meet(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4], clean: &[Vec4]) {
         self.on.resize(positions.len(), 0);
         let particles = |c: &Crossing| {
@@ -69,7 +69,7 @@ impl Pins {
         }
     }
 
-    /// Where particle `v` rides that was at `clean` [m]; none if it does not.
+    /// Where particle `v` rides that was at `clean` `[m]`; none if it does not.
     pub fn destination(&self, v: usize, clean: Vec3) -> Option<Vec3> {
         let ride = self.rides.get(self.on.get(v)?.checked_sub(1)? as usize)?;
         let to = ride.to + ride.turn * (clean - ride.from);

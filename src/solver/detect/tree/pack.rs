@@ -13,7 +13,7 @@ use super::{Bounds, LEAF};
 /// Lanes of a vector.
 const WIDE: usize = 4;
 
-/// The boxes of up to [`LEAF`] faces [m], by axis.
+/// The boxes of up to [`LEAF`] faces `[m]`, by axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pack {
     min: [[Vec4; LEAF / WIDE]; 3],
@@ -41,7 +41,7 @@ impl Pack {
         }
     }
 
-    /// Which boxes come within `margin` [m] of another along every axis, as [`Bounds::meets`].
+    /// Which boxes come within `margin` `[m]` of another along every axis, as [`Bounds::meets`].
     #[inline]
     pub fn meets(&self, other: &Bounds, margin: Vec3A) -> u32 {
         let (low, high) = (other.min - margin, other.max);
