@@ -18,6 +18,7 @@ pub fn ray(window: &Window, camera: (&Camera, &GlobalTransform)) -> Option<Ray3d
 }
 
 /// Grabs where the pointer meets a cloth, drags at that distance from the camera, and lets go.
+#[expect(clippy::too_many_arguments, reason = "a system takes what it reads as arguments")]
 pub fn pointer(
     mut commands: Commands,
     mut hand: ResMut<Hand>,

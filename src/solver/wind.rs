@@ -350,6 +350,7 @@ impl WindForces {
     /// `positions`: `w` = inverse mass `[1/kg]`, particles with 0 get nothing. `substep`: time between `previous` and `positions` `[s]`, 0 or
     /// less when the cloth is at rest. `hold`: how long the accelerations will be used before the next call `[s]`. Faces with an index past
     /// the end: no force.
+    #[expect(clippy::too_many_arguments, reason = "arrays of a cloth, which the frame keeps apart")]
     pub fn apply(
         &mut self,
         wind: &Wind,

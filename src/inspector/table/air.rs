@@ -32,6 +32,7 @@ const SEEDS: [&str; 3] =
 const AIR: [&str; 3] =
     ["Density of the air; 1.225 at sea level, water has 1000.", "0 is vacuum: no wind and no drag.", "Moves as under water."];
 
+#[expect(clippy::too_many_arguments, reason = "a row of the table says each thing once")]
 const fn rows(
     part: Part,
     x: Field<f32>,

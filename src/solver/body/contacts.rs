@@ -299,6 +299,7 @@ impl BodyContacts {
     /// substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling`
     /// are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles in the substep `[m]` as their speeds at its start
     /// and gravity have them; empty: nothing bounces. Returns the number of contacts.
+    #[expect(clippy::too_many_arguments, reason = "arrays of a cloth and of a substep, which the frame keeps apart")]
     pub fn project(
         &mut self,
         bodies: &[Body],

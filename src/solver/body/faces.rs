@@ -413,6 +413,7 @@ impl FaceContacts {
 
     /// Once per substep, after the particles: keeps faces out of parts. As [`BodyContacts::project`](super::BodyContacts::project); returns
     /// the number of touches.
+    #[expect(clippy::too_many_arguments, reason = "arrays of a cloth and of a substep, which the frame keeps apart")]
     pub fn project(
         &mut self,
         bodies: &[Body],

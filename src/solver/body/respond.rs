@@ -97,6 +97,7 @@ pub(crate) struct Response {
 /// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one); `rise`: how far over where it began
 /// what bounces ends `[m]`, 0: it does not.
 #[inline]
+#[expect(clippy::too_many_arguments, reason = "one contact, in numbers that particles and faces have in other places")]
 pub(crate) fn respond(
     plane: Plane,
     start: Vec3A,

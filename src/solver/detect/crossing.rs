@@ -266,6 +266,7 @@ fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u3
     cross_close_faces(surface, positions, asks, [f, g], [tf, tg], shared, ties, out);
 }
 
+#[expect(clippy::too_many_arguments, reason = "buffers that are borrowed apart from the detector")]
 fn cross_close_faces(
     surface: &Surface,
     positions: &[Vec4],
