@@ -9,6 +9,7 @@ use super::{ClothDebug, ClothGizmos, place, scale};
 use crate::components::Cloth;
 use crate::groups::ClothGroups;
 use crate::simulation::{ClothParticles, ClothScratch};
+use crate::time::ClothTime;
 
 /// What touched in the last simulated frame, in the world.
 #[derive(Resource, Default)]
@@ -21,7 +22,7 @@ pub(super) struct Touched {
 
 /// Between Integrate and Detect.
 pub(super) fn remember(
-    time: Res<Time>,
+    time: Res<ClothTime>,
     groups: Res<ClothGroups>,
     cloths: Query<(&ClothParticles, &ClothScratch), With<Cloth>>,
     mut touched: ResMut<Touched>,
