@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use bevy_drape::scenes::{self, Scene, Tangle, grid};
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::RestShape;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::vec3;
@@ -15,16 +15,16 @@ use glam::vec3;
 const WARM: usize = 120;
 
 fn frames(c: &mut Criterion, name: &str, sizes: &[u32], scene: impl Fn(u32) -> Scene) {
-    let mut group = c.benchmark_group(name);
-    group.sample_size(20);
+    let mut island = c.benchmark_group(name);
+    island.sample_size(20);
     for &n in sizes {
         let mut scene = scene(n);
         (0..WARM).for_each(|_| scene.step(1.0 / 60.0));
         let work: usize = scene.cloths.iter().map(|c| c.rest.constraints() * c.report.substeps as usize).sum();
-        group.throughput(Throughput::Elements(work as u64));
-        group.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| scene.step(1.0 / 60.0)));
+        island.throughput(Throughput::Elements(work as u64));
+        island.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| scene.step(1.0 / 60.0)));
     }
-    group.finish();
+    island.finish();
 }
 
 fn hang(c: &mut Criterion) {
@@ -41,28 +41,28 @@ fn flags(c: &mut Criterion) {
 
 /// Half a second of two sheets of 30 x 30 from their tangled start: what `paper_tables` averages.
 fn tangles(c: &mut Criterion) {
-    let mut group = c.benchmark_group("30 frames of two sheets of 30 x 30");
-    group.sample_size(10);
+    let mut island = c.benchmark_group("30 frames of two sheets of 30 x 30");
+    island.sample_size(10);
     for tangle in Tangle::ALL {
         let scene = scenes::tangle(tangle, 30).untangled(UntangleSettings::default(), EvaluateSettings::default(), false);
         let Ok(scene) = scene else { continue };
-        group.bench_function(tangle.name(), |b| {
+        island.bench_function(tangle.name(), |b| {
             b.iter_batched(|| scene.clone(), |mut scene| (0..30).for_each(|_| scene.step(1.0 / 60.0)), BatchSize::LargeInput);
         });
     }
-    group.finish();
+    island.finish();
 }
 
 /// Binding: weld, clean, renumber, batches.
 fn bind(c: &mut Criterion) {
-    let mut group = c.benchmark_group("bind");
-    group.sample_size(10);
+    let mut island = c.benchmark_group("bind");
+    island.sample_size(10);
     for n in [64, 256] {
         let mesh = grid(n, n, |u, v| vec3(u, 0.0, v));
-        group.throughput(Throughput::Elements(u64::from(n * n)));
-        group.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| RestShape::build(black_box(&mesh))));
+        island.throughput(Throughput::Elements(u64::from(n * n)));
+        island.bench_function(BenchmarkId::from_parameter(n), |b| b.iter(|| RestShape::build(black_box(&mesh))));
     }
-    group.finish();
+    island.finish();
 }
 
 criterion_group!(benches, hang, ball, flags, tangles, bind);

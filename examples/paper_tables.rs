@@ -21,7 +21,7 @@ use std::time::Instant;
 use bevy_drape::scenes::{self, Tangle};
 use bevy_drape::solver::detect::SurfaceError;
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use chart::Chart;
 use clap::Parser;
@@ -141,7 +141,7 @@ fn run(n: u32, method: Method) -> Result<Figures, SurfaceError> {
             scene.step(FRAME);
             let ms = start.elapsed().as_secs_f64() * 1.0e3;
             all = (all.0 + ms, all.1 + 1.0);
-            let iterated = scene.untangle.as_ref().is_some_and(|u| u.group.iterations() > 0);
+            let iterated = scene.untangle.as_ref().is_some_and(|u| u.island.iterations() > 0);
             if iterated {
                 dirty = (dirty.0 + ms, dirty.1 + 1.0);
             }

@@ -30,7 +30,7 @@ use std::time::Instant;
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
 use bevy_drape::scenes::{self, Scene, SceneCloth, StageTimes, Tangle};
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::step::FrameInput;
 use clap::{Parser, ValueEnum};

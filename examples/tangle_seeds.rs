@@ -11,7 +11,7 @@ mod cli;
 use std::thread;
 
 use bevy_drape::scenes::{Seed, SeedKind, SeedRun};
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use clap::Parser;
 use serde_json::json;
 
@@ -55,21 +55,21 @@ fn main() {
     let tangled: Vec<&Row> = rows.iter().filter(|r| r.run.start > 0).collect();
     let kinds = SeedKind::ALL.map(|kind| (kind.name(), tangled.iter().copied().filter(|r| r.kind == kind).collect()));
     let closed = tangled.iter().copied().filter(|r| r.run.closed).collect();
-    let mut groups: Vec<(&str, Vec<&Row>)> = kinds.into();
-    groups.extend([("closed contours", closed), ("all", tangled.clone())]);
+    let mut islands: Vec<(&str, Vec<&Row>)> = kinds.into();
+    islands.extend([("closed contours", closed), ("all", tangled.clone())]);
     let seeds = |of: &dyn Fn(&Row) -> bool| tangled.iter().filter(|r| of(r)).map(|r| r.seed).collect::<Vec<_>>();
     let failed = seeds(&|r| r.run.clean_after.is_none());
     let grown = seeds(&|r| r.run.growth > GROWING);
     let clean = rows.len() - tangled.len();
     if arguments.json {
-        let shares = groups.iter().map(|(name, rows)| {
+        let shares = islands.iter().map(|(name, rows)| {
             let within =
                 WITHIN.map(|frames| json!({ "frames": frames, "clean": count(rows, frames), "wilson": wilson(rows, frames) }));
             json!({ "name": name, "tangles": rows.len(), "within": within })
         });
         println!(
             "{}",
-            json!({ "groups": shares.collect::<Vec<_>>(), "clean_at_start": clean, "failed": failed, "grown": grown })
+            json!({ "islands": shares.collect::<Vec<_>>(), "clean_at_start": clean, "failed": failed, "grown": grown })
         );
         return;
     }
@@ -77,7 +77,7 @@ fn main() {
     print!("{:24}", "");
     WITHIN.iter().for_each(|frames| print!("  {frames:<20}"));
     println!();
-    for (name, rows) in &groups {
+    for (name, rows) in &islands {
         print!("{name:16} {:7}", rows.len());
         for frames in WITHIN {
             let [low, high] = wilson(rows, frames).map(|p| 100.0 * p);

@@ -4,7 +4,7 @@ use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnost
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothReport};
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 use crate::plugin;
 use crate::simulation::{ClothParticles, ClothRest};
 
@@ -81,7 +81,7 @@ impl Plugin for ClothDiagnosticsPlugin {
 
 fn measure(
     mut diagnostics: Diagnostics,
-    groups: Res<ClothGroups>,
+    islands: Res<ClothIslands>,
     cloths: Query<(&ClothReport, &ClothRest, &ClothParticles), With<Cloth>>,
 ) {
     type Plugin = ClothDiagnosticsPlugin;
@@ -94,12 +94,12 @@ fn measure(
     diagnostics.add_measurement(&Plugin::PARTICLES, || sum(|(_, _, particles)| particles.len()));
     diagnostics.add_measurement(&Plugin::SPRINGS, || sum(|(_, rest, _)| rest.shape().springs.count));
     // What two cloths share is counted once.
-    let total = |of: fn(&crate::groups::ClothGroup) -> u32| groups.list.iter().map(of).sum::<u32>();
+    let total = |of: fn(&crate::islands::ClothIsland) -> u32| islands.list.iter().map(of).sum::<u32>();
     diagnostics.add_measurement(&Plugin::CONTACTS, || {
-        sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|g| g.group.contacts().touching()))
+        sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|g| g.solver.contacts().touching()))
     });
-    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.group.total().crossings)));
-    diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|g| g.group.total().contours)));
+    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().crossings)));
+    diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|g| g.solver.total().contours)));
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))
     });

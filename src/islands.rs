@@ -1,7 +1,7 @@
 //! Which cloths can meet: they are looked at together, as one surface.
 //!
-//! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; a group is everything that is linked so. Cloths that
-//! are together part only when boxes twice as wide are apart. Groups and their members are in the order of entities, so that nothing depends on
+//! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; an island is everything that is linked so. Cloths that
+//! are together part only when boxes twice as wide are apart. Islands and their members are in the order of entities, so that nothing depends on
 //! the order of archetypes or threads.
 
 use core::cmp::Reverse;
@@ -12,9 +12,8 @@ use bevy::prelude::*;
 
 use crate::components::{ClothCollision, ClothLayers};
 use crate::simulation::{ClothInputs, ClothParticles};
-use crate::solver::body::Touch;
 use crate::solver::detect::PartRef;
-use crate::solver::group::{Group, UntangleSettings};
+use crate::solver::island::{Island, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
@@ -27,10 +26,10 @@ const STAY: f64 = 2.0;
 
 /// Cloths that can meet, and where they cross.
 #[derive(Resource, Default)]
-pub struct ClothGroups {
+pub struct ClothIslands {
     /// In the order of their first members.
-    pub(crate) list: Vec<ClothGroup>,
-    before: Vec<ClothGroup>,
+    pub(crate) list: Vec<ClothIsland>,
+    before: Vec<ClothIsland>,
     candidates: Vec<Candidate>,
     by_x: Vec<u32>,
     root: Vec<u32>,
@@ -41,23 +40,23 @@ pub struct ClothGroups {
 
 /// Cloths that can meet.
 #[derive(Clone, Default)]
-pub(crate) struct ClothGroup {
+pub(crate) struct ClothIsland {
     pub members: Vec<Member>,
-    pub group: Group,
+    pub solver: Island,
     pub settings: UntangleSettings,
     /// Whether all of them sleep or stand still.
     pub asleep: bool,
-    /// Origin of the frame of the group in the world `[m]`.
+    /// Origin of the frame of the island in the world `[m]`.
     pub origin: DVec3,
     /// Time spent on detecting, resolving, evaluating, responding and stepping side by side `[ms]`.
     pub times: [f32; 5],
-    /// What members are stepped with while they are stepped side by side.
+    /// Whether its members are stepped side by side in this frame.
+    pub together: bool,
+    /// What is borrowed from each member during a stage.
     pub work: Vec<Work>,
-    /// Thickness and friction of each member.
-    pub touch: Vec<Touch>,
 }
 
-/// What is borrowed from a member while it is stepped.
+/// What is borrowed from a member during a stage.
 #[derive(Clone, Default)]
 pub(crate) struct Work {
     pub state: ClothState,
@@ -65,25 +64,15 @@ pub(crate) struct Work {
     pub report: Option<StepReport>,
 }
 
-impl ClothGroup {
-    /// From the frame of a cloth to that of the group `[m]`.
-    pub fn offset(&self, origin: DVec3) -> Vec3 {
-        (origin - self.origin).as_vec3()
-    }
-
-    /// Whether its members are stepped side by side.
-    pub fn is_together(&self) -> bool {
-        !self.work.is_empty()
-    }
-
-    /// Share of cloth `part` in what the group costs.
+impl ClothIsland {
+    /// Share of cloth `part` in what the island costs.
     pub fn share(&self, part: usize) -> f32 {
-        let surface = self.group.surface();
+        let surface = self.solver.surface();
         surface.parts.get(part).map_or(0.0, |p| p.particles.len() as f32 / surface.len().max(1) as f32)
     }
 }
 
-/// A cloth as its group was built from it.
+/// A cloth as its island was built from it.
 #[derive(Clone)]
 pub(crate) struct Member {
     pub entity: Entity,
@@ -98,6 +87,8 @@ pub(crate) struct Member {
     pub rode: bool,
     /// Whether it sleeps.
     pub asleep: bool,
+    /// Whether it is to be taken apart at once in its first frame.
+    pub at_load: bool,
 }
 
 impl Member {
@@ -117,7 +108,7 @@ struct Candidate {
     high: DVec3,
     /// How much wider its box is `[m]`.
     margin: f64,
-    /// Group of the last frame.
+    /// Island of the last frame.
     last: Option<u32>,
 }
 
@@ -131,23 +122,23 @@ impl Candidate {
     }
 }
 
-impl ClothGroups {
+impl ClothIslands {
     /// Segments of all intersection curves in the world `[m]`, each with how its curve ends; as of the last look.
     pub fn contours(&self) -> impl Iterator<Item = (ContourKind, [DVec3; 2])> + '_ {
-        self.list.iter().flat_map(|group| {
-            let place = |p: Vec3| group.origin + p.as_dvec3();
-            let contours = group.group.contours();
+        self.list.iter().flat_map(|island| {
+            let place = |p: Vec3| island.origin + p.as_dvec3();
+            let contours = island.solver.contours();
             let kind = |contour: usize| contours.get(contour).map(|c| c.kind).unwrap_or_default();
-            group.group.segments().map(move |(contour, ends)| (kind(contour), ends.map(place)))
+            island.solver.segments().map(move |(contour, ends)| (kind(contour), ends.map(place)))
         })
     }
 
-    /// The members of each group, in the order of entities.
+    /// The members of each island, in the order of entities.
     pub fn members(&self) -> impl Iterator<Item = impl Iterator<Item = Entity> + '_> + '_ {
-        self.list.iter().map(|group| group.members.iter().map(|m| m.entity))
+        self.list.iter().map(|island| island.members.iter().map(|m| m.entity))
     }
 
-    /// How many groups were built so far: of other members than before, or of a new shape at rest. No setting builds one.
+    /// How many islands were built so far: of other members than before, or of a new shape at rest. No setting builds one.
     #[must_use]
     pub fn builds(&self) -> u64 {
         self.builds
@@ -179,7 +170,7 @@ impl ClothGroups {
         Some((low, high))
     }
 
-    /// Links what can meet and builds the groups that are new or changed. `place` is told each member's group, its number there, and whether
+    /// Links what can meet and builds the islands that are new or changed. `place` is told each member's island, its number there, and whether
     /// it is roused: it sleeps where another does not.
     pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32, bool)) {
         self.candidates.sort_unstable_by_key(|c| c.member.entity);
@@ -210,27 +201,29 @@ impl ClothGroups {
             let known = before.get(old).is_some_and(|g| {
                 g.members.len() == members.len() && g.members.iter().zip(members.iter()).all(|(a, b)| a.fits(b))
             });
-            let mut group = if known { core::mem::take(&mut before[old]) } else { ClothGroup::default() };
+            let mut island = if known { core::mem::take(&mut before[old]) } else { ClothIsland::default() };
             if known {
-                group.members.clone_from(members);
+                island.members.clone_from(members);
                 for (part, member) in members.iter().enumerate() {
                     let ClothCollision { layer, self_collision, .. } = member.collision;
-                    group.group.tune(part, layer, self_collision, member.thickness);
+                    island.solver.tune(part, layer, self_collision, member.thickness);
                 }
-                if group.origin != first.origin {
-                    group.group.carry((group.origin - first.origin).as_vec3());
+                if island.origin != first.origin {
+                    island.solver.carry((island.origin - first.origin).as_vec3());
                 }
             } else {
                 let Some(built) = build(members) else { continue };
                 *builds += 1;
-                (group.group, group.members) = (built, members.clone());
+                (island.solver, island.members) = (built, members.clone());
             }
-            (group.settings, group.origin, group.times) = (best.settings, first.origin, [0.0; 5]);
-            group.asleep = group.members.iter().all(|m| m.asleep || (m.still && !m.rode));
-            for (part, member) in group.members.iter().enumerate() {
-                place(member.entity, list.len() as u32, part as u32, member.asleep && !group.asleep);
+            (island.settings, island.origin, island.times) = (best.settings, first.origin, [0.0; 5]);
+            island.together = false;
+            island.work.resize_with(island.members.len(), Work::default);
+            island.asleep = island.members.iter().all(|m| m.asleep || (m.still && !m.rode));
+            for (part, member) in island.members.iter().enumerate() {
+                place(member.entity, list.len() as u32, part as u32, member.asleep && !island.asleep);
             }
-            list.push(group);
+            list.push(island);
         }
         before.clear();
     }
@@ -266,7 +259,7 @@ fn find(root: &[u32], mut i: u32) -> u32 {
     i
 }
 
-fn build(members: &[Member]) -> Option<Group> {
+fn build(members: &[Member]) -> Option<Island> {
     let parts: Vec<PartRef<'_>> = members
         .iter()
         .map(|m| PartRef {
@@ -277,8 +270,8 @@ fn build(members: &[Member]) -> Option<Group> {
             thickness: m.thickness,
         })
         .collect();
-    match Group::new(&parts) {
-        Ok(group) => Some(group),
+    match Island::new(&parts) {
+        Ok(island) => Some(island),
         Err(error) => {
             warn_once!("cloths that meet are not untangled: {error}");
             None

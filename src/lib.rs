@@ -13,7 +13,7 @@ pub mod presets;
 #[cfg(feature = "avian")]
 mod avian;
 mod bind;
-mod groups;
+mod islands;
 mod notices;
 mod query;
 pub mod simulation;
@@ -39,7 +39,7 @@ pub use components::{
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
-pub use groups::ClothGroups;
+pub use islands::ClothIslands;
 pub use plugin::{ClothPlugin, ClothSystems};
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};

@@ -25,7 +25,7 @@ use bevy::transform::systems::{
 use crate::avian;
 use crate::bind::{RestCache, Sources};
 use crate::components::{ClothGravity, GlobalWind};
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
 use crate::systems::inputs::WorldAir;
@@ -124,7 +124,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<Notices>()
             .init_resource::<WorldBodies>()
             .init_resource::<WorldAir>()
-            .init_resource::<ClothGroups>()
+            .init_resource::<ClothIslands>()
             .add_observer(release::on_remove_cloth)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
@@ -179,9 +179,12 @@ impl Plugin for ClothPlugin {
                 )
                     .chain()
                     .in_set(ClothSystems::Prepare),
-                (integrate::integrate, couple::give).chain().run_if(time::flows).in_set(ClothSystems::Integrate),
+                (integrate::alone, integrate::together, integrate::judge, couple::give)
+                    .chain()
+                    .run_if(time::flows)
+                    .in_set(ClothSystems::Integrate),
                 (detect::leave, detect::group, detect::detect).chain().run_if(time::flows).in_set(ClothSystems::Detect),
-                (resolve::resolve, resolve::scatter).chain().run_if(time::flows).in_set(ClothSystems::Resolve),
+                resolve::resolve.run_if(time::flows).in_set(ClothSystems::Resolve),
                 (
                     (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time::flows),
                     evaluate::recoveries,

@@ -35,12 +35,10 @@ pub use tangles::Tangle;
 pub use twist::twist;
 pub use units::Unit;
 
-use crate::solver::body::{Body, Pose, Touch, shape};
+use crate::solver::body::{Body, Pose, shape};
 use crate::solver::detect::{PartRef, SurfaceError};
-use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Resort, Shown, Verdict};
-use crate::solver::fit::fit;
-use crate::solver::group::{BLEND_TIME, Display, Group, Member, Members, UntangleSettings};
-use crate::solver::load::{self, LoadReport};
+use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Shown, Verdict};
+use crate::solver::island::{Display, Island, LoadReport, Member, Members, UntangleSettings};
 use crate::solver::resolve::Contour;
 use crate::solver::rest::{RestShape, SourceMesh};
 use crate::solver::settings::{Fabric, Stepping};
@@ -139,9 +137,23 @@ impl SceneCloth {
         self.anchors.from.clone_from(&self.anchors.to);
     }
 
-    fn member<'a>(&'a mut self, input: FrameInput<'a>) -> Member<'a> {
-        let Self { rest, fabric, stepping, anchors, state, scratch, .. } = self;
-        Member { cloth: Stepped { rest, fabric, anchors, input }, stepping, state, scratch, offset: Vec3::ZERO, moves: true }
+    fn member<'a>(&'a mut self, input: FrameInput<'a>, contact: bool, last_resort: f32) -> Member<'a> {
+        let Self { rest, fabric, stepping, anchors, state, scratch, display, .. } = self;
+        Member {
+            cloth: Stepped { rest, fabric, anchors, input },
+            stepping,
+            state,
+            scratch,
+            offset: Vec3::ZERO,
+            moves: true,
+            clock: input.dt,
+            fixed: false,
+            still: false,
+            contact,
+            at_load: false,
+            outcome: display.outcome(),
+            last_resort,
+        }
     }
 
     /// Kinetic energy plus potential energy against the origin `[J]`; what the springs store is not counted.
@@ -163,15 +175,17 @@ impl SceneCloth {
     }
 }
 
-/// The cloths of a scene, stepped side by side.
+/// The cloths of a scene, as their island asks for them.
 struct Together<'a> {
     cloths: &'a mut [SceneCloth],
     input: FrameInput<'a>,
+    contact: bool,
+    last_resort: f32,
 }
 
 impl Members for Together<'_> {
     fn member(&mut self, part: usize) -> Option<Member<'_>> {
-        self.cloths.get_mut(part).map(|cloth| cloth.member(self.input))
+        self.cloths.get_mut(part).map(|cloth| cloth.member(self.input, self.contact, self.last_resort))
     }
 
     fn done(&mut self, part: usize, report: StepReport) {
@@ -206,18 +220,14 @@ pub struct Scene {
 /// How the cloths of a scene are untangled.
 #[derive(Clone, Debug, Default)]
 pub struct Untangling {
-    /// All cloths as one surface.
-    pub group: Group,
+    /// All cloths.
+    pub island: Island,
     /// How they are taken apart.
     pub settings: UntangleSettings,
     /// What is shown meanwhile.
     pub skip: EvaluateSettings,
-    /// A buffer.
-    pose: Vec<Vec3>,
     /// Whether cloths rest on each other, and on themselves.
     pub contact: bool,
-    /// Thickness and friction of each cloth in the last frame.
-    pub touch: Vec<Touch>,
 }
 
 /// Time that each stage took in a frame `[ms]`.
@@ -273,27 +283,23 @@ impl Scene {
                 thickness: *thickness,
             })
             .collect();
-        let (contact, touch, pose) = (true, Vec::new(), Vec::new());
-        self.untangle = Some(Untangling { group: Group::new(&parts)?, settings, skip, contact, touch, pose });
+        self.untangle = Some(Untangling { island: Island::new(&parts)?, settings, skip, contact: true });
         Ok(self)
     }
 
     /// Takes the cloths apart before the first frame, in at most `most` iterations; nothing without untangling.
     pub fn untangle_at_load(&mut self, most: u32) -> LoadReport {
-        let Some(Untangling { group, settings, .. }) = &mut self.untangle else { return LoadReport::default() };
-        for (part, cloth) in self.cloths.iter().enumerate() {
-            group.gather(part, &cloth.state, Vec3::ZERO, false);
-        }
-        let cloths = &self.cloths;
-        let report = group.untangle_at_load(settings, most, |part, positions| {
-            if let Some(cloth) = cloths.get(part) {
-                load::relax_edges(&cloth.rest, positions);
-            }
-        });
-        for (part, cloth) in self.cloths.iter_mut().enumerate() {
-            group.scatter(part, &mut cloth.state, Vec3::ZERO);
-        }
-        report
+        let Some((Untangling { island, settings, .. }, mut cloths)) = self.together(0.0) else { return LoadReport::default() };
+        island.untangle_at_load(settings, most, &mut cloths)
+    }
+
+    /// The island and the cloths in it, for a frame of `dt` `[s]`; none without untangling.
+    fn together(&mut self, dt: f32) -> Option<(&mut Untangling, Together<'_>)> {
+        let Self { cloths, bodies, wind, gravity, untangle, .. } = self;
+        let untangling = untangle.as_mut()?;
+        let input = FrameInput { dt, gravity: *gravity, bodies, wind };
+        let (contact, last_resort) = (untangling.contact, untangling.skip.last_resort);
+        Some((untangling, Together { cloths, input, contact, last_resort }))
     }
 
     /// Lets cloths that are untangled pass through each other until they are, instead of resting on each other.
@@ -336,12 +342,12 @@ impl Scene {
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
         self.steer(dt);
-        let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
-        match &mut self.untangle {
-            Some(Untangling { group, contact: true, .. }) => {
-                group.step(&mut Together { cloths: &mut self.cloths, input });
+        match self.together(dt) {
+            Some((Untangling { island, contact: true, .. }, mut cloths)) => island.integrate(&mut cloths),
+            _ => {
+                let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
+                self.cloths.iter_mut().for_each(|cloth| cloth.step(&input));
             }
-            _ => self.cloths.iter_mut().for_each(|cloth| cloth.step(&input)),
         }
         self.wind.advance(dt);
         self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
@@ -350,79 +356,40 @@ impl Scene {
 
     /// Detects, resolves and evaluates after the cloths were stepped by `dt` `[s]`.
     pub fn settle(&mut self, dt: f32) {
-        let Some(Untangling { group, settings, skip, contact, touch, pose }) = &mut self.untangle else { return };
+        let Some((Untangling { island, settings, skip, .. }, mut cloths)) = self.together(dt) else { return };
         let start = Instant::now();
-        touch.clear();
-        touch.extend(self.cloths.iter().map(|c| Touch::of(&c.fabric)));
-        group.expect(dt, touch, |_| *contact);
-        for (part, cloth) in self.cloths.iter().enumerate() {
-            group.gather(part, &cloth.state, Vec3::ZERO, false);
-        }
-        group.detect();
-        self.times.detect = since(start);
-
+        island.detect(&mut cloths);
+        let detect = since(start);
         let start = Instant::now();
-        let cloths = &self.cloths;
-        let resort = cloths.iter().map(|c| c.display.outcome().resort).max().unwrap_or_default();
-        group.escalate(resort);
-        group.resolve(settings, |part, positions| {
-            if let Some(cloth) = cloths.get(part) {
-                step::relax(&cloth.rest, &cloth.fabric, &cloth.scratch, positions);
-            }
-        });
-        if resort == Resort::Blend {
-            for (part, cloth) in self.cloths.iter().enumerate() {
-                // First around the tangle, then more and more of the cloth.
-                let whole = (cloth.display.outcome().tangled_for / skip.last_resort - 4.0).clamp(0.0, 1.0);
-                fit(&cloth.rest, &cloth.state.positions, pose);
-                group.blend(part, pose, Vec3::ZERO, dt / BLEND_TIME, whole);
-            }
-        }
-        if group.has_moved() {
-            for (part, SceneCloth { fabric, state, scratch, .. }) in self.cloths.iter_mut().enumerate() {
-                if step::displace(fabric, &self.bodies, state, scratch, |state| group.scatter(part, state, Vec3::ZERO)) {
-                    group.regather(part, state, Vec3::ZERO);
-                }
-            }
-            if group.stay() {
-                for (part, cloth) in self.cloths.iter_mut().enumerate() {
-                    group.scatter(part, &mut cloth.state, Vec3::ZERO);
-                }
-            }
-        }
-        self.times.resolve = since(start);
-
+        island.resolve(dt, settings, &mut cloths);
+        let resolve = since(start);
         let start = Instant::now();
-        group.evaluate();
-        for (part, SceneCloth { display, state, .. }) in self.cloths.iter_mut().enumerate() {
+        island.evaluate();
+        for (part, SceneCloth { display, state, .. }) in cloths.cloths.iter_mut().enumerate() {
             let pose = evaluate::Pose::default();
-            display.settle(&group.verdict(part), state, group.weights(part), pose, dt, skip);
+            display.settle(&island.verdict(part), state, island.weights(part), pose, dt, skip);
         }
-        self.times.evaluate = since(start);
+        let evaluate = since(start);
         let start = Instant::now();
-        group.respond();
-        self.times.respond = since(start);
+        island.respond();
+        self.times = StageTimes { detect, resolve, evaluate, respond: since(start), ..self.times };
     }
 
     /// Looks for crossings as the cloths lie, and moves nothing.
     pub fn look(&mut self) -> Verdict {
-        let Some(Untangling { group, .. }) = &mut self.untangle else { return Verdict::default() };
-        for (part, cloth) in self.cloths.iter().enumerate() {
-            group.gather(part, &cloth.state, Vec3::ZERO, false);
-        }
-        group.detect()
+        self.together(0.0).map_or_else(Verdict::default, |(untangling, mut cloths)| untangling.island.inspect(&mut cloths))
     }
 
     /// The contours found last; none without untangling.
     #[must_use]
     pub fn contours(&self) -> &[Contour] {
-        self.untangle.as_ref().map_or(&[], |u| u.group.contours())
+        self.untangle.as_ref().map_or(&[], |u| u.island.contours())
     }
 
     /// Edges that cross faces; 0 without untangling.
     #[must_use]
     pub fn crossings(&self) -> u32 {
-        self.untangle.as_ref().map_or(0, |u| u.group.total().crossings)
+        self.untangle.as_ref().map_or(0, |u| u.island.total().crossings)
     }
 
     /// Whether a cloth is shown in its last clean shape.

@@ -13,7 +13,7 @@ use crate::components::checked::Checked;
 use crate::components::{ClothDetail, ClothLod, ClothPins, RecoveryCause, RecoveryLevel, WaitingFor};
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
-use crate::solver::group::{Display, UntangleSettings};
+use crate::solver::island::{Display, UntangleSettings};
 use crate::solver::kick;
 use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
@@ -387,13 +387,13 @@ pub(crate) struct ClothScratch {
     pub recovered: Option<(RecoveryLevel, RecoveryCause)>,
     /// Box of the cloth in the world at the last look `[m]`.
     pub bounds: Option<(DVec3, DVec3)>,
-    /// The group of cloths it can meet, and its number there.
-    pub group: Option<(u32, u32)>,
+    /// The island of cloths it can meet, and its number there.
+    pub island: Option<(u32, u32)>,
 }
 
 impl Default for ClothScratch {
     fn default() -> Self {
-        Self { solver: Scratch::default(), fresh: true, done: None, recovered: None, bounds: None, group: None }
+        Self { solver: Scratch::default(), fresh: true, done: None, recovered: None, bounds: None, island: None }
     }
 }
 

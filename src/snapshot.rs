@@ -5,7 +5,7 @@ use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
 use crate::components::{ClothContactEvents, ClothError, ClothImpulse, ClothPins, ClothReport, ClothStatus, ClothTouch};
-use crate::groups::{ClothGroup, ClothGroups};
+use crate::islands::{ClothIsland, ClothIslands};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::solver::wind::Wind;
 use crate::systems::colliders::ColliderBody;
@@ -50,7 +50,7 @@ use crate::time::ClothTime;
 pub struct ClothSnapshot {
     /// In the order of entities.
     cloths: Vec<SavedCloth>,
-    groups: Vec<ClothGroup>,
+    islands: Vec<ClothIsland>,
     surroundings: Option<Surroundings>,
     world: WorldId,
 }
@@ -135,9 +135,9 @@ impl ClothSnapshot {
             .collect();
         cloths.sort_unstable_by_key(|cloth| cloth.entity);
         let is_saved = |entity: Entity| cloths.binary_search_by_key(&entity, |cloth| cloth.entity).is_ok();
-        let groups = world.get_resource::<ClothGroups>().map_or(&[][..], |groups| &groups.list);
-        let groups = groups.iter().filter(|group| group.members.iter().all(|m| is_saved(m.entity))).cloned().collect();
-        Self { groups, cloths, surroundings: None, world: world.id() }
+        let islands = world.get_resource::<ClothIslands>().map_or(&[][..], |islands| &islands.list);
+        let islands = islands.iter().filter(|island| island.members.iter().all(|m| is_saved(m.entity))).cloned().collect();
+        Self { islands, cloths, surroundings: None, world: world.id() }
     }
 
     /// The cloths in it, in the order of entities.
@@ -167,22 +167,22 @@ impl ClothSnapshot {
         }
     }
 
-    /// Puts the groups back all of whose members were restored, in place of those in which any was.
+    /// Puts the islands back all of whose members were restored, in place of those in which any was.
     fn regroup(&self, world: &mut World, is_restored: impl Fn(Entity) -> bool) {
-        let Some(mut groups) = world.get_resource_mut::<ClothGroups>() else { return };
-        groups.list.retain(|group| !group.members.iter().any(|member| is_restored(member.entity)));
-        groups.list.extend(self.groups.iter().filter(|group| group.members.iter().all(|m| is_restored(m.entity))).cloned());
-        groups.list.sort_by_key(|group| group.members.first().map(|member| member.entity));
+        let Some(mut islands) = world.get_resource_mut::<ClothIslands>() else { return };
+        islands.list.retain(|island| !island.members.iter().any(|member| is_restored(member.entity)));
+        islands.list.extend(self.islands.iter().filter(|island| island.members.iter().all(|m| is_restored(m.entity))).cloned());
+        islands.list.sort_by_key(|island| island.members.first().map(|member| member.entity));
         let mut places: Vec<(Entity, (u32, u32))> = (0..)
-            .zip(&groups.list)
-            .flat_map(|(group, list)| (0..).zip(&list.members).map(move |(part, member)| (member.entity, (group, part))))
+            .zip(&islands.list)
+            .flat_map(|(island, list)| (0..).zip(&list.members).map(move |(part, member)| (member.entity, (island, part))))
             .collect();
         places.sort_unstable();
         for (entity, mut scratch, mut slumber) in world.query::<(Entity, &mut ClothScratch, &mut Slumber)>().iter_mut(world) {
             let place = places.binary_search_by_key(&entity, |(entity, _)| *entity).ok().map(|at| places[at].1);
             // What it rested on may be gone.
-            slumber.roused |= scratch.group.is_some() && place.is_none();
-            scratch.group = place;
+            slumber.roused |= scratch.island.is_some() && place.is_none();
+            scratch.island = place;
         }
     }
 }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_drape::debug::{ClothGizmos, contour_color};
 use bevy_drape::prelude::*;
 use bevy_drape::solver::resolve::ContourKind;
-use bevy_drape::{ClothGroups, scenes};
+use bevy_drape::{ClothIslands, scenes};
 
 use super::label::label;
 use super::state::State;
@@ -75,7 +75,7 @@ pub fn watch(
     mut commands: Commands,
     mut cells: Query<(&mut Cell, &mut Text)>,
     sheets: Query<(&ClothReport, &Mesh3d, &MeshMaterial3d<StandardMaterial>, &Transform)>,
-    groups: Res<ClothGroups>,
+    islands: Res<ClothIslands>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
     for (mut cell, _) in &mut cells {
@@ -98,7 +98,7 @@ pub fn watch(
         // Those that shall come apart for good go on: they must stay so.
         if state >= cell.until && cell.until != State::Separated {
             let here = |[end, _]: &[Vec3; 2]| ((end - cell.at).abs().xy() * 2.0).cmplt(Vec2::new(APART.0, APART.1)).all();
-            let curves = groups.contours().map(|(kind, ends)| (kind, ends.map(DVec3::as_vec3)));
+            let curves = islands.contours().map(|(kind, ends)| (kind, ends.map(DVec3::as_vec3)));
             let curves = curves.filter(|(_, ends)| here(ends)).collect();
             cell.curves = curves;
             for sheet in pair {

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::checked::Checked;
-use crate::solver::group::UntangleSettings;
+use crate::solver::island::UntangleSettings;
 use crate::solver::resolve::{Method, ResolveSettings};
 
 /// How a cloth that crosses itself or another is taken apart.

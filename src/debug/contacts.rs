@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::{ClothDebug, ClothGizmos, place, scale};
 use crate::components::Cloth;
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 use crate::simulation::{ClothParticles, ClothScratch};
 use crate::time::ClothTime;
 
@@ -23,7 +23,7 @@ pub(super) struct Touched {
 /// Between Integrate and Detect.
 pub(super) fn remember(
     time: Res<ClothTime>,
-    groups: Res<ClothGroups>,
+    islands: Res<ClothIslands>,
     cloths: Query<(&ClothParticles, &ClothScratch), With<Cloth>>,
     mut touched: ResMut<Touched>,
 ) {
@@ -33,9 +33,9 @@ pub(super) fn remember(
     let Touched { cloth, bodies } = &mut *touched;
     cloth.clear();
     bodies.clear();
-    for group in &groups.list {
-        let pairs = group.group.contacts().touching_pairs();
-        cloth.extend(pairs.map(|pair| (pair.points.map(|x| place(group.origin, x)), pair.normal, pair.force)));
+    for island in &islands.list {
+        let pairs = island.solver.contacts().touching_pairs();
+        cloth.extend(pairs.map(|pair| (pair.points.map(|x| place(island.origin, x)), pair.normal, pair.force)));
     }
     for (particles, scratch) in &cloths {
         let state = particles.state();

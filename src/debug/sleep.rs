@@ -1,7 +1,7 @@
 //! How much is solved of a cloth, its level of detail: its border, or every edge of a cloth that has none.
 //!
 //! ```text
-//! awake ─ slow for 0.25 s ─► calm ─ within a few millimetres for 0.5 s, and so its group ─► asleep
+//! awake ─ slow for 0.25 s ─► calm ─ within a few millimetres for 0.5 s, and so its island ─► asleep
 //!   ▲                         │                                                               │
 //!   └─────────────────────────┴────────────────────── anything that moves it ─────────────────┘
 //! ```

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::state::ClothInspector;
 use super::tangle;
 use crate::components::{Cloth, ClothError};
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown};
 
 /// Length of the frame that is stepped while time stands still `[s]`.
@@ -117,16 +117,16 @@ fn displace(world: &mut World, cloth: Entity, motion: impl FnOnce(&mut [Vec4]) -
     Ok(done)
 }
 
-/// Forgets on which side of each other the members of a cloth's group were: they would be brought back there. They wake, and the cloth is
+/// Forgets on which side of each other the members of a cloth's island were: they would be brought back there. They wake, and the cloth is
 /// shown where it is now.
 fn forget(world: &mut World, cloth: Entity) {
     if let Some(mut shown) = world.get_mut::<ClothShown>(cloth) {
         shown.forced = true;
     }
-    let Some(mut groups) = world.get_resource_mut::<ClothGroups>() else { return };
-    let Some(group) = groups.list.iter_mut().find(|g| g.members.iter().any(|m| m.entity == cloth)) else { return };
-    let group = core::mem::take(group);
-    for member in group.members {
+    let Some(mut islands) = world.get_resource_mut::<ClothIslands>() else { return };
+    let Some(island) = islands.list.iter_mut().find(|g| g.members.iter().any(|m| m.entity == cloth)) else { return };
+    let island = core::mem::take(island);
+    for member in island.members {
         if let Some(mut particles) = world.get_mut::<ClothParticles>(member.entity) {
             particles.disturbed = true;
         }

@@ -14,7 +14,7 @@ use super::state::ClothInspector;
 use super::table::settings_of;
 use super::{air, pins, plots};
 use crate::components::{Cloth, ClothBuildReport, ClothError, ClothMaterial, ClothReport, ClothStatus};
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 
 /// Draws the panel into a window of the app's own.
 ///
@@ -47,8 +47,8 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
         ui.weak("there is no cloth");
         return;
     };
-    let groups = world.get_resource::<ClothGroups>();
-    let crossings = groups.map_or(0, |groups| groups.list.iter().map(|group| group.group.total().crossings).sum());
+    let islands = world.get_resource::<ClothIslands>();
+    let crossings = islands.map_or(0, |islands| islands.list.iter().map(|island| island.solver.total().crossings).sum());
     status(ui, world, cloth, crossings);
     let mut edit = Edit::new(settings);
     actions(ui, state, cloth);

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
     use crate::scenes::{Scene, SceneCloth, fabric};
     use crate::solver::evaluate::EvaluateSettings;
-    use crate::solver::group::UntangleSettings;
+    use crate::solver::island::UntangleSettings;
     use crate::solver::resolve::{Method, ResolveSettings};
     use crate::solver::rest::RestShape;
 

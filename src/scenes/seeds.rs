@@ -7,7 +7,7 @@ use glam::{DQuat, DVec2, DVec3, Vec3};
 
 use super::{Scene, SceneCloth, fabric, grid};
 use crate::solver::evaluate::EvaluateSettings;
-use crate::solver::group::UntangleSettings;
+use crate::solver::island::UntangleSettings;
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::{RestShape, SourceMesh};
 
@@ -140,7 +140,7 @@ impl Seed {
                 break;
             }
             scene.step(1.0 / 60.0);
-            let now = scene.untangle.as_ref()?.group.total();
+            let now = scene.untangle.as_ref()?.island.total();
             if let Some(before) = lengths.len().checked_sub(30).and_then(|k| lengths.get(k)) {
                 run.growth = run.growth.max(now.contour_length / before);
             }

@@ -24,7 +24,7 @@ use crate::notices::{Notices, label};
 use crate::simulation::{
     Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince,
 };
-use crate::solver::group::Display;
+use crate::solver::island::Display;
 use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;

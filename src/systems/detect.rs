@@ -1,30 +1,28 @@
 //! Detect: which cloths can meet, and where they cross.
 
 use bevy::prelude::*;
-use bevy::tasks::ComputeTaskPool;
 
+use super::islands::{Cloths, is_awake, run};
 use super::sleep::Slumber;
-use super::stopwatch;
 use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
-use crate::groups::{ClothGroup, ClothGroups, Member};
+use crate::islands::{ClothIslands, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
-use crate::solver::body::Touch;
 use crate::time::ClothTime;
 
-/// Takes cloths out of their groups from which a component was removed that meeting others takes.
+/// Takes cloths out of their islands from which a component was removed that meeting others takes.
 pub(crate) fn leave(
     mut cloths: Query<(&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<Untangle>, Has<Slumber>), With<Cloth>>,
 ) {
     for (mut scratch, rest, collision, untangle, slumber) in &mut cloths {
-        if scratch.group.is_some() && !(rest && collision && untangle && slumber) {
-            (scratch.group, scratch.bounds) = (None, None);
+        if scratch.island.is_some() && !(rest && collision && untangle && slumber) {
+            (scratch.island, scratch.bounds) = (None, None);
         }
     }
 }
 
-/// Groups cloths that can meet.
+/// Islands cloths that can meet.
 pub(crate) fn group(
-    mut groups: ResMut<ClothGroups>,
+    mut islands: ResMut<ClothIslands>,
     mut cloths: Query<
         (
             Entity,
@@ -41,9 +39,9 @@ pub(crate) fn group(
     >,
 ) {
     let _span = debug_span!("cloth/detect").entered();
-    groups.begin();
+    islands.begin();
     for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch, _) in &mut cloths {
-        let last = scratch.group.take().map(|(group, _)| group);
+        let last = scratch.island.take().map(|(island, _)| island);
         let last_box = scratch.bounds.take();
         if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
             continue;
@@ -51,62 +49,24 @@ pub(crate) fn group(
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
         let fixed = still || !untangle.enabled;
         let (asleep, thickness) = (inputs.asleep, inputs.fabric.thickness);
-        let member =
-            Member { entity, rest: rest.0.clone(), collision: *collision, thickness, fixed, still, rode: inputs.rode, asleep };
+        let at_load = untangle.enabled && untangle.at_load;
+        let (rest, rode) = (rest.0.clone(), inputs.rode);
+        let member = Member { entity, rest, collision: *collision, thickness, fixed, still, rode, asleep, at_load };
         let layers = layers.copied().unwrap_or_default();
-        scratch.bounds = groups.add(member, inputs, particles, layers, last_box, last);
+        scratch.bounds = islands.add(member, inputs, particles, layers, last_box, last);
     }
-    groups.form(|entity, group, part, roused| {
+    islands.form(|entity, island, part, roused| {
         if let Ok((.., mut scratch, mut slumber)) = cloths.get_mut(entity) {
-            scratch.group = Some((group, part));
+            scratch.island = Some((island, part));
             slumber.roused |= roused;
         }
     });
 }
 
-/// Looks for crossings and for what may touch in the next frame, in parallel over groups. Each writes only its own data, so the result has
-/// the same bits for any number of threads.
-pub(crate) fn detect(
-    time: Res<ClothTime>,
-    mut groups: ResMut<ClothGroups>,
-    cloths: Query<(&ClothParticles, &ClothInputs), With<Cloth>>,
-) {
+/// Looks for crossings and for what may touch in the next frame.
+pub(crate) fn detect(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut cloths: Cloths) {
     let _span = debug_span!("cloth/detect").entered();
-    let dt = time.delta_secs();
-    each(&mut groups.list, |group| {
-        if group.asleep {
-            return;
-        }
-        let clock = stopwatch();
-        group.touch.clear();
-        let mut longest = 0.0f32;
-        for part in 0..group.members.len() {
-            let Member { entity, fixed, still, .. } = group.members[part];
-            let Ok((particles, inputs)) = cloths.get(entity) else { continue };
-            let offset = group.offset(particles.origin);
-            group.group.gather(part, &particles.state, offset, fixed);
-            if still {
-                group.group.hold(part);
-            }
-            group.touch.push(Touch::of(&inputs.fabric));
-            longest = longest.max((dt * inputs.time_scale).min(inputs.stepping.max_frame));
-        }
-        group.group.expect(longest, &group.touch, |part| group.members[part].collision.contact);
-        group.group.detect();
-        group.times[0] = clock();
-    });
-}
-
-/// Works on every group, in parallel when there are several.
-pub(super) fn each(groups: &mut [ClothGroup], work: impl Fn(&mut ClothGroup) + Sync) {
-    if let [only] = groups {
-        work(only);
-        return;
-    }
-    let work = &work;
-    ComputeTaskPool::get().scope(|scope| {
-        for group in groups {
-            scope.spawn(async move { work(group) });
-        }
+    run(&mut islands, &mut cloths, 0, time.delta_secs(), is_awake, |island, cloths| {
+        island.solver.detect(cloths);
     });
 }

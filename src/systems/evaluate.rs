@@ -3,35 +3,35 @@
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
 
-use super::detect::each;
+use super::islands::each;
 use super::stopwatch;
 use crate::components::{
     Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothReport, ClothStatus,
     ClothTangled, ClothUntangled, RecoveryLevel, Untangle,
 };
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::evaluate::{Pose, Shown, Verdict};
 use crate::time::ClothTime;
 
-/// Looks again where something moved, in parallel over groups.
-pub(crate) fn look(mut groups: ResMut<ClothGroups>) {
+/// Looks again where something moved, in parallel over islands.
+pub(crate) fn look(mut islands: ResMut<ClothIslands>) {
     let _span = debug_span!("cloth/evaluate").entered();
-    each(&mut groups.list, |group| {
-        if group.asleep {
+    each(&mut islands.list, |island| {
+        if island.asleep {
             return;
         }
         let clock = stopwatch();
-        group.group.evaluate();
-        group.times[2] = clock();
+        island.solver.evaluate();
+        island.times[2] = clock();
     });
 }
 
 /// Decides what every cloth shows, in parallel over cloths.
 pub(crate) fn judge(
     time: Res<ClothTime>,
-    groups: Res<ClothGroups>,
+    islands: Res<ClothIslands>,
     mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
 ) {
     let _span = debug_span!("cloth/evaluate").entered();
@@ -42,9 +42,9 @@ pub(crate) fn judge(
                 return;
             }
             let clock = stopwatch();
-            let at = scratch.group.and_then(|(g, part)| groups.list.get(g as usize).map(|group| (group, part as usize)));
+            let at = scratch.island.and_then(|(g, part)| islands.list.get(g as usize).map(|island| (island, part as usize)));
             let (verdict, weights) = match at {
-                Some((group, part)) => (group.group.verdict(part), group.group.weights(part)),
+                Some((island, part)) => (island.solver.verdict(part), island.solver.weights(part)),
                 None => (Verdict::default(), [].as_slice()),
             };
             let particles = &mut *particles;
@@ -62,8 +62,8 @@ pub(crate) fn judge(
             report.regions = verdict.regions;
             report.held = outcome.shown == Shown::Held;
             report.held_frames = outcome.held_frames;
-            report.iterations = at.map_or(0, |(group, _)| group.group.iterations());
-            let of = |stage: usize| at.map_or(0.0, |(group, part)| group.share(part) * group.times[stage]);
+            report.iterations = at.map_or(0, |(island, _)| island.solver.iterations());
+            let of = |stage: usize| at.map_or(0.0, |(island, part)| island.share(part) * island.times[stage]);
             (report.detect_ms, report.resolve_ms) = (of(0), of(1));
             (report.respond_ms, report.contacts) = (0.0, 0);
             report.evaluate_ms = of(2) + clock();
@@ -97,10 +97,10 @@ pub(crate) fn tell(
 }
 
 /// Says whose layers cannot come into order.
-pub(crate) fn overruled_layers(mut notices: ResMut<Notices>, groups: Res<ClothGroups>, names: Query<&Name>) {
-    for group in &groups.list {
-        for pair in group.group.overruled_layers() {
-            let [Some(outer), Some(inner)] = pair.map(|part| group.members.get(part)) else { continue };
+pub(crate) fn overruled_layers(mut notices: ResMut<Notices>, islands: Res<ClothIslands>, names: Query<&Name>) {
+    for island in &islands.list {
+        for pair in island.solver.overruled_layers() {
+            let [Some(outer), Some(inner)] = pair.map(|part| island.members.get(part)) else { continue };
             if notices.first(outer.entity, "ClothCollision::layer") {
                 let [over, under] = [outer, inner].map(|member| label(member.entity, names.get(member.entity).ok()));
                 warn!(

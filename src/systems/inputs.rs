@@ -384,7 +384,7 @@ mod tests {
 
     use super::*;
     use crate::bind::AnchorSets;
-    use crate::solver::group::Display;
+    use crate::solver::island::Display;
     use crate::solver::recover::Recovery;
     use crate::solver::step::Anchors;
 

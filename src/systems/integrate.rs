@@ -4,20 +4,18 @@
 use std::sync::Arc;
 
 use bevy::ecs::batching::BatchingStrategy;
-use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::detect::each;
+use super::islands::{Cloths, run};
 use super::stopwatch;
 use crate::components::{Cloth, ClothReport, RecoveryCause, RecoveryLevel};
-use crate::groups::{ClothGroup, ClothGroups, Member, Work};
+use crate::islands::{ClothIsland, ClothIslands, Member};
 use crate::plugin::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
-use crate::solver::group::{self, Members};
 use crate::solver::integrate::spring;
 use crate::solver::recover::{Cause, Level};
 use crate::solver::settings::drape_rate;
-use crate::solver::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
+use crate::solver::step::{Scratch, StepReport, prepare, step};
 use crate::time::ClothTime;
 
 type Stepping<'w, 's, 'a> = Query<
@@ -27,23 +25,21 @@ type Stepping<'w, 's, 'a> = Query<
     With<Cloth>,
 >;
 
-/// Steps every cloth, and takes those back that blew up. Cloths that may touch each other or themselves are stepped side by side.
-pub(crate) fn integrate(time: Res<ClothTime>, clock: Res<ClothClock>, mut groups: ResMut<ClothGroups>, mut cloths: Stepping) {
+/// Prepares every cloth, and steps those that touch no other.
+pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: ResMut<ClothIslands>, mut cloths: Stepping) {
     let _span = debug_span!("cloth/integrate").entered();
     let (dt, interpolates) = (time.delta_secs(), clock.interpolates);
-    for group in &mut groups.list {
-        gather(group, &cloths);
+    for island in &mut islands.list {
+        island.together = steps_together(island, &cloths);
     }
-    // Batches of one cloth each all ran on one thread when measured; a few for each thread halve the frame of 50 cloths on two (11.6 to 6.1 ms).
-    let batches = BatchingStrategy::new().batches_per_thread(5);
-    let list = &groups.list;
-    cloths.par_iter_mut().batching_strategy(batches.clone()).for_each(
+    let list = &islands.list;
+    cloths.par_iter_mut().batching_strategy(batches()).for_each(
         |(rest, mut inputs, mut particles, mut scratch, mut report)| {
             let clock = stopwatch();
             if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut scratch) {
                 return;
             }
-            if !scratch.group.is_some_and(|(group, _)| list.get(group as usize).is_some_and(ClothGroup::is_together)) {
+            if !scratch.island.is_some_and(|(island, _)| list.get(island as usize).is_some_and(|island| island.together)) {
                 let ClothParticles { state, .. } = &mut *particles;
                 let input = inputs.frame(dt);
                 let done = step(&rest.0, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, &mut scratch.solver);
@@ -52,96 +48,51 @@ pub(crate) fn integrate(time: Res<ClothTime>, clock: Res<ClothClock>, mut groups
             }
         },
     );
-    if groups.list.iter().any(ClothGroup::is_together) {
-        together(&mut groups, dt, &mut cloths);
-        cloths.par_iter_mut().batching_strategy(batches).for_each(|(rest, inputs, mut particles, mut scratch, mut report)| {
-            if let Some(done) = scratch.done.take() {
-                finish(rest, done, &inputs, &mut particles, &mut scratch, &mut report);
-            }
-        });
-    }
 }
 
-/// Makes room for the members of a group that are stepped side by side: those of one whose members are all as they were when it was looked at.
-fn gather(group: &mut ClothGroup, cloths: &Stepping) {
-    group.work.clear();
-    if group.asleep {
+/// Steps the islands whose members touch.
+pub(crate) fn together(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut cloths: Cloths) {
+    let _span = debug_span!("cloth/integrate").entered();
+    let wanted = |island: &ClothIsland| island.together;
+    run(&mut islands, &mut cloths, 4, time.delta_secs(), wanted, |island, cloths| island.solver.integrate(cloths));
+}
+
+/// Judges what stepping side by side did, and takes those back that blew up.
+pub(crate) fn judge(mut islands: ResMut<ClothIslands>, mut cloths: Stepping) {
+    let _span = debug_span!("cloth/integrate").entered();
+    if !islands.list.iter().any(|island| island.together) {
         return;
     }
-    let fits = |member: &Member| {
-        cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| {
-            Arc::ptr_eq(&rest.0, &member.rest) && particles.len() == rest.0.positions.len() && scratch.group.is_some()
-        })
-    };
-    if group.members.iter().any(|m| m.collision.contact) && group.members.iter().all(fits) {
-        group.work.resize_with(group.members.len(), Work::default);
-    }
-}
-
-/// Steps the groups whose members touch, in parallel over groups.
-fn together(groups: &mut ClothGroups, dt: f32, cloths: &mut Stepping) {
-    for ClothGroup { members, work, .. } in &mut groups.list {
-        for (member, work) in members.iter().zip(work) {
-            if let Ok((.., mut particles, mut scratch, _)) = cloths.get_mut(member.entity) {
-                core::mem::swap(&mut work.state, &mut particles.state);
-                core::mem::swap(&mut work.solver, &mut scratch.solver);
-            }
-        }
-    }
-    let inputs = cloths.as_readonly();
-    each(&mut groups.list, |group| {
-        if group.is_together() {
-            let clock = stopwatch();
-            let ClothGroup { group: solver, members, work, origin, .. } = group;
-            solver.step(&mut Together { members, work, inputs: &inputs, origin: *origin, dt });
-            group.times[4] = clock();
-        }
-    });
-    for group in &mut groups.list {
-        for part in 0..group.work.len() {
-            let share = group.share(part) * group.times[4];
-            let work = &mut group.work[part];
-            if let Ok((.., mut particles, mut scratch, mut report)) = cloths.get_mut(group.members[part].entity) {
-                core::mem::swap(&mut work.state, &mut particles.state);
-                core::mem::swap(&mut work.solver, &mut scratch.solver);
-                scratch.done = work.report.take();
+    for island in islands.list.iter_mut().filter(|island| island.together) {
+        for part in 0..island.members.len() {
+            let share = island.share(part) * island.times[4];
+            let done = island.work[part].report.take();
+            if let Ok((.., mut scratch, mut report)) = cloths.get_mut(island.members[part].entity) {
+                scratch.done = done;
                 report.integrate_ms = share;
             }
         }
     }
-}
-
-/// The members of a group, as the solver asks for them.
-struct Together<'a, 'w, 's, 'q> {
-    members: &'a [Member],
-    work: &'a mut [Work],
-    inputs:
-        &'a Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothParticles, &'q ClothScratch, &'q ClothReport), With<Cloth>>,
-    origin: DVec3,
-    dt: f32,
-}
-
-impl Members for Together<'_, '_, '_, '_> {
-    fn member(&mut self, part: usize) -> Option<group::Member<'_>> {
-        let (member, work) = (self.members.get(part)?, self.work.get_mut(part)?);
-        let (rest, inputs, particles, ..) = self.inputs.get(member.entity).ok()?;
-        let moves = inputs.active && !inputs.asleep && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
-        let input = FrameInput { dt: if moves { self.dt * inputs.time_scale } else { 0.0 }, ..inputs.frame(self.dt) };
-        Some(group::Member {
-            cloth: Stepped { rest: &rest.0, fabric: &inputs.fabric, anchors: &inputs.anchors, input },
-            stepping: &inputs.stepping,
-            state: &mut work.state,
-            scratch: &mut work.solver,
-            offset: (particles.origin - self.origin).as_vec3(),
-            moves,
-        })
-    }
-
-    fn done(&mut self, part: usize, report: StepReport) {
-        if let Some(work) = self.work.get_mut(part) {
-            work.report = Some(report);
+    cloths.par_iter_mut().batching_strategy(batches()).for_each(|(rest, inputs, mut particles, mut scratch, mut report)| {
+        if let Some(done) = scratch.done.take() {
+            finish(rest, done, &inputs, &mut particles, &mut scratch, &mut report);
         }
-    }
+    });
+}
+
+/// Batches of one cloth each all ran on one thread when measured; a few for each thread halve the frame of 50 cloths on two (11.6 to 6.1 ms).
+fn batches() -> BatchingStrategy {
+    BatchingStrategy::new().batches_per_thread(5)
+}
+
+/// Whether the members of an island are stepped side by side: they touch, and all are as they were when it was looked at.
+fn steps_together(island: &ClothIsland, cloths: &Stepping) -> bool {
+    let fits = |member: &Member| {
+        cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| {
+            Arc::ptr_eq(&rest.0, &member.rest) && particles.len() == rest.0.positions.len() && scratch.island.is_some()
+        })
+    };
+    !island.asleep && island.members.iter().any(|m| m.collision.contact) && island.members.iter().all(fits)
 }
 
 /// Prepares a frame of `dt` `[s]`; false when the cloth does not move in it.

@@ -8,6 +8,7 @@ pub(crate) mod evaluate;
 pub(crate) mod grab;
 pub(crate) mod inputs;
 pub(crate) mod integrate;
+mod islands;
 pub(crate) mod lod;
 pub(crate) mod release;
 pub(crate) mod resolve;

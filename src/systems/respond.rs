@@ -2,27 +2,27 @@
 
 use bevy::prelude::*;
 
-use super::detect::each;
+use super::islands::each;
 use super::stopwatch;
 use crate::components::{Cloth, ClothReport};
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 
-/// Makes up the contacts of every group, in parallel over groups.
-pub(crate) fn respond(mut groups: ResMut<ClothGroups>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
+/// Makes up the contacts of every island, in parallel over islands.
+pub(crate) fn respond(mut islands: ResMut<ClothIslands>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
     let _span = debug_span!("cloth/respond").entered();
-    each(&mut groups.list, |group| {
-        if group.asleep {
+    each(&mut islands.list, |island| {
+        if island.asleep {
             return;
         }
         let clock = stopwatch();
-        group.group.respond();
-        group.times[3] = clock();
+        island.solver.respond();
+        island.times[3] = clock();
     });
-    for group in groups.list.iter().filter(|group| !group.asleep) {
-        for (part, member) in group.members.iter().enumerate() {
+    for island in islands.list.iter().filter(|island| !island.asleep) {
+        for (part, member) in island.members.iter().enumerate() {
             if let Ok(mut report) = reports.get_mut(member.entity) {
-                report.respond_ms = group.share(part) * group.times[3];
-                report.contacts = group.group.contacts().touching();
+                report.respond_ms = island.share(part) * island.times[3];
+                report.contacts = island.solver.contacts().touching();
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Sleep: a cloth at rest is left alone until something happens to it.
 //!
 //! ```text
-//! Prepare   watch   anything new around a cloth? ─► its rest begins anew; it wakes, and with it its group
-//! Respond   doze    at rest for long enough, and so is its group ─► it sleeps
+//! Prepare   watch   anything new around a cloth? ─► its rest begins anew; it wakes, and with it its island
+//! Respond   doze    at rest for long enough, and so is its island ─► it sleeps
 //! ```
 
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::components::{
     Cloth, ClothCollision, ClothLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothWoke, Untangle, WindZone,
     WindZoneShape,
 };
-use crate::groups::{ClothGroups, Member};
+use crate::islands::{ClothIslands, Member};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::body::{Pose, SharedShape};
@@ -130,7 +130,7 @@ impl SleeperReadOnlyItem<'_, '_> {
 pub(crate) fn watch(
     mut commands: Commands,
     around: Around,
-    mut groups: ResMut<ClothGroups>,
+    mut islands: ResMut<ClothIslands>,
     mut notices: ResMut<Notices>,
     mut cloths: Query<Sleeper, With<Cloth>>,
     mut checked: Local<Checked>,
@@ -161,13 +161,13 @@ pub(crate) fn watch(
             wake(&mut commands, &mut cloth);
         }
     }
-    for group in groups.list.iter_mut().filter(|group| group.asleep) {
+    for island in islands.list.iter_mut().filter(|island| island.asleep) {
         let sleeps = |entity: Entity| cloths.get(entity).is_ok_and(|cloth| cloth.slumber.asleep || cloth.is_still());
-        if group.members.iter().all(|member| sleeps(member.entity)) {
+        if island.members.iter().all(|member| sleeps(member.entity)) {
             continue;
         }
-        group.asleep = false;
-        for member in &group.members {
+        island.asleep = false;
+        for member in &island.members {
             if let Ok(mut cloth) = cloths.get_mut(member.entity)
                 && cloth.slumber.asleep
             {
@@ -253,11 +253,11 @@ pub(super) fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -
     !(center.clamp(low, high).distance(center) > radius)
 }
 
-/// Lets those sleep that have been at rest for long enough, groups as a whole.
+/// Lets those sleep that have been at rest for long enough, islands as a whole.
 pub(crate) fn doze(
     mut commands: Commands,
     time: Res<ClothTime>,
-    mut groups: ResMut<ClothGroups>,
+    mut islands: ResMut<ClothIslands>,
     mut cloths: Query<Sleeper, With<Cloth>>,
 ) {
     let dt = time.delta_secs();
@@ -266,11 +266,11 @@ pub(crate) fn doze(
             rest(&mut cloth, dt);
         }
     });
-    for group in groups.list.iter_mut().filter(|group| !group.asleep) {
+    for island in islands.list.iter_mut().filter(|island| !island.asleep) {
         let rests = |m: &Member| cloths.get(m.entity).is_ok_and(|cloth| cloth.slumber.ready || cloth.is_still());
-        group.asleep = group.members.iter().all(rests);
-        if group.asleep {
-            for member in &group.members {
+        island.asleep = island.members.iter().all(rests);
+        if island.asleep {
+            for member in &island.members {
                 if let Ok(mut cloth) = cloths.get_mut(member.entity)
                     && cloth.slumber.ready
                 {
@@ -280,7 +280,7 @@ pub(crate) fn doze(
         }
     }
     for mut cloth in &mut cloths {
-        if cloth.slumber.ready && cloth.scratch.group.is_none() {
+        if cloth.slumber.ready && cloth.scratch.island.is_none() {
             fall_asleep(&mut commands, &mut cloth);
         }
     }

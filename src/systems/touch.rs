@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use crate::components::checked::Checked;
 use crate::components::{Cloth, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothReport, ClothTouch};
-use crate::groups::ClothGroups;
+use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::time::ClothTime;
@@ -13,7 +13,7 @@ use crate::time::ClothTime;
 pub(crate) fn touches(
     mut commands: Commands,
     time: Res<ClothTime>,
-    groups: Res<ClothGroups>,
+    islands: Res<ClothIslands>,
     mut notices: ResMut<Notices>,
     mut cloths: Query<
         (
@@ -44,7 +44,7 @@ pub(crate) fn touches(
             // Of one substep, times their number, over its length: the impulse of the frame.
             let scale = report.substeps as f32 / particles.state.substep;
             with_bodies(rest.0.mean_edge, inputs, particles, scratch, scale, &mut now);
-            with_cloths(entity, &groups, scratch, scale, &mut now);
+            with_cloths(entity, &islands, scratch, scale, &mut now);
         }
         now.sort_unstable_by_key(|touch| touch.other);
         let touching = now.len();
@@ -114,26 +114,26 @@ fn with_bodies(
     }
 }
 
-fn with_cloths(entity: Entity, groups: &ClothGroups, scratch: &ClothScratch, scale: f32, now: &mut Vec<ClothTouch>) {
-    let Some((group, part)) = scratch.group.and_then(|(g, part)| groups.list.get(g as usize).map(|g| (g, part as usize)))
+fn with_cloths(entity: Entity, islands: &ClothIslands, scratch: &ClothScratch, scale: f32, now: &mut Vec<ClothTouch>) {
+    let Some((island, part)) = scratch.island.and_then(|(g, part)| islands.list.get(g as usize).map(|g| (g, part as usize)))
     else {
         return;
     };
-    if group.members.len() < 2 {
+    if island.members.len() < 2 {
         return;
     }
-    group.group.touches(|parts, point, normal, push| {
+    island.solver.touches(|parts, point, normal, push| {
         let (other, towards) = match parts {
             [a, b] if a == part => (b, 1.0),
             [a, b] if b == part => (a, -1.0),
             _ => return,
         };
-        let Some(other) = group.members.get(other).map(|m| m.entity).filter(|e| *e != entity) else { return };
+        let Some(other) = island.members.get(other).map(|m| m.entity).filter(|e| *e != entity) else { return };
         let touch = entry(now, other);
         touch.contacts += 1;
         if push * scale > touch.impulse {
             touch.impulse = push * scale;
-            touch.point = (group.origin + point.as_dvec3()).as_vec3();
+            touch.point = (island.origin + point.as_dvec3()).as_vec3();
             touch.normal = normal * towards;
         }
     });

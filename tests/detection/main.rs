@@ -3,12 +3,14 @@
 mod checker;
 
 use core::f32::consts::TAU;
+use std::sync::Arc;
 
-use bevy_drape::scenes;
-use bevy_drape::solver::body::Touch;
+use bevy_drape::scenes::{self, Scene, SceneCloth};
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
-use bevy_drape::solver::group::Group;
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::state::ClothState;
 use glam::{Vec3, Vec4, vec3};
 
@@ -246,14 +248,13 @@ fn faces_that_cross_beside_the_end_of_a_slit_are_seen() {
 
 /// Crossings that are found in the same walk as what may touch.
 fn seen_with_contacts(rest: &RestShape, positions: &[Vec4]) -> usize {
-    let (topology, rest) = (&rest.topology, &rest.positions);
-    let part = PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 };
-    let mut group = Group::new(&[part]).expect("one cloth");
-    let touch = Touch { thickness: 0.005, ..Touch::default() };
-    let state =
+    let mut cloth = SceneCloth::new(Arc::new(rest.clone()), Fabric { thickness: 0.005, ..Fabric::default() }, Vec3::ZERO, &[]);
+    cloth.state =
         ClothState { positions: positions.to_vec(), previous: positions.to_vec(), substep: 0.01, ..ClothState::default() };
-    group.expect(0.01, &[touch], |_| true);
-    group.gather(0, &state, Vec3::ZERO, false);
-    group.detect();
-    group.crossings().iter().filter(|c| !c.touching).count()
+    let settings = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
+    let scene = Scene::new(vec![cloth]).untangled(settings, EvaluateSettings::default(), true);
+    let mut scene = scene.expect("one cloth");
+    scene.settle(0.01);
+    let island = &scene.untangle.as_ref().expect("untangled").island;
+    island.crossings().iter().filter(|c| !c.touching).count()
 }

@@ -11,7 +11,7 @@ use bevy_drape::ClothParticles;
 use bevy_drape::prelude::*;
 use bevy_drape::scenes::{self, Scene, Tangle};
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 
 use crate::common::*;

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothGroups, ClothParticles};
+use bevy_drape::{ClothIslands, ClothParticles};
 
 use crate::common::*;
 
@@ -143,7 +143,7 @@ fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its
         let cloths = [0.01, 0.03]
             .map(|y| spawn(&mut app, sheet(12), (material.clone(), Transform::from_xyz(0.0, y, 0.0), ClothSleep::OFF)));
         run(&mut app, 180);
-        let builds = app.world().resource::<ClothGroups>().builds();
+        let builds = app.world().resource::<ClothIslands>().builds();
         let contacts = report(&app, cloths[1]).contacts;
         let before = cloths.map(|cloth| particles(&app, cloth));
         assert!(contacts > 100, "{name}: {contacts}");
@@ -155,7 +155,7 @@ fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its
             let now = report(&app, cloths[1]).contacts;
             assert!(now > contacts / 2, "{name}, frame {frame}: {now} contacts of {contacts}");
         }
-        assert_eq!(app.world().resource::<ClothGroups>().builds(), builds, "{name}");
+        assert_eq!(app.world().resource::<ClothIslands>().builds(), builds, "{name}");
         for (cloth, before) in cloths.into_iter().zip(before) {
             let moved = particles(&app, cloth).iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
             assert!(moved < bound, "{name}: a particle moved by {moved} m");

@@ -8,7 +8,7 @@ mod shown;
 
 use bevy_drape::scenes::{self, Scene};
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use shown::Picture;
 
 const FRAME: f32 = 1.0 / 60.0;

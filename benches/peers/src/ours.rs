@@ -2,11 +2,11 @@
 
 use bevy_drape::scenes::{self, SceneCloth};
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::UntangleSettings;
+use bevy_drape::solver::island::UntangleSettings;
 
 use crate::peer::{FRAME, Peer, Scene, Solved};
 
-/// Tethers of a free particle: one to each group of touching pins, and no more than this.
+/// Tethers of a free particle: one to each island of touching pins, and no more than this.
 const TETHERS: u64 = 2;
 
 /// A frame that starts with an edge beyond this many strain limits sweeps the springs [`TAUT_SWEEPS`] times in each substep.

@@ -5,10 +5,8 @@
 use std::time::Instant;
 
 use bevy_drape::scenes::{self, Scene, Tangle};
-use bevy_drape::solver::detect::PartRef;
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::group::{Group, UntangleSettings};
-use bevy_drape::solver::state::ClothState;
+use bevy_drape::solver::island::UntangleSettings;
 use rapier3d::prelude::*;
 
 use crate::measure::percentile;
@@ -73,41 +71,22 @@ pub fn row(engine: Engine, tangle: Tangle, size: u32, steps: u32) -> Option<Row>
     Some(Row { engine, tangle, start, clean, left, mean: all, tangled, p95: percentile(times, 95), total })
 }
 
-/// Counts crossings of both sheets with each other and with themselves.
-struct Judge {
-    scene: Scene,
-    group: Group,
-}
+/// Counts crossings of both sheets with each other.
+struct Judge(Scene);
 
 impl Judge {
     fn new(tangle: Tangle, size: u32) -> Option<Self> {
-        let scene = scenes::tangle(tangle, size);
-        let part = |cloth: &'_ scenes::SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness);
-        let cloths: Vec<_> = scene.cloths.iter().map(part).collect();
-        let parts: Vec<PartRef<'_>> = cloths
-            .iter()
-            .map(|(rest, thickness)| PartRef {
-                topology: &rest.topology,
-                rest: &rest.positions,
-                layer: 0,
-                self_collision: false,
-                thickness: *thickness,
-            })
-            .collect();
-        let group = Group::new(&parts).ok()?;
-        Some(Self { scene, group })
+        scenes::tangle(tangle, size).untangled(UntangleSettings::default(), EvaluateSettings::default(), false).ok().map(Self)
     }
 
     fn crossings(&mut self, pair: &dyn Pair) -> u32 {
-        for (sheet, cloth) in self.scene.cloths.iter().enumerate() {
-            let mut state: ClothState = cloth.state.clone();
+        for (sheet, cloth) in self.0.cloths.iter_mut().enumerate() {
             for (&particle, [x, y, z]) in cloth.rest.particle_of_vertex.iter().zip(pair.positions(sheet)) {
-                let to = &mut state.positions[particle as usize];
+                let to = &mut cloth.state.positions[particle as usize];
                 (to.x, to.y, to.z) = (x, y, z);
             }
-            self.group.gather(sheet, &state, Default::default(), false);
         }
-        self.group.detect().crossings
+        self.0.look().crossings
     }
 }
 

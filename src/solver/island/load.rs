@@ -8,9 +8,12 @@
 
 use glam::{Vec3, Vec4};
 
-use super::evaluate::{Resort, Verdict};
-use super::group::{Group, UntangleSettings};
-use super::rest::RestShape;
+use super::{Island, Members, UntangleSettings};
+use crate::solver::evaluate::{Resort, Verdict};
+use crate::solver::rest::RestShape;
+
+/// Iterations at load, at most.
+pub(super) const AT_LOAD: u32 = 300;
 
 /// Iterations between two looks at whether to try something stronger.
 const PORTION: u32 = 16;
@@ -29,7 +32,7 @@ pub struct LoadReport {
 }
 
 /// Brings every edge halfway to its length at rest, in order; what to sweep the springs with before the first step has prepared any.
-pub fn relax_edges(rest: &RestShape, positions: &mut [Vec4]) {
+fn relax_edges(rest: &RestShape, positions: &mut [Vec4]) {
     if positions.len() != rest.positions.len() {
         return;
     }
@@ -45,17 +48,32 @@ pub fn relax_edges(rest: &RestShape, positions: &mut [Vec4]) {
     }
 }
 
-impl Group {
-    /// Takes what was gathered apart in at most `most` iterations; give it back with [`Group::scatter`]. `relax` sweeps the springs of a
-    /// cloth, given its number and its positions; [`relax_edges`] does.
-    pub fn untangle_at_load(
-        &mut self,
-        settings: &UntangleSettings,
-        most: u32,
-        mut relax: impl FnMut(usize, &mut [Vec4]),
-    ) -> LoadReport {
-        let start: Vec<Vec3> = self.positions().iter().map(|p| p.truncate()).collect();
-        let mut report = LoadReport { before: self.detect(), ..LoadReport::default() };
+impl Island {
+    /// Takes the cloths apart before the first frame, in at most `most` iterations.
+    pub fn untangle_at_load(&mut self, settings: &UntangleSettings, most: u32, cloths: &mut impl Members) -> LoadReport {
+        for part in 0..self.surface.parts.len() {
+            if let Some(m) = cloths.member(part) {
+                self.gather_member(part, &m);
+            }
+        }
+        let report = self.load(settings, most, cloths);
+        for part in 0..self.surface.parts.len() {
+            if let Some(m) = cloths.member(part) {
+                self.scatter(part, m.state, m.offset);
+            }
+        }
+        report
+    }
+
+    /// Takes what was gathered apart in at most `most` iterations.
+    pub(super) fn load(&mut self, settings: &UntangleSettings, most: u32, cloths: &mut impl Members) -> LoadReport {
+        let mut relax = |part: usize, positions: &mut [Vec4]| {
+            if let Some(m) = cloths.member(part) {
+                relax_edges(m.cloth.rest, positions);
+            }
+        };
+        let start: Vec<Vec3> = self.positions.iter().map(|p| p.truncate()).collect();
+        let mut report = LoadReport { before: self.detect_gathered(), ..LoadReport::default() };
         let mut moved = false;
         while report.iterations < most {
             self.escalate(match 3 * report.iterations / most {
@@ -65,19 +83,19 @@ impl Group {
             });
             self.inspect_layers();
             let portion = UntangleSettings { iterations: PORTION.min(most - report.iterations), ..*settings };
-            self.resolve(&portion, &mut relax);
+            self.take_apart(&portion, &mut relax);
             moved |= self.has_moved();
             let taken = self.iterations();
             report.iterations += taken;
-            report.after = self.detect();
+            report.after = self.detect_gathered();
             if taken == 0 {
                 break;
             }
         }
         self.escalate(Resort::None);
-        self.keep_moved(moved);
+        self.moved |= moved;
         let way = |(now, start): (&Vec4, &Vec3)| now.truncate().distance(*start);
-        report.farthest = self.positions().iter().zip(&start).map(way).fold(0.0, f32::max);
+        report.farthest = self.positions.iter().zip(&start).map(way).fold(0.0, f32::max);
         report
     }
 }

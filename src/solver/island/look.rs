@@ -1,20 +1,20 @@
-//! What a group knows, to be looked at.
+//! What an island knows, to be looked at.
 
 use glam::{Vec3, Vec4};
 
-use super::Group;
+use super::Island;
 use crate::solver::detect::tree::Bounds;
 use crate::solver::resolve::ContourKind;
 use crate::solver::resolve::region::Flood;
 
-impl Group {
-    /// Positions `[m]` in the frame of the group, `w` inverse mass `[1/kg]`, as gathered last and moved since.
+impl Island {
+    /// Positions `[m]` in the frame of the island, `w` inverse mass `[1/kg]`, as gathered last and moved since.
     #[must_use]
     pub fn particles(&self) -> &[Vec4] {
         &self.positions
     }
 
-    /// The points `[m]` where edges cross faces, in the frame of the group, each with the kind of its contour.
+    /// The points `[m]` where edges cross faces, in the frame of the island, each with the kind of its contour.
     pub fn crossing_points(&self) -> impl Iterator<Item = (ContourKind, Vec3)> + '_ {
         let resolver = &self.untangler.resolver;
         let graph = resolver.graph();

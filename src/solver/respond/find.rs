@@ -415,7 +415,7 @@ impl Finder {
 
     /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` `[s]` of the time looked ahead, of which `share`
     /// has passed.
-    #[expect(clippy::too_many_arguments, reason = "arrays of a group, which it keeps apart")]
+    #[expect(clippy::too_many_arguments, reason = "arrays of an island, which it keeps apart")]
     pub fn find_strayed(
         &mut self,
         surface: &Surface,

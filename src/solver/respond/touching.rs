@@ -10,7 +10,7 @@ use crate::solver::detect::ProximityKind;
 pub struct Touching {
     /// Whether a particle touched a face, or two edges each other.
     pub kind: ProximityKind,
-    /// The closest points of the first primitive and the second `[m]`, in the frame of the group.
+    /// The closest points of the first primitive and the second `[m]`, in the frame of the island.
     pub points: [Vec3; 2],
     /// Unit vector from the second towards the first, on the side where it belongs.
     pub normal: Vec3,

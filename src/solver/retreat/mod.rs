@@ -84,7 +84,7 @@ impl Retreat {
     }
 
     /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to begin the next one at
-    /// `positions`, `offset` `[m]` from the frame of the group.
+    /// `positions`, `offset` `[m]` from the frame of the island.
     pub fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
         let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();

@@ -1,0 +1,179 @@
+//! Detect, evaluate and respond: where cloths cross, and what may touch.
+
+use super::{Island, LONGEST_LOOK, Members, RINGS, parts_of_contours};
+use crate::solver::body::Touch;
+use crate::solver::evaluate::Verdict;
+use crate::solver::resolve::Untangler;
+use crate::solver::respond::{Finder, Moment};
+
+impl Island {
+    /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame, the longest of the frames that
+    /// they will take.
+    pub fn detect(&mut self, cloths: &mut impl Members) -> Verdict {
+        core::mem::swap(&mut self.touch, &mut self.touch_before);
+        core::mem::swap(&mut self.takes_part, &mut self.took_part);
+        self.touch.clear();
+        self.takes_part.clear();
+        let mut longest = 0.0f32;
+        for part in 0..self.surface.parts.len() {
+            let Some(m) = cloths.member(part) else {
+                self.takes_part.push(false);
+                continue;
+            };
+            self.gather_member(part, &m);
+            self.takes_part.push(m.contact);
+            self.touch.push(Touch::of(m.cloth.fabric));
+            longest = longest.max(m.clock.min(m.stepping.max_frame));
+        }
+        self.known &= self.touch == self.touch_before && self.takes_part == self.took_part;
+        // While no time passes, nobody knows how much will.
+        if longest > 0.0 {
+            self.horizon = self.finder.horizon(longest.min(LONGEST_LOOK), longest / self.count.max(1) as f32, &self.touch);
+        }
+        (self.share, self.looks) = (0.0, 0);
+        self.detect_gathered()
+    }
+
+    /// Looks for crossings as the cloths lie, and for nothing else: nothing will be moved.
+    pub fn inspect(&mut self, cloths: &mut impl Members) -> Verdict {
+        for part in 0..self.surface.parts.len() {
+            if let Some(m) = cloths.member(part) {
+                self.gather_member(part, &m);
+            }
+        }
+        self.detect_gathered()
+    }
+
+    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle
+    /// are left out.
+    pub fn respond(&mut self) {
+        if self.looks == 0 || self.moved || !self.total.is_clean() {
+            self.share = 0.0;
+            if self.total.is_clean() {
+                let Self { contacts, retreat, .. } = self;
+                contacts.absolve(|v| retreat.took(v));
+            }
+            self.find(false);
+        }
+        self.finder.note(&self.positions);
+    }
+
+    /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
+    pub(super) fn find(&mut self, strayed: bool) {
+        self.looks += 1;
+        self.known &= strayed;
+        if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
+            self.contacts.clear();
+            return;
+        }
+        let Self { surface, untangler, finder, contacts, weights, pinned, .. } = self;
+        let clean = self.total.is_clean();
+        let takes_part = &self.takes_part;
+        let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
+        let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let tree = untangler.detector.tree();
+        if strayed {
+            let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
+            finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
+        } else {
+            finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
+        }
+    }
+
+    /// Looks for crossings in what was gathered.
+    pub(super) fn detect_gathered(&mut self) -> Verdict {
+        self.moved = false;
+        self.iterations = 0;
+        if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
+            self.contacts.clear();
+            self.contacts.rest();
+            (self.stale, self.known) = (false, false);
+            self.total = self.untangler.look_again(&self.surface, &self.positions);
+            self.sum_up();
+        } else if self.total.is_clean() {
+            if !self.look_where_drifted() {
+                self.look_and_find();
+            }
+        } else {
+            // Still tangled, most likely: what may touch is found when nothing moves any more.
+            self.look();
+        }
+        self.total
+    }
+
+    /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
+    fn look_and_find(&mut self) {
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        finder.begin(surface, &moment, self.horizon, contacts);
+        untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
+        let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
+        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), ask);
+        self.total = untangler.resolver.analyse(surface, crossings, positions);
+        self.looks = 1;
+        self.stale = false;
+        // Of a cloth that was left out nothing is known.
+        let all = (0..surface.parts.len()).all(|part| !untangler.detector.is_quarantined(part as u16));
+        self.known = all && self.total.is_clean();
+        self.sum_up();
+    }
+
+    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
+    /// is looked anew. False where that is not so, or something crosses.
+    fn look_where_drifted(&mut self) -> bool {
+        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let detector = &mut untangler.detector;
+        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts)) {
+            return false;
+        }
+        let crossings = detector.detect_among(surface, positions, contacts.close_faces());
+        if !crossings.is_empty() {
+            return false;
+        }
+        self.total = untangler.resolver.analyse(surface, crossings, positions);
+        self.looks = 1;
+        self.stale = false;
+        self.sum_up();
+        true
+    }
+
+    /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
+    pub fn evaluate(&mut self) -> Verdict {
+        if self.stale {
+            self.look();
+        }
+        self.weighed = !self.total.is_clean();
+        if self.weighed {
+            let Untangler { detector, resolver } = &mut self.untangler;
+            resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
+        }
+        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps apart is not
+        // taken back.
+        let touches = self.takes_part.contains(&true);
+        let clean = touches && self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
+        self.retreat.note(&self.surface, &self.positions, &self.previous, clean);
+        self.total
+    }
+
+    pub(super) fn look(&mut self) {
+        (self.stale, self.known) = (false, false);
+        self.total = self.untangler.look(&self.surface, &self.positions);
+        self.sum_up();
+    }
+
+    /// Gives each cloth its share of the verdict.
+    fn sum_up(&mut self) {
+        self.verdicts.fill(Verdict::default());
+        for (contour, [a, b]) in parts_of_contours(&self.surface, &self.untangler) {
+            for part in [Some(a), (a != b).then_some(b)].into_iter().flatten() {
+                let verdict = &mut self.verdicts[usize::from(part)];
+                verdict.crossings += contour.count;
+                verdict.contours += 1;
+                verdict.contour_length += contour.length;
+                verdict.regions += u32::from(contour.kind.separates());
+            }
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What an island takes in of its cloths, and gives back. Each cloth lives in a frame of its own; `offset` brings it into that of the island, and 0 for the only
+//! cloth of an island changes no bit.
+
+use glam::{Vec3, Vec4};
+
+use super::{Island, Member};
+use crate::solver::state::ClothState;
+
+impl Island {
+    pub(super) fn gather_member(&mut self, part: usize, m: &Member<'_>) {
+        self.gather(part, m.state, m.offset, m.fixed);
+        if m.still {
+            self.hold(part);
+        }
+    }
+
+    /// Takes over the state of cloth `part`, moved by `offset` `[m]`. A `fixed` cloth is an obstacle for the others and never moved.
+    pub(super) fn gather(&mut self, part: usize, state: &ClothState, offset: Vec3, fixed: bool) {
+        let range = self.range(part);
+        if state.positions.len() != range.len() || state.previous.len() != range.len() {
+            return;
+        }
+        self.substep[part] = state.substep;
+        self.fixed[part] = fixed;
+        self.untangler.detector.set_moving(part, fixed && state.positions.iter().any(|x| x.w > 0.0));
+        let offset = offset.extend(0.0);
+        let all = self.positions[range.clone()].iter_mut().zip(&mut self.pinned[range.clone()]);
+        for ((to, pinned), from) in all.zip(&state.positions) {
+            *to = *from + offset;
+            *pinned = from.w == 0.0;
+            if fixed {
+                to.w = 0.0;
+            }
+        }
+        for (to, from) in self.previous[range].iter_mut().zip(&state.previous) {
+            *to = *from + offset;
+        }
+    }
+
+    /// Says that cloth `part`, as gathered, stays where it is, whatever speed it had when it was stopped.
+    pub(super) fn hold(&mut self, part: usize) {
+        self.substep[part] = 0.0;
+        self.untangler.detector.set_moving(part, false);
+    }
+
+    /// Gives what was moved back to cloth `part`; the inverse of [`Self::gather`]. Particles that did not move keep every bit.
+    pub(super) fn scatter(&self, part: usize, state: &mut ClothState, offset: Vec3) {
+        let range = self.range(part);
+        if !self.moved || state.positions.len() != range.len() || state.previous.len() != range.len() {
+            return;
+        }
+        let put = |states: &mut [Vec4], mine: &[Vec4]| {
+            for (to, from) in states.iter_mut().zip(mine) {
+                if to.truncate() + offset != from.truncate() && from.is_finite() {
+                    *to = (from.truncate() - offset).extend(to.w);
+                }
+            }
+        };
+        put(&mut state.positions, &self.positions[range.clone()]);
+        put(&mut state.previous, &self.previous[range]);
+    }
+
+    /// Takes over again what was [scattered](Self::scatter) and moved on.
+    pub(super) fn regather(&mut self, part: usize, state: &ClothState, offset: Vec3) {
+        self.gather(part, state, offset, self.fixed[part]);
+        (self.moved, self.stale) = (true, true);
+    }
+}

@@ -1,0 +1,308 @@
+//! Resolve: takes apart what crosses.
+//!
+//! ```text
+//! take back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► give back what moved ─► bodies ─► stay: put back what they pushed
+//! ```
+
+use glam::{Vec3, Vec3A, Vec4};
+
+use super::load::AT_LOAD;
+use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
+use crate::solver::detect::{Crossing, Surface};
+use crate::solver::evaluate::Resort;
+use crate::solver::resolve::{Method, Untangler};
+use crate::solver::retreat::Retreat;
+use crate::solver::step::{displace, relax};
+
+impl Island {
+    /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
+    pub fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut impl Members) {
+        let parts = self.surface.parts.len();
+        if !self.total.is_clean() && (0..parts).any(|part| cloths.member(part).is_some_and(|m| m.at_load)) {
+            self.load(settings, AT_LOAD, cloths);
+        }
+        let resorts = (0..parts).filter_map(|part| cloths.member(part).map(|m| m.outcome.resort));
+        let resort = resorts.max().unwrap_or_default();
+        self.escalate(resort);
+        self.take_apart(settings, |part, positions| {
+            if let Some(m) = cloths.member(part) {
+                relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
+            }
+        });
+        if resort == Resort::Blend {
+            self.blend_members(dt, cloths);
+        }
+        self.give_back(cloths);
+    }
+
+    /// Draws what nothing could take apart to the animated pose, or to the shape at rest where it is.
+    #[cold]
+    fn blend_members(&mut self, dt: f32, cloths: &mut impl Members) {
+        let mut pose = core::mem::take(&mut self.pose);
+        for part in 0..self.surface.parts.len() {
+            cloths.pose(part, &mut pose);
+            if let Some(m) = cloths.member(part) {
+                // First around the tangle, then more and more of the cloth.
+                let whole = (m.outcome.tangled_for / m.last_resort - 4.0).clamp(0.0, 1.0);
+                self.blend(part, &pose, m.offset, dt / BLEND_TIME, whole);
+            }
+        }
+        self.pose = pose;
+    }
+
+    /// Gives what moved back to the cloths, and keeps it out of bodies.
+    fn give_back(&mut self, cloths: &mut impl Members) {
+        if !self.moved {
+            return;
+        }
+        let parts = self.surface.parts.len();
+        for part in 0..parts {
+            let Some(m) = cloths.member(part) else { continue };
+            let (fabric, bodies, offset) = (m.cloth.fabric, m.cloth.input.bodies, m.offset);
+            if displace(fabric, bodies, m.state, m.scratch, |state| self.scatter(part, state, offset)) {
+                self.regather(part, m.state, offset);
+            }
+        }
+        if self.stay() {
+            for part in 0..parts {
+                if let Some(m) = cloths.member(part) {
+                    self.scatter(part, m.state, m.offset);
+                }
+            }
+        }
+    }
+
+    /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
+    pub(super) fn take_apart(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
+        self.takes_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
+        self.undo.forget();
+        if !self.fixed.contains(&false) {
+            return;
+        }
+        if settings.iterations > 0 {
+            self.take_back();
+        }
+        if self.total.is_clean() {
+            self.undo.forget_least();
+        }
+        // Layers go to their order through whatever lies between.
+        let Self { surface, untangler, undo, positions, .. } = self;
+        let may_undo = settings.resolve.method == Method::ByEndType && !untangler.resolver.orders_layers();
+        if may_undo && !self.total.is_clean() {
+            undo.begin(surface, positions, parts_of_contours(surface, untangler));
+        }
+        for i in 0..settings.iterations {
+            let underway = i > 0 && self.untangler.resolver.carry_on(&mut self.positions, &mut self.previous);
+            if i > 0 && !underway {
+                self.look();
+            }
+            let Self { surface, untangler: Untangler { detector, resolver }, positions, previous, .. } = self;
+            self.start.clear();
+            if !self.total.is_clean() {
+                self.start.extend_from_slice(positions);
+                self.caught.clear();
+                self.caught.resize(positions.len(), false);
+                for c in detector.crossings() {
+                    let ends = surface.topology.edges[c.edge as usize];
+                    let corners = surface.topology.faces[c.face as usize];
+                    ends.iter().chain(&corners).for_each(|&v| self.caught[v as usize] = true);
+                }
+            }
+            // Even when clean: memories of contours that are gone are dropped, and layers may lie in the wrong order.
+            let moved = underway || resolver.advance(surface, detector, positions, previous, &settings.resolve);
+            self.moved |= moved;
+            self.stale |= moved;
+            if self.total.is_clean() && (!moved || settings.resolve.method == Method::History) {
+                break;
+            }
+            self.iterations += 1;
+            if settings.relaxations > 0 {
+                self.relax(settings.relaxations, &mut relax);
+            }
+            self.keep_others_apart();
+        }
+        self.undo_what_got_worse();
+    }
+
+    fn undo_what_got_worse(&mut self) {
+        if !self.undo.is_due() {
+            return;
+        }
+        if self.stale {
+            self.look();
+        }
+        let Self { surface, untangler, undo, positions, previous, .. } = self;
+        let mut undone = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
+        // One more cloth each time.
+        while undone {
+            self.look();
+            let Self { surface, untangler, undo, positions, previous, .. } = self;
+            undone = undo.follow(surface, parts_of_contours(surface, untangler), positions, previous);
+            if !undone {
+                untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
+            }
+        }
+    }
+
+    /// Stops what would pass, on its way out of a tangle, through cloth that has no part in it.
+    fn keep_others_apart(&mut self) {
+        if self.contacts.is_empty() || self.start.len() != self.positions.len() {
+            return;
+        }
+        let Self { surface, contacts, positions, previous, start, weights, weighed, caught, .. } = self;
+        contacts.begin_start();
+        contacts.begin_gather();
+        for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
+            contacts.note_start(part, |i| (start[range + i], Vec3A::ZERO));
+            contacts.gather_end(part, |i| positions[range + i]);
+        }
+        // Weights of a tangle that was taken apart long ago say nothing.
+        let weights = if *weighed { weights.as_slice() } else { &[] };
+        let tangled =
+            |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
+        if contacts.guard_all_but(|a, b| tangled(a) && tangled(b)) {
+            for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
+                contacts.scatter_cut(part, |i, x| {
+                    let v = range + i;
+                    previous[v] += x - positions[v];
+                    positions[v] = x;
+                });
+            }
+        }
+    }
+
+    /// Takes back what crosses since the last frame, if that ended clean and cloth is to be kept apart.
+    fn take_back(&mut self) {
+        let touches = self.takes_part.contains(&true);
+        let crossings = self.untangler.detector.crossings();
+        if !touches || self.total.is_clean() {
+            return;
+        }
+        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, &self.takes_part, self.count) {
+            return;
+        }
+        self.put_back(MOST_RETREATS, Retreat::take);
+        // What touched before may cross by rounding.
+        self.put_back(MOST_RETREATS, Retreat::take_there);
+        self.put_back(MOST_RETREATS, Retreat::take_along);
+    }
+
+    /// Puts back what crosses and looks again, some `rounds` at most, until nothing is left to put; whether there was any.
+    fn put_back(
+        &mut self,
+        rounds: usize,
+        put: impl Fn(&mut Retreat, &Surface, &[Crossing], &mut [Vec4], &mut [Vec4]) -> bool,
+    ) -> bool {
+        let mut any = false;
+        for _ in 0..rounds {
+            let Self { surface, untangler, retreat, positions, previous, .. } = self;
+            if self.total.is_clean() || !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
+                break;
+            }
+            (any, self.moved) = (true, true);
+            self.look();
+        }
+        any
+    }
+
+    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where
+    /// that is not enough, the cloths that cross stay where they were, as a whole. Whether anything does, and is to be
+    /// [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    pub(super) fn stay(&mut self) -> bool {
+        if !(self.stale && self.retreat.retreats()) {
+            return false;
+        }
+        self.look();
+        let there = self.put_back(MOST_RETREATS, Retreat::take_there);
+        // A cloth that stays may be met by one that went on.
+        let whole = self.put_back(self.surface.parts.len().min(MOST_ROUNDS), Retreat::stay);
+        there || whole
+    }
+
+    /// Uses stronger means from now on; `None` goes back to the ordinary ones.
+    pub(super) fn escalate(&mut self, resort: Resort) {
+        self.untangler.resolver.escalate(resort);
+    }
+
+    /// Looks at the order of layers of all particles in the next iteration, not only of a few.
+    pub(super) fn inspect_layers(&mut self) {
+        self.untangler.resolver.inspect_layers();
+    }
+
+    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose `[m]` in the cloth's own frame, by a
+    /// fraction of the way: [`Resort::Blend`]. All others weigh at least `least`.
+    pub(super) fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
+        let range = self.range(part);
+        if pose.len() != range.len() || self.weights.len() != self.positions.len() || self.total.is_clean() {
+            return;
+        }
+        for (i, &to) in range.zip(pose) {
+            let by = (to + offset - self.positions[i].truncate()) * (fraction * self.weights[i].max(least)).clamp(0.0, 1.0);
+            if by != Vec3::ZERO && by.is_finite() && self.positions[i].w > 0.0 {
+                self.positions[i] += by.extend(0.0);
+                self.previous[i] += by.extend(0.0);
+                (self.moved, self.stale) = (true, true);
+            }
+        }
+    }
+
+    /// Sweeps the springs of every cloth; previous positions go along, so that no velocity comes of it.
+    fn relax(&mut self, sweeps: u32, relax: &mut impl FnMut(usize, &mut [Vec4])) {
+        self.before.clone_from(&self.positions);
+        for part in (0..self.surface.parts.len()).filter(|&part| !self.fixed[part]) {
+            let range = self.range(part);
+            for _ in 0..sweeps {
+                relax(part, &mut self.positions[range.clone()]);
+            }
+        }
+        for ((old, now), before) in self.previous.iter_mut().zip(&self.positions).zip(&self.before) {
+            if now != before {
+                *old += *now - *before;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, Vec4, vec3};
+
+    use crate::scenes::{self, Untangling};
+    use crate::solver::evaluate::EvaluateSettings;
+    use crate::solver::island::UntangleSettings;
+
+    const FRAME: f32 = 1.0 / 60.0;
+
+    #[test]
+    fn what_a_body_pushes_into_a_crossing_again_stays_with_its_cloth_and_loses_its_speed_against_it() {
+        let scene = scenes::sheets(12).untangled(UntangleSettings::default(), EvaluateSettings::default(), true);
+        let mut scene = scene.expect("two sheets");
+        scene.step(FRAME);
+        let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);
+        let clean: Vec<_> = scene.cloths.iter().map(|c| c.state.clone()).collect();
+        let positions = &clean[upper].positions;
+        let centre = positions.iter().map(|x| x.truncate()).sum::<Vec3>() / positions.len() as f32;
+        let off = |&v: &usize| positions[v].truncate().distance(centre);
+        let v = (0..positions.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("particles");
+        let gap = (clean[0].positions[0] - clean[1].positions[0]).y.abs();
+        // It flies on through the other sheet, is taken back, and pushed there again.
+        let mut crossed = clean.clone();
+        crossed[upper].positions[v] += vec3(0.0, -2.0 * gap, 0.0).extend(0.0);
+        crossed[upper].previous[v].y = crossed[upper].positions[v].y + gap;
+        let Some(Untangling { island, settings, .. }) = &mut scene.untangle else { panic!("it untangles") };
+        (0..2).for_each(|part| island.gather(part, &crossed[part], Vec3::ZERO, false));
+        assert!(island.detect_gathered().crossings > 0);
+        island.take_apart(settings, |_, _| ());
+        (0..2).for_each(|part| island.regather(part, &crossed[part], Vec3::ZERO));
+        assert!(island.stay());
+        let mut after = crossed;
+        (0..2).for_each(|part| island.scatter(part, &mut after[part], Vec3::ZERO));
+        assert!(island.evaluate().is_clean());
+        for (after, clean) in after.iter().zip(&clean) {
+            let off = |(a, b): (&Vec4, &Vec4)| a.distance(*b);
+            let farthest = after.positions.iter().zip(&clean.positions).map(off).fold(0.0, f32::max);
+            assert!(farthest < 1e-5 * gap.max(1.0), "{farthest}");
+        }
+        assert!(after[upper].velocity(v).length() < 0.1 * gap / after[upper].substep, "{}", after[upper].velocity(v));
+    }
+}
