@@ -5,8 +5,7 @@ mod stage;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::scenes::curtain::{self, BALL, SIZE, SWING};
-use stage::hand::{Hand, pointer};
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
+use stage::{FabricLook, OrbitCamera, Stage, cut, fabric, hand};
 
 /// Vertices per metre of the curtain's height.
 const DETAIL: u32 = 48;
@@ -23,11 +22,9 @@ fn main() -> AppExit {
         .hint("Left: grab and drag the curtain")
         .report(report)
         .build()
-        .add_plugins(ClothPlugin::default())
-        .init_resource::<Hand>()
+        .add_plugins((ClothPlugin::default(), hand::plugin))
         .add_systems(Startup, (pendulum, hang))
         .add_systems(Update, swing)
-        .add_systems(Update, pointer.run_if(any_with_component::<Window>))
         .run()
 }
 
@@ -71,6 +68,7 @@ fn hang(
         MeshMaterial3d(fabric(&mut images, &mut materials, FabricLook::Linen, Color::srgb(0.62, 0.16, 0.14), 5.0)),
         Transform::from_translation(RAIL),
         Cloth,
+        ClothDraggable::default(),
         ClothMaterial::COTTON,
         ClothPins::where_position(|p| p.y > -1.0e-4),
     ));

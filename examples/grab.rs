@@ -6,8 +6,7 @@ mod stage;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use stage::hand::{Hand, REACH, pointer, ray};
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use stage::{FabricLook, OrbitCamera, Stage, fabric, hand};
 
 /// Where the ball lies [m].
 const BALL: Vec3 = Vec3::new(0.0, 0.35, 0.0);
@@ -25,10 +24,9 @@ fn main() -> AppExit {
         .hint("Left: grab, drag, throw    Right-click: a blast")
         .report(report)
         .build()
-        .add_plugins(ClothPlugin::default())
-        .init_resource::<Hand>()
+        .add_plugins((ClothPlugin::default(), hand::plugin))
         .add_systems(Startup, setup)
-        .add_systems(Update, (pointer, blast).run_if(any_with_component::<Window>))
+        .add_observer(blast)
         .add_systems(Update, script.run_if(not(any_with_component::<Window>)))
         .run()
 }
@@ -45,6 +43,7 @@ fn setup(
         MeshMaterial3d(fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.85, 0.55, 0.15), 8.0)),
         Transform::from_translation(BALL + Vec3::Y * (RADIUS + 0.05)),
         Cloth,
+        ClothDraggable::default(),
         ClothMaterial::COTTON,
     ));
     commands.spawn((
@@ -57,27 +56,21 @@ fn setup(
     Ok(())
 }
 
-/// A blast on the side of the cloth that is seen.
-fn blast(
-    window: Single<&Window>,
-    camera: Single<(&Camera, &GlobalTransform)>,
-    buttons: Res<ButtonInput<MouseButton>>,
-    mut ask: ParamSet<(ClothQuery, Query<&mut ClothParticles>)>,
-) {
-    if !buttons.just_pressed(MouseButton::Right) {
+/// A right-click is a blast on the side of the cloth that is seen.
+fn blast(press: On<Pointer<Press>>, camera: Single<&GlobalTransform, With<Camera>>, mut cloths: Query<&mut ClothParticles>) {
+    if press.button != PointerButton::Secondary {
         return;
     }
-    let Some(hit) = ray(&window, *camera).and_then(|ray| ask.p0().cast_ray(ray, REACH)) else { return };
-    if let Ok(mut particles) = ask.p1().get_mut(hit.entity) {
-        let towards = (camera.1.translation() - hit.point).normalize_or(Vec3::Y);
-        particles.apply_explosion(hit.point + 0.1 * towards, BLAST.0, BLAST.1);
+    if let (Ok(mut particles), Some(point)) = (cloths.get_mut(press.entity), press.hit.position) {
+        let towards = (camera.translation() - point).normalize_or(Vec3::Y);
+        particles.apply_explosion(point + 0.1 * towards, BLAST.0, BLAST.1);
     }
 }
 
 /// Grabs the cloth on top of the ball, lifts it, and throws it.
 fn script(
     mut commands: Commands,
-    mut hand: ResMut<Hand>,
+    mut grip: Local<Option<Entity>>,
     mut thrown: Local<bool>,
     time: Res<Time>,
     cloths: ClothQuery,
@@ -85,21 +78,21 @@ fn script(
 ) {
     let (grabs_at, throws_at, velocity) = SCRIPT;
     let now = time.elapsed_secs();
-    match hand.0 {
+    match *grip {
         None if now >= grabs_at && !*thrown => {
             let above = Ray3d::new(BALL + Vec3::new(0.05, 2.0, 0.05), Dir3::NEG_Y);
-            hand.0 = cloths.cast_ray(above, REACH).map(|hit| (commands.spawn(ClothGrab::at(&hit)).id(), hit.distance));
+            *grip = cloths.cast_ray(above, 20.0).map(|hit| commands.spawn(ClothGrab::at(&hit)).id());
         }
-        Some((grip, _)) if now < throws_at => {
-            if let Ok(mut grab) = grips.get_mut(grip) {
+        Some(held) if now < throws_at => {
+            if let Ok(mut grab) = grips.get_mut(held) {
                 // Faster and faster.
                 let share = (now - grabs_at) / (throws_at - grabs_at);
                 grab.target += velocity * (2.0 * share * time.delta_secs());
             }
         }
-        Some((grip, _)) => {
-            commands.entity(grip).despawn();
-            (hand.0, *thrown) = (None, true);
+        Some(held) => {
+            commands.entity(held).despawn();
+            (*grip, *thrown) = (None, true);
         }
         None => {}
     }

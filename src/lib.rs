@@ -15,6 +15,8 @@ mod avian;
 mod bind;
 mod islands;
 mod notices;
+#[cfg(feature = "picking")]
+mod picking;
 mod query;
 pub mod simulation;
 mod snapshot;
@@ -40,6 +42,8 @@ pub use components::{
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
 pub use diagnostics::ClothDiagnosticsPlugin;
 pub use islands::ClothIslands;
+#[cfg(feature = "picking")]
+pub use picking::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
 pub use plugin::{ClothPlugin, ClothSystems};
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};
@@ -61,6 +65,8 @@ pub mod prelude {
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};
     pub use crate::{ClothDiagnosticsPlugin, ClothErrorKind, RecoveryCause, RecoveryLevel, WaitingFor};
+    #[cfg(feature = "picking")]
+    pub use crate::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
     #[cfg(feature = "presets")]
     pub use crate::{ClothPreset, ClothPresetHandle};
 }

@@ -25,7 +25,8 @@ pub struct ClothInspectorPlugin {
     /// Whether the window is open at the start. Default false.
     pub open: bool,
     /// Whether keys and mouse over the panel are kept from the game. Default true. They are taken from `ButtonInput` and from the messages
-    /// and sums of the mouse; `CursorMoved` and picking (`Pointer` events) go on: what listens to those asks `EguiWantsInput`.
+    /// and sums of the mouse; `CursorMoved` goes on, and picking (`Pointer` events) without the feature `picking`: what listens to those
+    /// asks `EguiWantsInput`.
     pub absorbs_input: bool,
     /// Whether there is a window. Default true. Without, the app calls [`cloth_inspector`] in one of its own, and egui is up to the app:
     /// the plugin does what the buttons ask for and keeps the history while the panel is drawn.

@@ -17,6 +17,7 @@ mod gltf;
 mod grab;
 mod lifecycle;
 mod lod;
+mod picking;
 mod pins;
 mod query;
 mod rest;

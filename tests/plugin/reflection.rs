@@ -116,7 +116,7 @@ fn every_public_resource_with_settings_is_registered() {
     let app = inspected();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let ours = ours(&registry);
-    for name in ["ClothDebug", "ClothGravity", "GlobalWind"] {
+    for name in ["ClothDebug", "ClothGravity", "ClothPickingSettings", "GlobalWind"] {
         assert!(deriving("Resource").iter().any(|n| n == name), "{name}");
         let registration = ours.get(name).unwrap_or_else(|| panic!("{name} is not registered"));
         assert!(registration.data::<ReflectResource>().is_some(), "{name}");
@@ -157,7 +157,7 @@ fn the_inspector_shows_every_public_component() {
     let registry = registry.read();
     let ours = ours(&registry);
     let names = deriving("Component").into_iter().filter(|name| !KEPT.contains(&name.as_str()));
-    for name in names.chain(["ClothDebug", "ClothGravity", "GlobalWind"].map(str::to_owned)) {
+    for name in names.chain(["ClothDebug", "ClothGravity", "ClothPickingSettings", "GlobalWind"].map(str::to_owned)) {
         let mut value = ours[&name].data::<ReflectDefault>().expect("a default").default();
         let world = app.world_mut();
         let text = words(|ui| {
@@ -209,6 +209,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 ClothSleep { delay: 2.0, ..default() },
                 ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
                 ClothContactEvents { patience: 0.5, ..default() },
+                ClothDraggable { radius: 0.2, ..default() },
             ),
             ClothCollision { layer: -2, contact: false, ..default() },
             ClothLayers::new(0b110, 0b011),
