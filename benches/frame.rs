@@ -4,11 +4,11 @@
 
 use std::hint::black_box;
 
-use bevy_drape::scenes::{self, Scene, Tangle, grid};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::RestShape;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use drape_scenes::{self as scenes, Scene, Tangle, grid};
 use glam::vec3;
 
 /// Frames before timing starts: the cloth is in motion and buffers are warm.

@@ -4,7 +4,7 @@ mod stage;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::curtain::{self, BALL, SIZE, SWING};
+use drape_scenes::curtain::{self, BALL, SIZE, SWING};
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric, hand};
 
 /// Vertices per metre of the curtain's height.

@@ -11,9 +11,9 @@ use bevy_drape::ClothMaterial;
 use bevy_drape::lab::cantilever::{self, Cut};
 use bevy_drape::lab::extension::Mesh;
 use bevy_drape::lab::{SAMPLES, bending_length, curtain, drape, extension, heart, rate};
-use bevy_drape::scenes::Scene;
 use bevy_drape::solver::settings::Fabric;
 use clap::Parser;
+use drape_scenes::Scene;
 use shadows::Shadow;
 
 /// Measures how fabrics drape, bend, stretch, shear and hang.

@@ -8,7 +8,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::funnel::{self, FLOOR, FRICTION, SHEET};
+use drape_scenes::funnel::{self, FLOOR, FRICTION, SHEET};
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices along the sides of the sheet.

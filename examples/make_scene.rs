@@ -13,8 +13,8 @@ mod glb;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use bevy_drape::scenes::grid;
 use clap::Parser;
+use drape_scenes::grid;
 use glam::{Quat, Vec3, vec3};
 use glb::{Glb, Surface};
 use serde_json::json;

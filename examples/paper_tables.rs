@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use bevy_drape::scenes::{self, Tangle};
 use bevy_drape::solver::detect::SurfaceError;
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use chart::Chart;
 use clap::Parser;
+use drape_scenes::{self as scenes, Tangle};
 
 /// Vertices along a side, and the paper's figures for the traditional method and its own [ms per frame] on a Pentium 4 at 2.4 GHz.
 const PAPER: [(u32, f64, f64); 5] =

@@ -4,7 +4,7 @@ mod stage;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::skirt::{self, LIMBS, Limb};
+use drape_scenes::skirt::{self, LIMBS, Limb};
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices per metre.

@@ -7,7 +7,7 @@ mod stage;
 use bevy::prelude::*;
 use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::stack;
+use drape_scenes::stack;
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Sheets, and vertices along the sides of each.

@@ -28,12 +28,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
-use bevy_drape::scenes::{self, Scene, SceneCloth, StageTimes, Tangle};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::step::FrameInput;
 use clap::{Parser, ValueEnum};
+use drape_scenes::{self as scenes, Scene, SceneCloth, StageTimes, Tangle};
 use shown::Picture;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -10,9 +10,9 @@ mod cli;
 
 use std::thread;
 
-use bevy_drape::scenes::{Seed, SeedKind, SeedRun};
 use bevy_drape::solver::island::UntangleSettings;
 use clap::Parser;
+use drape_scenes::{Seed, SeedKind, SeedRun};
 use serde_json::json;
 
 /// Frames of 1/60 s after which is counted.

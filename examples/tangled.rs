@@ -19,9 +19,9 @@ mod tangles;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::{Tangle, Unit};
 use bevy_drape::solver::rest::SourceMesh;
 use clap::Parser;
+use drape_scenes::{Tangle, Unit};
 use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
 use tangles::label::{Label, label};
 use tangles::state::Most;

@@ -4,7 +4,7 @@ mod stage;
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::twist;
+use drape_scenes::twist;
 use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices per metre.

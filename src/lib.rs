@@ -26,7 +26,6 @@ mod time;
 pub mod debug;
 mod diagnostics;
 pub mod solver;
-pub mod scenes;
 pub mod lab;
 
 pub use components::{

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bevy_drape::scenes::{self, Scene, SceneCloth, Seed, Tangle, fabric, grid};
-use bevy_drape::solver::evaluate::{EvaluateSettings, Resort};
+use bevy_drape::solver::anchors::Anchors;
+use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
-use bevy_drape::solver::step::Anchors;
+use bevy_drape::solver::verdict::Resort;
+use drape_scenes::{self as scenes, Scene, SceneCloth, Seed, Tangle, fabric, grid};
 use glam::{Vec3, Vec4, vec3};
 
 const FRAME: f32 = 1.0 / 60.0;

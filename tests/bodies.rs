@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{Scene, SceneCloth, fabric, funnel, grid, needles};
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::RestShape;
+use drape_scenes::{Scene, SceneCloth, fabric, funnel, grid, needles};
 use glam::{DVec3, Quat, Vec3, vec3};
 
 const FRAME: f32 = 1.0 / 60.0;

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{SceneCloth, fabric, grid};
 use bevy_drape::solver::body::{Body, Pose, SharedShape};
 use bevy_drape::solver::couple::{Given, Rigid};
 use bevy_drape::solver::rest::RestShape;
 use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::step::{FrameInput, prepare, step};
 use bevy_drape::solver::wind::Wind;
+use drape_scenes::{SceneCloth, fabric, grid};
 use glam::{Mat3, Quat, Vec3};
 
 const DT: f32 = 1.0 / 60.0;

@@ -6,9 +6,9 @@ use bevy_drape::ClothMaterial;
 use bevy_drape::lab::cantilever::{self, Cut};
 use bevy_drape::lab::extension::Mesh;
 use bevy_drape::lab::{self, SAMPLES, Sample, bending_length, curtain, drape, extension, heart};
-use bevy_drape::scenes::{Scene, SceneCloth, grid};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::settings::Fabric;
+use drape_scenes::{Scene, SceneCloth, grid};
 use glam::Vec3;
 
 fn preset(name: &str) -> Fabric {

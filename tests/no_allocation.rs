@@ -35,8 +35,8 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
-    use bevy_drape::scenes::{self, Scene, Tangle};
     use bevy_drape::solver::body::{Body, Pose, shape};
+    use drape_scenes::{self as scenes, Scene, Tangle};
     use glam::Vec3;
     let mut over_a_box = scenes::layers(2, 20);
     over_a_box.bodies.clear();
@@ -63,7 +63,7 @@ fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
 
 #[test]
 fn a_warm_step_allocates_nothing() {
-    use bevy_drape::scenes;
+    use drape_scenes as scenes;
     for (name, mut scene) in [("hang", scenes::hang(32)), ("ball", scenes::ball(32)), ("flags", scenes::flags(3, 24))] {
         for _ in 0..240 {
             scene.step(1.0 / 60.0);
@@ -92,7 +92,7 @@ fn what_the_panel_records_allocates_nothing_after_the_first_frame() {
 
 #[test]
 fn a_cloth_that_comes_to_rest_allocates_nothing() {
-    let mut scene = bevy_drape::scenes::ball(20).untangled(Default::default(), Default::default(), true).expect("one cloth");
+    let mut scene = drape_scenes::ball(20).untangled(Default::default(), Default::default(), true).expect("one cloth");
     for _ in 0..60 {
         scene.step(1.0 / 60.0);
     }
@@ -111,11 +111,11 @@ fn a_cloth_that_comes_to_rest_allocates_nothing() {
 
 #[test]
 fn a_warm_step_that_gives_bodies_something_allocates_nothing() {
-    use bevy_drape::scenes;
     use bevy_drape::solver::body::{Body, Pose, shape};
     use bevy_drape::solver::couple::Rigid;
     use bevy_drape::solver::step::FrameInput;
     use bevy_drape::solver::wind::Wind;
+    use drape_scenes as scenes;
     use glam::{Mat3, Vec3};
 
     let mut cloth = scenes::hang(32).cloths.remove(0);

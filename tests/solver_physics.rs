@@ -4,13 +4,13 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use bevy::tasks::TaskPoolBuilder;
-use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, ball, fabric, flags, grid, hang};
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::recover::{Limits, Recovery};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::step::FrameInput;
 use bevy_drape::solver::wind::Wind;
+use drape_scenes::{GRAVITY, Scene, SceneCloth, ball, fabric, flags, grid, hang};
 use glam::{Vec3, vec3};
 
 fn build(mesh: &SourceMesh) -> Arc<RestShape> {
@@ -133,7 +133,7 @@ fn energy_does_not_grow_without_wind_and_damping() {
         scene.cloths[0].fabric = undamped();
         scene.cloths[0].prepare();
         // The energy there is to move: the weight times the height it can fall.
-        let scale = f64::from(bevy_drape::scenes::DENSITY * -GRAVITY.y * 0.5);
+        let scale = f64::from(drape_scenes::DENSITY * -GRAVITY.y * 0.5);
         let mut energy = Vec::new();
         for _ in 0..480 {
             energy.push(scene.cloths[0].energy(GRAVITY));

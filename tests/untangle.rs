@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use bevy_drape::scenes::Tangle;
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
 use bevy_drape::solver::resolve::gradient::Terms;
 use bevy_drape::solver::resolve::{ContourKind, Method, ResolveSettings, Untangler};
 use bevy_drape::solver::rest::Topology;
+use drape_scenes::Tangle;
 use glam::{DVec3, Vec3, Vec4};
 
 /// Positions [m] and faces.
@@ -518,7 +518,7 @@ fn untangling_injects_no_velocity_and_removes_only_the_approach() {
 fn in_a_scene_every_tangle_comes_apart_within_two_seconds() {
     for tangle in SCENES {
         for n in [13, 30] {
-            let scene = bevy_drape::scenes::tangle(tangle, n);
+            let scene = drape_scenes::tangle(tangle, n);
             let mut scene = scene.untangled(Default::default(), Default::default(), false).expect("two cloths");
             let clean = (1..=120).find(|_| {
                 scene.step(1.0 / 60.0);
@@ -538,7 +538,7 @@ fn in_a_scene_every_tangle_comes_apart_within_two_seconds() {
 #[test]
 fn a_clean_scene_has_the_same_bits_with_and_without_untangling() {
     let run = |untangled: bool| {
-        let mut scene = bevy_drape::scenes::hang(24);
+        let mut scene = drape_scenes::hang(24);
         if untangled {
             scene = scene.untangled(Default::default(), Default::default(), true).expect("one cloth");
         }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{Scene, SceneCloth, fabric, grid};
 use bevy_drape::solver::body::{Body, Pose, SharedShape, shape};
 use bevy_drape::solver::rest::RestShape;
+use drape_scenes::{Scene, SceneCloth, fabric, grid};
 use glam::{Quat, Vec3, Vec4, vec3};
 use parry3d::query::Ray;
 use parry3d::shape::TypedShape;

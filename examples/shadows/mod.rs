@@ -6,7 +6,7 @@ use std::path::Path;
 use bevy::math::Vec3;
 use bevy_drape::lab::drape::{self, DISK, SPECIMEN};
 use bevy_drape::lab::{Sample, drape::Drape};
-use bevy_drape::scenes::Scene;
+use drape_scenes::Scene;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
 

@@ -5,7 +5,8 @@ use bevy::{
     mesh::{Indices, PrimitiveTopology},
     prelude::*,
 };
-use bevy_drape::{scenes, solver::rest::SourceMesh};
+use bevy_drape::solver::rest::SourceMesh;
+use drape_scenes as scenes;
 
 /// A piece of cloth cut for a scene: of `rows` vertices down, and of a size [m] that the texture is laid out on, 1 m to a unit of UV.
 pub fn cut(source: &SourceMesh, rows: u32, size: Vec2) -> Result<Mesh> {

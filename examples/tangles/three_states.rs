@@ -5,10 +5,11 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_drape::ClothIslands;
 use bevy_drape::debug::{ClothGizmos, contour_color};
 use bevy_drape::prelude::*;
 use bevy_drape::solver::resolve::ContourKind;
-use bevy_drape::{ClothIslands, scenes};
+use drape_scenes as scenes;
 
 use super::label::label;
 use super::state::State;

@@ -7,10 +7,10 @@ use bevy::prelude::*;
 use super::placement::seen_from;
 use super::{Authored, Placement};
 use crate::components::{ClothError, ClothErrorKind, ClothPins, ColorChannel, PinSelect};
-use crate::solver::integrate::anchor::RIGID;
+use crate::solver::anchors::Anchors;
+use crate::solver::anchors::RIGID;
 use crate::solver::rest::RestShape;
 use crate::solver::slew::SLEW_TIME;
-use crate::solver::step::Anchors;
 
 /// What holds the anchors.
 #[derive(Clone, Debug, Default)]

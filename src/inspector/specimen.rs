@@ -7,7 +7,7 @@ use super::compare::button;
 use crate::components::ClothMaterial;
 use crate::lab::drape::{self, DISK, Drape, Run, SPECIMEN};
 use crate::lab::{FRAME_RATE, SAMPLES, Settling};
-use crate::scenes::Scene;
+use crate::solver::scene::Scene;
 use crate::solver::settings::Fabric;
 
 /// Edges of the specimen `[m]`: the coarsest that shows the nodes of every preset, in about half a millisecond a frame.

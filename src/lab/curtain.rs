@@ -9,7 +9,7 @@
 use glam::vec3;
 
 use super::{FRAME_RATE, bending_length, hold, rate, settle, specimen, vertex};
-use crate::scenes::{Scene, grid};
+use crate::solver::scene::{Scene, grid};
 use crate::solver::settings::Fabric;
 
 /// Width of the cloth and its height `[m]`.

@@ -11,8 +11,8 @@ use core::f32::consts::TAU;
 use glam::{Vec2, Vec3, Vec3Swizzles, vec2, vec3};
 
 use super::{FRAME_RATE, rate, settle, specimen};
-use crate::scenes::Scene;
 use crate::solver::rest::SourceMesh;
+use crate::solver::scene::Scene;
 use crate::solver::settings::Fabric;
 
 /// Radius of the disk `[m]`.

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::scenes::{Scene, SceneCloth};
 use crate::solver::rest::{RestShape, SourceMesh};
+use crate::solver::scene::{Scene, SceneCloth};
 use crate::solver::settings::Fabric;
 
 /// Frames per second of the tests `[Hz]`, unless they say otherwise.

@@ -15,40 +15,7 @@
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::solver::detect::Crossing;
-use crate::solver::resolve::ContourGraph;
-
-/// How tangled a surface is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Verdict {
-    /// Edges that cross faces.
-    pub crossings: u32,
-    /// Intersection curves.
-    pub contours: u32,
-    /// Length of all curves `[m]`.
-    pub contour_length: f32,
-    /// Contours that cut a piece off a sheet.
-    pub regions: u32,
-}
-
-impl Verdict {
-    /// Sums up the contours.
-    #[must_use]
-    pub fn of(graph: &ContourGraph, crossings: &[Crossing]) -> Self {
-        Self {
-            crossings: crossings.len() as u32,
-            contours: graph.contours.len() as u32,
-            contour_length: graph.contours.iter().map(|c| c.length).fold(0.0, |sum, l| sum + l),
-            regions: graph.contours.iter().filter(|c| c.kind.separates()).count() as u32,
-        }
-    }
-
-    /// Whether nothing crosses.
-    #[must_use]
-    pub fn is_clean(&self) -> bool {
-        self.crossings == 0
-    }
-}
+use crate::solver::verdict::{Resort, Verdict};
 
 /// What to do about frames that are still tangled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,36 +82,6 @@ pub enum Shown {
     Fading,
     /// The live shape, although it is tangled.
     Tangled,
-}
-
-/// Stronger and stronger means against a tangle that stays, in the order in which they are used.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Resort {
-    /// None: by end type.
-    #[default]
-    None,
-    /// Regions and ways apart for all contours, whatever their ends.
-    Regions,
-    /// More directions in which sides can go apart.
-    Candidates,
-    /// The tangled part is drawn to the shape at rest, or to the animated pose.
-    Blend,
-}
-
-impl Resort {
-    /// What to use after so much time tangled `[s]`: each stands for as long as the first waited.
-    #[must_use]
-    pub fn after(tangled_for: f32, first: f32) -> Self {
-        if tangled_for < first {
-            Self::None
-        } else if tangled_for < 2.0 * first {
-            Self::Regions
-        } else if tangled_for < 3.0 * first {
-            Self::Candidates
-        } else {
-            Self::Blend
-        }
-    }
 }
 
 /// The decision for one frame.

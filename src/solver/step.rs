@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
+use super::anchors::{Anchors, RIGID};
 use super::body::{Approach, Body, BodyContacts, FaceContacts, Grounds, Laid, Sheet, Touch};
 use super::couple::{Coupling, Pull};
 use super::integrate::{air, anchor, bend, damp, leash, membrane, net, predict, pull, spring, tether};
@@ -10,29 +11,6 @@ use super::rest::RestShape;
 use super::settings::{Fabric, MembraneModel, Stepping, drape_rate};
 use super::state::ClothState;
 use super::wind::{Aerodynamics, Wind, WindForces};
-
-/// Particles that are held, and where.
-///
-/// Targets are in the frame of simulation and interpolated over the substeps of a frame. `from` and `to` are kept by the
-/// caller: each frame's `from` is the last frame's `to`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Anchors {
-    /// Held particles, sorted, each once.
-    pub particles: Vec<u32>,
-    /// How firmly each is held: 1 = rigidly (infinite mass), towards 0 = hardly. Same length as `particles`.
-    pub weights: Vec<f32>,
-    /// Target at the start of the frame `[m]`.
-    pub from: Vec<Vec3>,
-    /// Target at the end of the frame `[m]`.
-    pub to: Vec<Vec3>,
-}
-
-impl Anchors {
-    /// Longest way of a target in the frame `[m]`.
-    fn longest_way(&self) -> f32 {
-        self.from.iter().zip(&self.to).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f32::max).sqrt()
-    }
-}
 
 /// Inputs of one frame.
 #[derive(Clone, Copy, Debug)]
@@ -289,7 +267,7 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     }
     scratch.coupling.weigh(anchors);
     let mut rigid: Vec<u32> =
-        anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= anchor::RIGID).map(|(p, _)| *p).collect();
+        anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= RIGID).map(|(p, _)| *p).collect();
     for &p in &rigid {
         state.positions[p as usize].w = 0.0;
     }

@@ -12,7 +12,8 @@ use crate::components::{
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
-use crate::solver::evaluate::{Pose, Shown, Verdict};
+use crate::solver::evaluate::{Pose, Shown};
+use crate::solver::verdict::Verdict;
 use crate::time::ClothTime;
 
 /// Looks again where something moved, in parallel over islands.

@@ -384,9 +384,9 @@ mod tests {
 
     use super::*;
     use crate::bind::AnchorSets;
+    use crate::solver::anchors::Anchors;
     use crate::solver::island::Display;
     use crate::solver::recover::Recovery;
-    use crate::solver::step::Anchors;
 
     /// Numbers of the zones that a particle at `at` with the speed `velocity` `[m/s]` is told of in a frame of 0.1 s.
     fn told(at: Vec3, velocity: Vec3, zones: &[(Vec3, f32)]) -> Vec<usize> {

@@ -5,13 +5,13 @@ mod checker;
 use core::f32::consts::TAU;
 use std::sync::Arc;
 
-use bevy_drape::scenes::{self, Scene, SceneCloth};
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::state::ClothState;
+use drape_scenes::{self as scenes, Scene, SceneCloth};
 use glam::{Vec3, Vec4, vec3};
 
 fn assert_same(rest: &RestShape, positions: &[Vec4], what: &str) -> usize {

@@ -9,10 +9,10 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 use bevy_drape::ClothParticles;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::{self, Scene, Tangle};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
+use drape_scenes::{self as scenes, Scene, Tangle};
 
 use crate::common::*;
 

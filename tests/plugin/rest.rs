@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{self, Scene, SceneCloth, fabric, grid};
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::rest::RestShape;
+use drape_scenes::{self as scenes, Scene, SceneCloth, fabric, grid};
 use glam::{Quat, Vec3};
 
 /// Energy [J/kg] and longest way of a particle in a second [m], at their largest in the seconds from `from` to `to`.

@@ -4,8 +4,8 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::Tangle;
 use bevy_drape::{ClothParticles, ClothSnapshot};
+use drape_scenes::Tangle;
 
 use crate::common::*;
 

@@ -3,8 +3,8 @@
 use bevy::app::{TaskPoolOptions, TaskPoolPlugin};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::scenes::Tangle;
 use bevy_drape::{ClothHeld, ClothLastResort, ClothParticles, ClothTangled, ClothUntangled};
+use drape_scenes::Tangle;
 
 use crate::common::*;
 

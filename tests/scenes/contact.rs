@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use bevy_drape::scenes::{GRAVITY, Scene, SceneCloth, fabric, grid, sheets};
 use bevy_drape::solver::body::{Body, Pose, SharedShape, shape};
 use bevy_drape::solver::rest::RestShape;
+use drape_scenes::{GRAVITY, Scene, SceneCloth, fabric, grid, sheets};
 use glam::{DVec3, Quat, Vec3, vec3};
 
 use crate::{FRAME, untangled};

@@ -6,9 +6,9 @@ mod checker;
 mod contact;
 mod shown;
 
-use bevy_drape::scenes::{self, Scene};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
+use drape_scenes::{self as scenes, Scene};
 use shown::Picture;
 
 const FRAME: f32 = 1.0 / 60.0;
@@ -88,7 +88,7 @@ fn the_checker_counts_what_is_shown_of_every_cloth_also_of_one_that_is_pinned() 
     scene.cloths[0].anchors = {
         let to: Vec<glam::Vec3> = scene.cloths[0].state.positions.iter().map(|x| x.truncate()).collect();
         let particles = (0..to.len() as u32).collect();
-        bevy_drape::solver::step::Anchors { particles, weights: vec![1.0; to.len()], from: to.clone(), to }
+        bevy_drape::solver::anchors::Anchors { particles, weights: vec![1.0; to.len()], from: to.clone(), to }
     };
     scene.cloths[0].prepare();
     let off = UntangleSettings { iterations: 0, ..UntangleSettings::default() };

@@ -1,6 +1,6 @@
 //! What a scene shows, and how often that crosses: every cloth with every other and with itself, pinned cloth included.
 
-use bevy_drape::scenes::Scene;
+use drape_scenes::Scene;
 use glam::Vec3;
 
 use crate::checker;

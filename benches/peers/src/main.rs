@@ -20,7 +20,7 @@ mod tangle;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use bevy_drape::scenes::Tangle;
+use drape_scenes::Tangle;
 use clap::{Parser, ValueEnum};
 
 use crate::measure::Row;

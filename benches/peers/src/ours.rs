@@ -1,6 +1,6 @@
 //! `bevy_drape`: the solver alone, as its own tests and benchmarks call it.
 
-use bevy_drape::scenes::{self, SceneCloth};
+use drape_scenes::{self as scenes, SceneCloth};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 

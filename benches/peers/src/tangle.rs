@@ -1,10 +1,10 @@
-//! The eight named tangles of `bevy_drape::scenes`: two sheets that start in each other, without gravity.
+//! The eight named tangles of `drape_scenes`: two sheets that start in each other, without gravity.
 //!
 //! Both engines get the same vertices and triangles, and one judge, the exact crossings of edges with faces, looks at both.
 
 use std::time::Instant;
 
-use bevy_drape::scenes::{self, Scene, Tangle};
+use drape_scenes::{self as scenes, Scene, Tangle};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use rapier3d::prelude::*;

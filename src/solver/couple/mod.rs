@@ -31,7 +31,7 @@ use parry3d::math::Pose;
 use pins::Pins;
 pub(crate) use pins::Pull;
 
-use super::step::Anchors;
+use super::anchors::Anchors;
 
 /// A body that takes what cloth gives it, in the cloth's frame of simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]

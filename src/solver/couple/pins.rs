@@ -14,9 +14,9 @@ use glam::{DVec3, Mat3, Quat, Vec3, Vec4};
 use parry3d::math::Pose;
 
 use super::{Gain, Slot};
-use crate::solver::integrate::anchor::RIGID;
+use crate::solver::anchors::Anchors;
+use crate::solver::anchors::RIGID;
 use crate::solver::rest::RestShape;
-use crate::solver::step::Anchors;
 
 /// A pin on a body.
 #[derive(Clone, Copy, Debug)]

@@ -2,10 +2,7 @@
 
 use glam::Vec4;
 
-use crate::solver::step::Anchors;
-
-/// A pin of at least this weight is rigid (dimensionless).
-pub const RIGID: f32 = 0.999;
+use crate::solver::anchors::{Anchors, RIGID};
 
 /// Time in which a pin of weight one half pulls its particle to 1/e of the distance `[s]`.
 const SOFT_TIME: f32 = 0.1;

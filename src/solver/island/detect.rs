@@ -2,9 +2,9 @@
 
 use super::{Island, LONGEST_LOOK, Members, RINGS, parts_of_contours};
 use crate::solver::body::Touch;
-use crate::solver::evaluate::Verdict;
 use crate::solver::resolve::Untangler;
 use crate::solver::respond::{Finder, Moment};
+use crate::solver::verdict::Verdict;
 
 impl Island {
     /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame, the longest of the frames that

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use crate::solver::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown, Verdict};
+use crate::solver::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown};
 use crate::solver::state::ClothState;
+use crate::solver::verdict::Verdict;
 
 /// What one cloth shows, and what it showed before.
 #[derive(Clone, Debug, Default)]

@@ -9,8 +9,8 @@
 use glam::{Vec3, Vec4};
 
 use super::{Island, Members, UntangleSettings};
-use crate::solver::evaluate::{Resort, Verdict};
 use crate::solver::rest::RestShape;
+use crate::solver::verdict::{Resort, Verdict};
 
 /// Iterations at load, at most.
 pub(super) const AT_LOAD: u32 = 300;

@@ -28,10 +28,10 @@ pub use member::{Member, Members};
 
 use super::body::Touch;
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
-use super::evaluate::Verdict;
 use super::resolve::{Contour, ResolveSettings, Strategy, Untangler};
 use super::respond::{Contacts, Finder};
 use super::retreat::Retreat;
+use super::verdict::Verdict;
 use undo::Undo;
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.

@@ -9,10 +9,10 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::load::AT_LOAD;
 use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
-use crate::solver::evaluate::Resort;
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::retreat::Retreat;
 use crate::solver::step::{displace, relax};
+use crate::solver::verdict::Resort;
 
 impl Island {
     /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
@@ -265,17 +265,28 @@ impl Island {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec3, Vec4, vec3};
+    use std::sync::Arc;
 
-    use crate::scenes::{self, Untangling};
+    use glam::{Quat, Vec3, Vec4, vec3};
+
     use crate::solver::evaluate::EvaluateSettings;
     use crate::solver::island::UntangleSettings;
+    use crate::solver::rest::RestShape;
+    use crate::solver::scene::{Scene, SceneCloth, Untangling, grid};
+    use crate::solver::settings::Fabric;
 
     const FRAME: f32 = 1.0 / 60.0;
 
     #[test]
     fn what_a_body_pushes_into_a_crossing_again_stays_with_its_cloth_and_loses_its_speed_against_it() {
-        let scene = scenes::sheets(12).untangled(UntangleSettings::default(), EvaluateSettings::default(), true);
+        let sheet = |k: f32| {
+            let turn = Quat::from_rotation_y(core::f32::consts::FRAC_PI_4 * k);
+            let mesh = grid(12, 12, |u, v| turn * vec3(u - 0.5, 0.0, v - 0.5));
+            let (rest, _) = RestShape::build(&mesh).expect("a sheet");
+            SceneCloth::new(Arc::new(rest), Fabric::default(), vec3(0.004 * k, 0.4 + 0.03 * k, 0.003 * k), &[])
+        };
+        let scene = Scene::new(vec![sheet(0.0), sheet(1.0)]);
+        let scene = scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true);
         let mut scene = scene.expect("two sheets");
         scene.step(FRAME);
         let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);

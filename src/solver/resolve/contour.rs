@@ -15,6 +15,7 @@ use glam::Vec3;
 
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::rest::NONE;
+use crate::solver::verdict::Verdict;
 
 /// How a contour ends, which decides what can take it apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -115,6 +116,17 @@ pub struct ContourGraph {
 }
 
 impl ContourGraph {
+    /// Sums up the contours that so many crossings make.
+    #[must_use]
+    pub fn verdict(&self, crossings: u32) -> Verdict {
+        Verdict {
+            crossings,
+            contours: self.contours.len() as u32,
+            contour_length: self.contours.iter().map(|c| c.length).fold(0.0, |sum, l| sum + l),
+            regions: self.contours.iter().filter(|c| c.kind.separates()).count() as u32,
+        }
+    }
+
     /// Links the crossings (sorted by edge, then face) at `points` `[m]`.
     pub fn trace(&mut self, surface: &Surface, crossings: &[Crossing], points: &[Vec3], at: impl Fn(u32) -> Vec3) {
         self.link(surface, crossings);

@@ -6,8 +6,8 @@
 use glam::Vec3;
 
 use crate::solver::detect::Crossing;
-use crate::solver::evaluate::Resort;
 use crate::solver::rest::NONE;
+use crate::solver::verdict::Resort;
 
 use super::contour::{Contour, ContourGraph, ContourKind};
 

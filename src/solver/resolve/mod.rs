@@ -40,7 +40,7 @@ pub use latch::Strategy;
 use glam::{Vec3, Vec4};
 
 use crate::solver::detect::{Crossing, Detector, Surface};
-use crate::solver::evaluate::{Resort, Verdict};
+use crate::solver::verdict::{Resort, Verdict};
 
 use gradient::Terms;
 use history::{History, Push};
@@ -134,7 +134,7 @@ impl Resolver {
         self.points.clear();
         self.points.extend(self.terms.iter().map(|t| t.point.as_vec3()));
         self.graph.trace(surface, crossings, &self.points, |v| positions[v as usize].truncate());
-        Verdict::of(&self.graph, crossings)
+        self.graph.verdict(crossings.len() as u32)
     }
 
     /// The contours traced last.

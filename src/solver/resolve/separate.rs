@@ -10,7 +10,7 @@ use super::contour::ContourGraph;
 use super::latch::Strategy;
 use super::probe::{Course, Member, nodes};
 use super::{Resolver, View};
-use crate::solver::evaluate::Resort;
+use crate::solver::verdict::Resort;
 
 /// How much cheaper another direction must be than the one taken before.
 const HYSTERESIS: f32 = 0.25;

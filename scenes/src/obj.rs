@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::solver::rest::SourceMesh;
+use bevy_drape::solver::rest::SourceMesh;
 
 /// Reads the vertices and faces of a file's text; faces of more than three corners are fans. Lines it cannot read are left out.
 #[must_use]

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::vec3;
 
 use super::{Scene, SceneCloth, fabric, grid};
-use crate::solver::body::{Body, Pose, shape};
-use crate::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::rest::{RestShape, SourceMesh};
 
 /// Width and height of the curtain as it hangs `[m]`.
 pub const SIZE: (f32, f32) = (1.2, 1.4);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Quat, Vec3, vec3};
 
 use super::{Scene, SceneCloth, fabric, grid};
-use crate::solver::body::{Body, Pose, shape};
-use crate::solver::rest::RestShape;
+use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::rest::RestShape;
 
 /// Radius of the ball `[m]`.
 const BALL: f32 = 0.2;

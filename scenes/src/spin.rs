@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{Quat, Vec2, Vec3, vec3};
 
 use super::{Scene, SceneCloth, fabric, grid};
-use crate::solver::body::{Body, Pose, shape};
-use crate::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::rest::{RestShape, SourceMesh};
 
 /// Radius at the waist and at the hem of the skirt that is cut as a flat ring `[m]`.
 const RING: (f32, f32) = (0.15, 0.5);

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3, Vec3};
 
-use crate::solver::rest::SourceMesh;
+use bevy_drape::solver::rest::SourceMesh;
 
 /// Two sheets in each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -3,7 +3,7 @@
 use glam::{Vec3, vec3};
 
 use super::{Scene, SceneCloth, fabric, sheet};
-use crate::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::body::{Body, Pose, shape};
 
 /// Radius of a needle at its foot and height `[m]`.
 pub const NEEDLE: (f32, f32) = (0.012, 0.3);

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{Vec3, vec3};
 
 use super::{Scene, SceneCloth, fabric, grid};
-use crate::solver::body::{Body, Pose, shape};
-use crate::solver::rest::RestShape;
+use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::rest::RestShape;
 
 /// Radius and height of the rim, of the neck and of the mouth of the spout `[m]`.
 pub const PROFILE: [(f32, f32); 3] = [(0.55, 0.75), (0.11, 0.0), (0.11, -0.2)];

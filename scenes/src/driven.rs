@@ -4,7 +4,7 @@ use core::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::{Vec3, vec3};
 
-use crate::solver::rest::SourceMesh;
+use bevy_drape::solver::rest::SourceMesh;
 
 /// Length and width of the sheet that was driven `[m]`.
 const SIDES: (f32, f32) = (1.1, 0.7);
@@ -47,11 +47,11 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scenes::{Scene, SceneCloth, fabric};
-    use crate::solver::evaluate::EvaluateSettings;
-    use crate::solver::island::UntangleSettings;
-    use crate::solver::resolve::{Method, ResolveSettings};
-    use crate::solver::rest::RestShape;
+    use crate::{Scene, SceneCloth, fabric};
+    use bevy_drape::solver::evaluate::EvaluateSettings;
+    use bevy_drape::solver::island::UntangleSettings;
+    use bevy_drape::solver::resolve::{Method, ResolveSettings};
+    use bevy_drape::solver::rest::RestShape;
 
     /// Crossings at the start and after two seconds.
     fn untangled(method: Method, n: u32) -> (u32, u32) {

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
 use super::{Scene, SceneCloth, fabric, grid};
-use crate::solver::evaluate::EvaluateSettings;
-use crate::solver::island::UntangleSettings;
-use crate::solver::resolve::ContourKind;
-use crate::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::island::UntangleSettings;
+use bevy_drape::solver::resolve::ContourKind;
+use bevy_drape::solver::rest::{RestShape, SourceMesh};
 
 /// First of the seeds of the generator; that of tangle `k` is this plus `k`.
 const SEED: u64 = 0x5EED_0000;

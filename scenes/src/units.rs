@@ -4,7 +4,7 @@ use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{Vec3, vec3};
 
-use crate::solver::rest::SourceMesh;
+use bevy_drape::solver::rest::SourceMesh;
 
 /// A sheet that crosses itself in one curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -135,9 +135,9 @@ fn dart(u: f32, v: f32, reach: f32, height: impl Fn(f32, f32) -> f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::detect::{PartRef, Surface};
-    use crate::solver::resolve::{ContourKind, Untangler};
-    use crate::solver::rest::RestShape;
+    use bevy_drape::solver::detect::{PartRef, Surface};
+    use bevy_drape::solver::resolve::{ContourKind, Untangler};
+    use bevy_drape::solver::rest::RestShape;
 
     #[test]
     fn every_unit_crosses_itself_in_one_contour_of_its_kind() {

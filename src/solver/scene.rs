@@ -1,56 +1,26 @@
-//! Scenes to measure on, shared by tests, benchmarks and programs. Free of the engine: each is stepped by [`crate::solver::step`].
-
-mod crosswise;
-pub mod curtain;
-mod driven;
-pub mod funnel;
-pub mod needles;
-mod obj;
-mod pinch;
-mod seeds;
-pub mod skirt;
-mod spin;
-pub mod stack;
-mod tangles;
-pub mod twist;
-mod units;
+//! Cloth without an engine: cloths, bodies and weather that are stepped together. The laboratory and the preview of the panel stand on it, and tests,
+//! benchmarks and programs measure on it.
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{Quat, Vec3, vec3};
+use glam::{Vec3, vec3};
 
-pub use crosswise::crosswise;
-pub use curtain::curtain;
-pub use driven::driven;
-pub use funnel::funnel;
-pub use needles::needles;
-pub use obj::obj;
-pub use pinch::pinch;
-pub use seeds::{Seed, SeedKind, SeedRun};
-pub use skirt::skirt;
-pub use spin::{spin, spin_of};
-pub use stack::stack;
-pub use tangles::Tangle;
-pub use twist::twist;
-pub use units::Unit;
-
-use crate::solver::body::{Body, Pose, shape};
-use crate::solver::detect::{PartRef, SurfaceError};
-use crate::solver::evaluate::{self, EvaluateSettings, Outcome, Shown, Verdict};
-use crate::solver::island::{Display, Island, LoadReport, Member, Members, UntangleSettings};
-use crate::solver::resolve::Contour;
-use crate::solver::rest::{RestShape, SourceMesh};
-use crate::solver::settings::{Fabric, Stepping};
-use crate::solver::state::ClothState;
-use crate::solver::step::{self, Anchors, FrameInput, Scratch, StepReport, Stepped};
-use crate::solver::wind::{Turbulence, Wind};
+use super::anchors::Anchors;
+use super::body::Body;
+use super::detect::{PartRef, SurfaceError};
+use super::evaluate::{EvaluateSettings, Outcome, Pose, Shown};
+use super::island::{Display, Island, LoadReport, Member, Members, UntangleSettings};
+use super::resolve::Contour;
+use super::rest::{RestShape, SourceMesh};
+use super::settings::{Fabric, Stepping};
+use super::state::ClothState;
+use super::step::{self, FrameInput, Scratch, StepReport, Stepped};
+use super::verdict::Verdict;
+use super::wind::Wind;
 
 /// Standard gravity `[m/s²]`.
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
-
-/// Areal density of the cloths in these scenes `[kg/m²]`.
-pub const DENSITY: f32 = 0.3;
 
 /// A rectangle of `columns` x `rows` vertices at `point(u, v)`, `u` and `v` from 0 to 1; vertex `(i, j)` has index `i * rows + j`.
 ///
@@ -366,7 +336,7 @@ impl Scene {
         let start = Instant::now();
         island.evaluate();
         for (part, SceneCloth { display, state, .. }) in cloths.cloths.iter_mut().enumerate() {
-            let pose = evaluate::Pose::default();
+            let pose = Pose::default();
             display.settle(&island.verdict(part), state, island.weights(part), pose, dt, skip);
         }
         let evaluate = since(start);
@@ -399,93 +369,7 @@ impl Scene {
     }
 }
 
-/// From 0 to 1 as `x` does, slow at both ends.
-fn smooth(x: f32) -> f32 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
-}
-
 /// Time since then `[ms]`.
 fn since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1.0e3
-}
-
-/// Material of the scenes: the default with [`DENSITY`].
-#[must_use]
-pub fn fabric() -> Fabric {
-    Fabric { density: DENSITY, ..Fabric::default() }
-}
-
-fn sheet(n: u32) -> Arc<RestShape> {
-    let mesh = grid(n, n, |u, v| vec3(u - 0.5, 0.0, v - 0.5));
-    Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default())
-}
-
-/// A 1 m sheet of `n` x `n` vertices pinned at two corners, starting flat.
-#[must_use]
-pub fn hang(n: u32) -> Scene {
-    curtains(1, n)
-}
-
-/// `k` sheets of [`hang`], 1.5 m apart.
-#[must_use]
-pub fn curtains(k: u32, n: u32) -> Scene {
-    let rest = sheet(n);
-    let cloth = |i: u32| SceneCloth::new(rest.clone(), fabric(), vec3(1.5 * i as f32, 0.0, 0.0), &[0, n.max(2) - 1]);
-    Scene::new((0..k).map(cloth).collect())
-}
-
-/// A 1 m sheet dropped from 0.5 m above the centre of a ball of radius 0.3 m.
-#[must_use]
-pub fn ball(n: u32) -> Scene {
-    let mut scene = Scene::new(vec![SceneCloth::new(sheet(n), fabric(), vec3(0.0, 0.5, 0.0), &[])]);
-    scene.bodies.extend(shape::ball(0.3).ok().map(|ball| Body::at_rest(ball, Pose::IDENTITY)));
-    scene
-}
-
-/// `k` flags of 1 m x 0.7 m, held along one side, in a gusty wind of 8 m/s.
-#[must_use]
-pub fn flags(k: u32, n: u32) -> Scene {
-    let n = n.max(2);
-    let mesh = grid(n, n, |u, v| vec3(u, -0.7 * v, 0.0));
-    let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
-    let pole: Vec<u32> = (0..n).collect();
-    let mut scene =
-        Scene::new((0..k).map(|i| SceneCloth::new(rest.clone(), fabric(), vec3(0.0, 2.0, 1.5 * i as f32), &pole)).collect());
-    scene.wind = Wind {
-        velocity: Quat::from_rotation_y(0.2) * vec3(8.0, 0.0, 0.0),
-        turbulence: Turbulence { intensity: 0.2, length: 2.0, seed: 7, ..Turbulence::NONE },
-        ..Wind::STILL
-    };
-    scene
-}
-
-/// Two 1 m sheets of `n` x `n` vertices, turned by 45 degrees against each other, dropped on a ball of radius 0.3 m.
-#[must_use]
-pub fn sheets(n: u32) -> Scene {
-    layers(2, n)
-}
-
-/// `k` sheets of `n` x `n` vertices, 3 cm above each other and each turned by 45 degrees against the one below, dropped on a ball.
-#[must_use]
-pub fn layers(k: u32, n: u32) -> Scene {
-    let cloth = |i: u32| {
-        let turn = Quat::from_rotation_y(core::f32::consts::FRAC_PI_4 * i as f32);
-        let mesh = grid(n, n, |u, v| turn * vec3(u - 0.5, 0.0, v - 0.5));
-        let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
-        SceneCloth::new(rest, fabric(), vec3(0.004 * i as f32, 0.4 + 0.03 * i as f32, 0.003 * i as f32), &[])
-    };
-    let mut scene = Scene::new((0..k.max(1)).map(cloth).collect());
-    scene.bodies.extend(shape::ball(0.3).ok().map(|ball| Body::at_rest(ball, Pose::IDENTITY)));
-    scene
-}
-
-/// Two sheets that start in each other and float.
-#[must_use]
-pub fn tangle(tangle: Tangle, n: u32) -> Scene {
-    let cloth = |mesh: SourceMesh| {
-        let rest = Arc::new(RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default());
-        SceneCloth::new(rest, fabric(), Vec3::ZERO, &[])
-    };
-    Scene { gravity: Vec3::ZERO, ..Scene::new(tangle.meshes(n).map(cloth).into()) }
 }

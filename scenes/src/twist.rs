@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{Quat, vec3};
 
 use super::{Scene, SceneCloth, fabric, grid, smooth};
-use crate::solver::body::Pose;
-use crate::solver::rest::{RestShape, SourceMesh};
+use bevy_drape::solver::body::Pose;
+use bevy_drape::solver::rest::{RestShape, SourceMesh};
 
 /// Length and width of the strip `[m]`.
 const STRIP: (f32, f32) = (1.2, 0.35);

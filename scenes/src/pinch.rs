@@ -5,7 +5,7 @@
 use glam::vec3;
 
 use super::{Scene, SceneCloth, fabric, sheet, smooth};
-use crate::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::body::{Body, Pose, shape};
 
 /// Radius of the balls `[m]`.
 const BALL: f32 = 0.12;

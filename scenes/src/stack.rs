@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Vec3, vec3};
 
 use super::{Scene, SceneCloth, fabric, sheet};
-use crate::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::body::{Body, Pose, shape};
 
 /// Radius of the ball, whose centre is the origin `[m]`.
 pub const BALL: f32 = 0.3;
