@@ -10,7 +10,7 @@ use std::sync::Arc;
 use bevy::math::{DVec3, Vec4};
 use bevy::prelude::*;
 
-use crate::components::{ClothCollision, ClothLayers};
+use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles};
 use crate::solver::body::Touch;
 use crate::solver::detect::PartRef;
@@ -111,7 +111,7 @@ impl Member {
 struct Candidate {
     member: Member,
     settings: UntangleSettings,
-    layers: ClothLayers,
+    layers: ClothCollisionLayers,
     origin: DVec3,
     low: DVec3,
     high: DVec3,
@@ -164,7 +164,7 @@ impl ClothGroups {
         member: Member,
         inputs: &ClothInputs,
         particles: &ClothParticles,
-        layers: ClothLayers,
+        layers: ClothCollisionLayers,
         last_box: Option<(DVec3, DVec3)>,
         last: Option<u32>,
     ) -> Option<(DVec3, DVec3)> {

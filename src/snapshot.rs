@@ -4,7 +4,7 @@ use bevy::ecs::world::WorldId;
 use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
-use crate::components::{ClothContactEvents, ClothError, ClothImpulse, ClothPins, ClothReport, ClothStatus, ClothTouch};
+use crate::components::{ClothContactEvents, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus, ClothTouch};
 use crate::groups::{ClothGroup, ClothGroups};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::solver::wind::Wind;
@@ -84,7 +84,7 @@ struct Surroundings {
     time: ClothTime,
     wind: Wind,
     colliders: Vec<(Entity, Option<Isometry3d>)>,
-    coupled: Vec<(Entity, CoupledBody, ClothImpulse)>,
+    coupled: Vec<(Entity, CoupledBody, ClothReaction)>,
     grips: Vec<(Entity, Grip)>,
     #[cfg(feature = "avian")]
     physics: crate::avian::Seen,
@@ -228,12 +228,12 @@ impl SavedCloth {
 impl Surroundings {
     fn of(world: &mut World) -> Option<Self> {
         let (time, wind) = (*world.get_resource::<ClothTime>()?, world.get_resource::<WorldAir>()?.wind.clone());
-        let mut coupled = world.query::<(Entity, &CoupledBody, &ClothImpulse)>();
+        let mut coupled = world.query::<(Entity, &CoupledBody, &ClothReaction)>();
         Some(Self {
             time,
             wind,
             colliders: world.query::<(Entity, &ColliderBody)>().iter(world).map(|(entity, body)| (entity, body.pose)).collect(),
-            coupled: coupled.iter(world).map(|(entity, body, impulse)| (entity, *body, *impulse)).collect(),
+            coupled: coupled.iter(world).map(|(entity, body, reaction)| (entity, *body, *reaction)).collect(),
             grips: world.query::<(Entity, &Grip)>().iter(world).map(|(entity, grip)| (entity, grip.clone())).collect(),
             #[cfg(feature = "avian")]
             physics: world.get_resource::<crate::avian::Seen>().copied().unwrap_or_default(),
@@ -252,10 +252,10 @@ impl Surroundings {
                 body.pose = *pose;
             }
         }
-        for (entity, body, impulse) in &self.coupled {
+        for (entity, body, reaction) in &self.coupled {
             let Ok(mut entity) = world.get_entity_mut(*entity) else { continue };
             put(&mut entity, body);
-            put(&mut entity, impulse);
+            put(&mut entity, reaction);
         }
         for (entity, grip) in &self.grips {
             if let Ok(mut entity) = world.get_entity_mut(*entity) {

@@ -3,14 +3,14 @@
 use bevy::prelude::*;
 
 use super::{
-    ClothBuildReport, ClothCollision, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSleep, ClothSolver, ClothStatus,
-    SkipFrame, Untangle,
+    ClothBuildReport, ClothCollision, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver,
+    ClothStatus, ClothUntangling,
 };
 
 /// Makes the [`Mesh3d`] of its entity a cloth.
 ///
 /// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is simulated
-/// and where it is held; [`ClothCollision`], [`Untangle`] and [`SkipFrame`] what happens when it meets itself or another cloth;
+/// and where it is held; [`ClothCollision`], [`ClothUntangling`] and [`ClothSkipFrame`] what happens when it meets itself or another cloth;
 /// [`ClothSleep`] and [`ClothLod`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
 ///
 /// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh back. The cloth starts
@@ -37,8 +37,8 @@ use super::{
     ClothSolver,
     ClothPins,
     ClothCollision,
-    Untangle,
-    SkipFrame,
+    ClothUntangling,
+    ClothSkipFrame,
     ClothSleep,
     ClothLod,
     ClothStatus,

@@ -9,14 +9,14 @@ use bevy::prelude::*;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct ClothLayers {
+pub struct ClothCollisionLayers {
     /// Layers it belongs to, a bit each. Default `1`.
     pub memberships: u32,
     /// Layers it touches, a bit each. Default all.
     pub filters: u32,
 }
 
-impl ClothLayers {
+impl ClothCollisionLayers {
     /// Member of layer 0, touches everything.
     pub const DEFAULT: Self = Self { memberships: 1, filters: u32::MAX };
 
@@ -33,7 +33,7 @@ impl ClothLayers {
     }
 }
 
-impl Default for ClothLayers {
+impl Default for ClothCollisionLayers {
     fn default() -> Self {
         Self::DEFAULT
     }
@@ -45,9 +45,9 @@ mod tests {
 
     #[test]
     fn two_touch_only_when_each_filters_for_the_other() {
-        let a = ClothLayers::new(0b01, 0b10);
-        let b = ClothLayers::new(0b10, 0b01);
-        let c = ClothLayers::new(0b10, 0b10);
+        let a = ClothCollisionLayers::new(0b01, 0b10);
+        let b = ClothCollisionLayers::new(0b10, 0b01);
+        let c = ClothCollisionLayers::new(0b10, 0b10);
         assert!(a.touches(b) && b.touches(a));
         assert!(!a.touches(c) && !c.touches(a));
     }

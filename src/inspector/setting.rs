@@ -11,9 +11,9 @@ pub enum Part {
     Solver,
     /// [`ClothCollision`](crate::ClothCollision).
     Collision,
-    /// [`Untangle`](crate::Untangle).
+    /// [`ClothUntangling`](crate::ClothUntangling).
     Untangle,
-    /// [`SkipFrame`](crate::SkipFrame).
+    /// [`ClothSkipFrame`](crate::ClothSkipFrame).
     Skip,
     /// [`ClothSleep`](crate::ClothSleep).
     Sleep,
@@ -23,7 +23,7 @@ pub enum Part {
     OwnWind,
     /// [`ClothPins`](crate::ClothPins).
     Pins,
-    /// [`GlobalWind`](crate::GlobalWind).
+    /// [`ClothGlobalWind`](crate::ClothGlobalWind).
     Wind,
     /// [`ClothGravity`](crate::ClothGravity).
     Gravity,

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use super::setting::Part;
 use crate::components::{
-    ClothCollision, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSleep, ClothSolver, ClothWind, GlobalWind,
-    SkipFrame, Untangle,
+    ClothCollision, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSkipFrame, ClothSleep, ClothSolver,
+    ClothUntangling, ClothWind,
 };
 use crate::presets::ClothPreset;
 
@@ -19,9 +19,9 @@ pub struct ClothSettings {
     /// What it meets.
     pub collision: ClothCollision,
     /// How it is taken apart.
-    pub untangle: Untangle,
+    pub untangle: ClothUntangling,
     /// What is shown meanwhile.
-    pub skip: SkipFrame,
+    pub skip: ClothSkipFrame,
     /// When it is left alone.
     pub sleep: ClothSleep,
     /// What it costs far away.
@@ -31,7 +31,7 @@ pub struct ClothSettings {
     /// Where it is held.
     pub pins: ClothPins,
     /// Wind in the world.
-    pub wind: GlobalWind,
+    pub wind: ClothGlobalWind,
     /// Gravity in the world.
     pub gravity: ClothGravity,
 }
@@ -59,7 +59,7 @@ impl ClothSettings {
             lod: part(&entity),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
-            wind: world.get_resource::<GlobalWind>().copied().unwrap_or_default(),
+            wind: world.get_resource::<ClothGlobalWind>().copied().unwrap_or_default(),
             gravity: world.get_resource::<ClothGravity>().copied().unwrap_or_default(),
         })
     }

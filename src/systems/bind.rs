@@ -17,8 +17,8 @@ use crate::bind::{
     instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
-    Cloth, ClothBuildReport, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPins, ClothReport, ClothSolver,
-    ClothStatus, PinSet, WaitingFor,
+    Cloth, ClothBuildReport, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPinSet, ClothPins, ClothReport,
+    ClothSolver, ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, label};
 use crate::simulation::{
@@ -390,7 +390,7 @@ fn join(
     placement: &Placement,
 ) -> Result<Vec<(AnchorSet, Option<usize>)>, Obstacle> {
     let old = old.map_or(&[][..], |old| &old.sets);
-    let join = |(s, set): (usize, &PinSet)| {
+    let join = |(s, set): (usize, &ClothPinSet)| {
         let fits = |at: &usize| old.get(*at).is_some_and(|known| known.target == set.target);
         if let Some(at) = Some(s).filter(fits).or_else(|| (0..old.len()).find(fits)) {
             return Ok((old[at].clone(), Some(at)));

@@ -5,7 +5,7 @@ use bevy::tasks::ComputeTaskPool;
 
 use super::sleep::Slumber;
 use super::stopwatch;
-use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
+use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::body::Touch;
@@ -13,7 +13,10 @@ use crate::time::ClothTime;
 
 /// Takes cloths out of their groups from which a component was removed that meeting others takes.
 pub(crate) fn leave(
-    mut cloths: Query<(&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<Untangle>, Has<Slumber>), With<Cloth>>,
+    mut cloths: Query<
+        (&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<ClothUntangling>, Has<Slumber>),
+        With<Cloth>,
+    >,
 ) {
     for (mut scratch, rest, collision, untangle, slumber) in &mut cloths {
         if scratch.group.is_some() && !(rest && collision && untangle && slumber) {
@@ -32,8 +35,8 @@ pub(crate) fn group(
             &ClothInputs,
             &ClothParticles,
             &ClothCollision,
-            &Untangle,
-            Option<&ClothLayers>,
+            &ClothUntangling,
+            Option<&ClothCollisionLayers>,
             &mut ClothScratch,
             &mut Slumber,
         ),

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use super::detect::each;
 use super::stopwatch;
 use crate::components::{
-    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothReport, ClothStatus,
-    ClothTangled, ClothUntangled, RecoveryLevel, Untangle,
+    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
+    ClothUntangled, ClothUntangling, ClothUntanglingEscalated, RecoveryLevel,
 };
 use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
@@ -74,7 +74,7 @@ pub(crate) fn judge(
 /// Events for cloths that became tangled, held or clean.
 pub(crate) fn tell(
     mut commands: Commands,
-    mut cloths: Query<(Entity, &ClothParticles, &Untangle, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothParticles, &ClothUntangling, &mut ClothReport), With<Cloth>>,
 ) {
     for (entity, particles, untangle, mut report) in &mut cloths {
         let outcome = particles.display.outcome();
@@ -87,7 +87,7 @@ pub(crate) fn tell(
         }
         // What takes no part has no resorts.
         if outcome.became_last_resort && untangle.enabled {
-            commands.trigger(ClothLastResort { entity, crossings: report.crossings });
+            commands.trigger(ClothUntanglingEscalated { entity, crossings: report.crossings });
         }
         if outcome.became_clean {
             commands.trigger(ClothUntangled { entity, after: report.tangled_for });

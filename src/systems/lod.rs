@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::colliders::{WorldBodies, WorldBody};
 use super::sleep::{NEAR, is_near};
-use crate::components::{Cloth, ClothDetail, ClothLayers, ClothLod, ClothReport};
+use crate::components::{Cloth, ClothCollisionLayers, ClothDetail, ClothLod, ClothReport};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::time::ClothTime;
 
@@ -25,7 +25,7 @@ pub(crate) fn detail(
         (
             Entity,
             Option<&ViewVisibility>,
-            Option<&ClothLayers>,
+            Option<&ClothCollisionLayers>,
             &ClothScratch,
             &mut ClothInputs,
             &mut ClothParticles,

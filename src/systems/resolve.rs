@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::detect::each;
 use super::stopwatch;
-use crate::components::{Cloth, Untangle};
+use crate::components::{Cloth, ClothUntangling};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::evaluate::Resort;
@@ -16,7 +16,7 @@ use crate::solver::step::{displace, relax};
 use crate::time::ClothTime;
 
 type Springs<'w, 's, 'q> =
-    Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q Untangle, &'q ClothParticles), With<Cloth>>;
+    Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q ClothUntangling, &'q ClothParticles), With<Cloth>>;
 
 /// Iterations at load, at most.
 const AT_LOAD: u32 = 300;

@@ -18,8 +18,8 @@ use super::colliders::{WorldBodies, WorldBody};
 use super::inputs::WorldAir;
 use crate::components::checked::Checked;
 use crate::components::{
-    Cloth, ClothCollision, ClothLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothWoke, Untangle, WindZone,
-    WindZoneShape,
+    Cloth, ClothCollision, ClothCollisionLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothUntangling,
+    ClothWindZone, ClothWindZoneShape, ClothWoke,
 };
 use crate::groups::{ClothGroups, Member};
 use crate::notices::Notices;
@@ -57,9 +57,9 @@ struct Seen {
     gravity: Vec3,
     air: Option<(Vec3, f32, Turbulence)>,
     anchors: Vec<Vec3>,
-    layers: ClothLayers,
+    layers: ClothCollisionLayers,
     bodies: Vec<SeenBody>,
-    zones: Vec<(Entity, WindZone, Isometry3d)>,
+    zones: Vec<(Entity, ClothWindZone, Isometry3d)>,
 }
 
 /// A body near a cloth.
@@ -109,9 +109,9 @@ pub(crate) struct Sleeper {
     name: Option<&'static Name>,
     solver: Ref<'static, ClothSolver>,
     collision: Ref<'static, ClothCollision>,
-    untangle: Ref<'static, Untangle>,
+    untangle: Ref<'static, ClothUntangling>,
     sleep: Ref<'static, ClothSleep>,
-    layers: Option<&'static ClothLayers>,
+    layers: Option<&'static ClothCollisionLayers>,
     inputs: &'static mut ClothInputs,
     particles: &'static mut ClothParticles,
     scratch: &'static ClothScratch,
@@ -192,7 +192,7 @@ impl Seen {
         &mut self,
         entity: Entity,
         inputs: &ClothInputs,
-        layers: ClothLayers,
+        layers: ClothCollisionLayers,
         bounds: Option<(DVec3, DVec3)>,
         around: &Around,
     ) -> bool {
@@ -218,9 +218,10 @@ impl Seen {
             news = true;
         }
         let blows = || around.air.zones.iter().filter(|(_, zone, at)| reaches(zone, at, low, high));
-        let same = |((e, zone, at), (f, seen, was)): (&(Entity, WindZone, Isometry3d), &(Entity, WindZone, Isometry3d))| {
-            e == f && zone == seen && stays(at, was)
-        };
+        let same =
+            |((e, zone, at), (f, seen, was)): (&(Entity, ClothWindZone, Isometry3d), &(Entity, ClothWindZone, Isometry3d))| {
+                e == f && zone == seen && stays(at, was)
+            };
         if blows().count() != self.zones.len() || !blows().zip(&self.zones).all(same) {
             self.zones.clear();
             self.zones.extend(blows().copied());
@@ -244,10 +245,10 @@ pub(super) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
 }
 
 /// Whether a zone may reach into a box `[m]`.
-pub(super) fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
+pub(super) fn reaches(zone: &ClothWindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
     let radius = match zone.shape {
-        WindZoneShape::Box { half_size } => half_size.length(),
-        WindZoneShape::Sphere { radius } => radius,
+        ClothWindZoneShape::Box { half_size } => half_size.length(),
+        ClothWindZoneShape::Sphere { radius } => radius,
     };
     let center = Vec3::from(at.translation);
     !(center.clamp(low, high).distance(center) > radius)

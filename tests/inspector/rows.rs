@@ -20,7 +20,7 @@ fn with_all_rows() -> Panel {
     let world = panel.app().world_mut();
     let mut entity = world.entity_mut(cloth);
     entity.insert(ClothWind::default());
-    entity.get_mut::<SkipFrame>().expect("a cloth").policy = SkipPolicy::UntilClean { max: 3 };
+    entity.get_mut::<ClothSkipFrame>().expect("a cloth").policy = ClothSkipPolicy::UntilClean { max: 3 };
     panel.opened()
 }
 
@@ -47,12 +47,12 @@ fn part_of(component: &str) -> Option<Part> {
         "ClothMaterial" => Part::Material,
         "ClothSolver" => Part::Solver,
         "ClothCollision" => Part::Collision,
-        "Untangle" => Part::Untangle,
-        "SkipFrame" => Part::Skip,
+        "ClothUntangling" => Part::Untangle,
+        "ClothSkipFrame" => Part::Skip,
         "ClothSleep" => Part::Sleep,
         "ClothLod" => Part::Lod,
         "ClothWind" => Part::OwnWind,
-        "GlobalWind" => Part::Wind,
+        "ClothGlobalWind" => Part::Wind,
         "ClothGravity" => Part::Gravity,
         // Pins have a row for each set: `pins_are_weakened_and_let_go`. The others say how it fares.
         "ClothPins" | "Cloth" | "ClothStatus" | "ClothReport" | "ClothBuildReport" => return None,
@@ -79,7 +79,7 @@ fn every_field_of_every_component_that_a_cloth_comes_with_has_a_row() {
     let world = panel.app().world();
     let all = world.resource::<AppTypeRegistry>().read();
     let components = world.inspect_entity(cloth).expect("a cloth").filter_map(ComponentInfo::type_id);
-    let of_world = [TypeId::of::<GlobalWind>(), TypeId::of::<ClothGravity>()];
+    let of_world = [TypeId::of::<ClothGlobalWind>(), TypeId::of::<ClothGravity>()];
     let mut walked = Vec::new();
     for info in components.chain(of_world).filter_map(|id| all.get_type_info(id)) {
         let path = info.type_path_table();
@@ -244,7 +244,7 @@ fn nothing_that_is_only_looked_at_is_marked_as_changed() {
             of.get_ref::<ClothMaterial>().map(|c| c.last_changed()),
             of.get_ref::<ClothSolver>().map(|c| c.last_changed()),
             of.get_ref::<ClothPins>().map(|c| c.last_changed()),
-            of.get_ref::<Untangle>().map(|c| c.last_changed()),
+            of.get_ref::<ClothUntangling>().map(|c| c.last_changed()),
         ]
         .map(|tick| tick.expect("a cloth").get())
     };
@@ -262,7 +262,7 @@ fn pins_are_weakened_and_let_go() {
     panel.type_into("pins 0 weight", "0.25");
     assert_eq!(panel.settings().pins.sets[0].weight, 0.25);
     panel.click("pins on_target_lost: Release");
-    assert_eq!(panel.settings().pins.on_target_lost, OnTargetLost::Release);
+    assert_eq!(panel.settings().pins.on_target_lost, ClothOnTargetLost::Release);
     panel.click("pins 0 let go");
     assert!(panel.settings().pins.sets.is_empty());
     assert_eq!(panel.others().pins.sets.len(), 1, "those of the other cloth stay");

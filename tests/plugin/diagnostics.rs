@@ -31,8 +31,8 @@ fn value(app: &App, path: &bevy::diagnostic::DiagnosticPath) -> f64 {
 
 /// Two sheets that stick in each other, and one far off; the first two are 9 x 9, the third is 5 x 5.
 fn crowd(app: &mut App) {
-    let skip = SkipFrame::default();
-    let still = Untangle { iterations: 0, ..default() };
+    let skip = ClothSkipFrame::default();
+    let still = ClothUntangling { iterations: 0, ..default() };
     spawn(app, sheet(9), (skip, still));
     let upright = Transform::from_rotation(Quat::from_rotation_x(1.5)).with_translation(Vec3::new(0.03, 0.0, 0.02));
     spawn(app, sheet(9), (upright, skip, still));

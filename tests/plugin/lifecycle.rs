@@ -163,14 +163,14 @@ fn what_is_removed_from_one_of_two_cloths_that_touch_stops_nothing() {
         run(&mut app, 30);
         assert!(report(&app, other).time > 0.3 && finite(&app, other), "{}", core::any::type_name::<C>());
     }
-    without::<Untangle>();
+    without::<ClothUntangling>();
     without::<ClothCollision>();
     without::<ClothRest>();
     without::<ClothMaterial>();
     without::<ClothSolver>();
     without::<ClothPins>();
     without::<ClothSleep>();
-    without::<SkipFrame>();
+    without::<ClothSkipFrame>();
     without::<ClothReport>();
     without::<ClothStatus>();
     without::<ClothParticles>();

@@ -181,7 +181,7 @@ fn cloth_that_two_way_bodies_hang_on_or_are_near_is_simulated_in_full() {
     let place = Transform::from_xyz(0.0, 5.0, 10.0);
     let ball = app.world_mut().spawn((ClothCollider::ball(0.2), ClothCoupling::TwoWay, place)).id();
     run(&mut app, 30);
-    let pull = app.world().get::<ClothImpulse>(mast).expect("a mast").linear.y;
+    let pull = app.world().get::<ClothReaction>(mast).expect("a mast").linear.y;
     assert!(report(&app, flag).detail == ClothDetail::Full && pull < 0.0, "{:?}, {pull} N s", report(&app, flag));
     assert_eq!(report(&app, net).detail, ClothDetail::Still);
     self::place(&mut app, ball, Transform::from_xyz(0.0, 0.1, 10.0));

@@ -109,16 +109,16 @@ fn a_swinging_cloth_does_not_sleep() {
 
 #[test]
 fn wind_that_rises_wakes_it_and_gusts_keep_it_awake() {
-    assert!(wakes(|app, _| app.world_mut().resource_mut::<GlobalWind>().velocity = Vec3::X));
+    assert!(wakes(|app, _| app.world_mut().resource_mut::<ClothGlobalWind>().velocity = Vec3::X));
     assert!(wakes(|app, cloth| {
         app.world_mut().entity_mut(cloth).insert(ClothWind::new(Vec3::X));
     }));
     assert!(wakes(|app, _| {
-        app.world_mut().spawn(WindZone::sphere(1.0, Vec3::Y));
+        app.world_mut().spawn(ClothWindZone::sphere(1.0, Vec3::Y));
     }));
     let mut app = app();
     app.world_mut().spawn(ClothCollider::ground());
-    app.insert_resource(GlobalWind { turbulence: 0.5, ..GlobalWind::new(Vec3::X * 0.1) });
+    app.insert_resource(ClothGlobalWind { turbulence: 0.5, ..ClothGlobalWind::new(Vec3::X * 0.1) });
     let cloth = spawn(&mut app, sheet(6), Transform::from_xyz(0.0, 0.01, 0.0));
     run(&mut app, 180);
     assert!(!report(&app, cloth).asleep);
@@ -244,7 +244,7 @@ fn a_sail_goes_on_pulling_at_its_mast_and_sleeps_when_the_mast_no_longer_takes_i
     let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
     let sail = spawn(&mut app, sheet(8), (border().to(mast), ClothMaterial { drag: 5.0, damping: 5.0, ..default() }));
     run(&mut app, 900);
-    let pull = app.world().get::<ClothImpulse>(mast).expect("a two-way body").linear.y;
+    let pull = app.world().get::<ClothReaction>(mast).expect("a two-way body").linear.y;
     assert!(pull < 0.0, "the mast bears {pull} N s");
     assert!(seen::<ClothSlept>(&app).is_empty() && !report(&app, sail).asleep, "{:?}", report(&app, sail));
     set::<ClothCoupling>(&mut app, mast, |coupling| *coupling = ClothCoupling::OneWay);
@@ -252,7 +252,7 @@ fn a_sail_goes_on_pulling_at_its_mast_and_sleeps_when_the_mast_no_longer_takes_i
     // It wakes to pull again.
     set::<ClothCoupling>(&mut app, mast, |coupling| *coupling = ClothCoupling::TwoWay);
     run(&mut app, 3);
-    let pull = app.world().get::<ClothImpulse>(mast).expect("a two-way body").linear.y;
+    let pull = app.world().get::<ClothReaction>(mast).expect("a two-way body").linear.y;
     assert!(pull < 0.0 && !report(&app, sail).asleep, "the mast bears {pull} N s");
 }
 
@@ -261,7 +261,7 @@ fn a_sheet_on_a_body_that_takes_its_weight_stays_awake_and_a_body_that_begins_to
     let mut app = app();
     let table = app.world_mut().spawn((ClothCollider::ground(), ClothCoupling::TwoWay)).id();
     let cloth = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.006, 0.0));
-    let given = |app: &App| app.world().get::<ClothImpulse>(table).expect("a two-way body").linear.y;
+    let given = |app: &App| app.world().get::<ClothReaction>(table).expect("a two-way body").linear.y;
     run(&mut app, 400);
     assert!(given(&app) < 0.0 && !report(&app, cloth).asleep, "the table bears {} N s", given(&app));
     set::<ClothCoupling>(&mut app, table, |coupling| *coupling = ClothCoupling::OneWay);

@@ -1,6 +1,6 @@
-//! `ClothCollision`, `Untangle` and `SkipFrame`.
+//! `ClothCollision`, `ClothUntangling` and `ClothSkipFrame`.
 
-use crate::components::{SkipPolicy, UntangleMethod};
+use crate::components::{ClothSkipPolicy, ClothUntanglingMethod};
 use crate::inspector::setting::{Kind, Part, Scale, Setting};
 
 pub(super) const COLLISION: [Setting; 3] = [
@@ -57,8 +57,8 @@ pub(super) const UNTANGLE: [Setting; 9] = [
         "",
         Kind::Choice {
             options: &["History", "LocalGradient", "GlobalGradient", "ByEndType"],
-            get: |s| UntangleMethod::ALL.iter().position(|m| *m == s.untangle.method),
-            set: |s, i| s.untangle.method = UntangleMethod::ALL.get(i).copied().unwrap_or_default(),
+            get: |s| ClothUntanglingMethod::ALL.iter().position(|m| *m == s.untangle.method),
+            set: |s, i| s.untangle.method = ClothUntanglingMethod::ALL.get(i).copied().unwrap_or_default(),
         },
         [
             "How crossings are taken apart: by sides remembered (1995), per crossing (2006), per contour (2009), or per contour by how it ends.",
@@ -138,7 +138,7 @@ pub(super) const UNTANGLE: [Setting; 9] = [
 ];
 
 const POLICIES: &[&str] = &["Ladder", "UntilClean", "Off"];
-/// Frames that [`SkipPolicy::UntilClean`] starts with in the panel.
+/// Frames that [`ClothSkipPolicy::UntilClean`] starts with in the panel.
 const UNTIL_CLEAN: u32 = 30;
 
 pub(super) const SKIP: [Setting; 5] = [
@@ -150,17 +150,17 @@ pub(super) const SKIP: [Setting; 5] = [
             options: POLICIES,
             get: |s| {
                 Some(match s.skip.policy {
-                    SkipPolicy::Ladder => 0,
-                    SkipPolicy::UntilClean { .. } => 1,
-                    SkipPolicy::Off => 2,
+                    ClothSkipPolicy::Ladder => 0,
+                    ClothSkipPolicy::UntilClean { .. } => 1,
+                    ClothSkipPolicy::Off => 2,
                 })
             },
             set: |s, i| {
                 s.skip.policy = match (i, s.skip.policy) {
-                    (0, _) => SkipPolicy::Ladder,
-                    (1, before @ SkipPolicy::UntilClean { .. }) => before,
-                    (1, _) => SkipPolicy::UntilClean { max: UNTIL_CLEAN },
-                    _ => SkipPolicy::Off,
+                    (0, _) => ClothSkipPolicy::Ladder,
+                    (1, before @ ClothSkipPolicy::UntilClean { .. }) => before,
+                    (1, _) => ClothSkipPolicy::UntilClean { max: UNTIL_CLEAN },
+                    _ => ClothSkipPolicy::Off,
                 }
             },
         },
@@ -175,8 +175,8 @@ pub(super) const SKIP: [Setting; 5] = [
         "max",
         "frames",
         Kind::Count(Scale::whole(0.0, u32::MAX as f64).slider(1.0, 600.0).log(), |s| match &mut s.skip.policy {
-            SkipPolicy::UntilClean { max } => Some(max),
-            SkipPolicy::Ladder | SkipPolicy::Off => None,
+            ClothSkipPolicy::UntilClean { max } => Some(max),
+            ClothSkipPolicy::Ladder | ClothSkipPolicy::Off => None,
         }),
         ["Most frames held in a row until clean.", "Crossings are seen sooner.", "The cloth sticks for as long."],
     )

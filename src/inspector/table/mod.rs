@@ -40,7 +40,7 @@ mod tests {
 
     use super::*;
     use crate::components::checked::Checked;
-    use crate::components::{ClothGravity, ClothWind, SkipPolicy};
+    use crate::components::{ClothGravity, ClothSkipPolicy, ClothWind};
     use crate::inspector::setting::{Kind, Scale};
     use crate::inspector::settings::ClothSettings;
 
@@ -68,7 +68,7 @@ mod tests {
     /// Every row exists, and vectors are 0: the limits of one are those of its length.
     fn all() -> ClothSettings {
         let mut all = ClothSettings { own_wind: Some(ClothWind::default()), gravity: ClothGravity(Vec3::ZERO), ..default() };
-        all.skip.policy = SkipPolicy::UntilClean { max: 30 };
+        all.skip.policy = ClothSkipPolicy::UntilClean { max: 30 };
         all
     }
 
