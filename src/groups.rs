@@ -214,8 +214,8 @@ impl ClothGroups {
             if known {
                 group.members.clone_from(members);
                 for (part, member) in members.iter().enumerate() {
-                    let ClothCollision { layer, self_collision, .. } = member.collision;
-                    group.group.tune(part, layer, self_collision, member.thickness);
+                    let ClothCollision { garment_layer, self_collision, .. } = member.collision;
+                    group.group.tune(part, garment_layer, self_collision, member.thickness);
                 }
                 if group.origin != first.origin {
                     group.group.carry((group.origin - first.origin).as_vec3());
@@ -272,7 +272,7 @@ fn build(members: &[Member]) -> Option<Group> {
         .map(|m| PartRef {
             topology: &m.rest.topology,
             rest: &m.rest.positions,
-            layer: m.collision.layer,
+            layer: m.collision.garment_layer,
             self_collision: m.collision.self_collision,
             thickness: m.thickness,
         })

@@ -181,7 +181,7 @@ fn make_cloth(
                         thickness: extras.thickness,
                         substep_rate: extras.substep_rate,
                         self_collision: extras.self_collision,
-                        layer: extras.layer,
+                        garment_layer: extras.layer,
                     };
                     entity.try_insert((ClothPresetHandle(server.load(path)), overrides));
                 }
@@ -198,8 +198,11 @@ fn make_cloth(
         solver.substep_rate = rate;
     }
     let pins = extras.pin.clone().map_or(ClothPins::NONE, ClothPins::from);
-    let collision =
-        ClothCollision { self_collision: extras.self_collision.unwrap_or(true), layer: extras.layer.unwrap_or(0), ..default() };
+    let collision = ClothCollision {
+        self_collision: extras.self_collision.unwrap_or(true),
+        garment_layer: extras.layer.unwrap_or(0),
+        ..default()
+    };
     entity.try_insert((Cloth, material, solver, pins, collision));
 }
 

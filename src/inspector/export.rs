@@ -214,7 +214,7 @@ mod tests {
         let preset = ClothPreset {
             material: ClothMaterial { density: 0.005, strain_limit: f32::INFINITY, ..default() },
             solver: Some(ClothSolver { substep_rate: 1.0e6, ..default() }),
-            collision: Some(ClothCollision { layer: -7, ..default() }),
+            collision: Some(ClothCollision { garment_layer: -7, ..default() }),
             untangle: Some(ClothUntangling { iterations: 65, ..default() }),
             skip_frame: Some(ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..default() }),
             wind: Some(ClothGlobalWind { turbulence: 9.0, ..ClothGlobalWind::new(Vec3::X) }),

@@ -101,12 +101,12 @@ pub(crate) fn overruled_layers(mut notices: ResMut<Notices>, groups: Res<ClothGr
     for group in &groups.list {
         for pair in group.group.overruled_layers() {
             let [Some(outer), Some(inner)] = pair.map(|part| group.members.get(part)) else { continue };
-            if notices.first(outer.entity, "ClothCollision::layer") {
+            if notices.first(outer.entity, "ClothCollision::garment_layer") {
                 let [over, under] = [outer, inner].map(|member| label(member.entity, names.get(member.entity).ok()));
                 warn!(
-                    "cloth {over} has `ClothCollision::layer` {}, to be worn over {under} with {}, but pins of both hold it under it: their \
+                    "cloth {over} has `ClothCollision::garment_layer` {}, to be worn over {under} with {}, but pins of both hold it under it: their \
                      order is let be; swap the layers or the pins, or turn triangles whose front is not outside",
-                    outer.collision.layer, inner.collision.layer
+                    outer.collision.garment_layer, inner.collision.garment_layer
                 );
             }
         }

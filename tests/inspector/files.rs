@@ -113,7 +113,7 @@ fn what_is_saved_is_read_by_the_loader_and_comes_back_in_another_cloth() {
     panel.app().world_mut().entity_mut(cloth).insert((
         ClothMaterial { thickness: 0.002, strain_limit: f32::INFINITY, ..ClothMaterial::LEATHER },
         ClothSolver { substep_rate: 720.0, ..Default::default() },
-        ClothCollision { layer: 3, contact: false, ..Default::default() },
+        ClothCollision { garment_layer: 3, contact: false, ..Default::default() },
         ClothUntangling { iterations: 9, ..Default::default() },
         ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..Default::default() },
         ClothWind::new(bevy::math::Vec3::X),

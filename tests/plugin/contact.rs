@@ -128,7 +128,7 @@ fn cloths_that_are_not_untangled_still_rest_on_each_other() {
 fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its_contacts() {
     let drags: [(&str, f32, fn(&mut EntityWorldMut, f32)); 6] = [
         ("thickness", 0.012, |cloth, share| cloth.get_mut::<ClothMaterial>().expect("one").thickness = 0.01 + 0.004 * share),
-        ("layer", 0.002, |cloth, share| cloth.get_mut::<ClothCollision>().expect("one").layer = (8.0 * share) as i32),
+        ("layer", 0.002, |cloth, share| cloth.get_mut::<ClothCollision>().expect("one").garment_layer = (8.0 * share) as i32),
         ("friction", 0.002, |cloth, share| cloth.get_mut::<ClothMaterial>().expect("one").static_friction = 0.4 + 0.4 * share),
         ("stretch", 0.01, |cloth, share| {
             cloth.get_mut::<ClothMaterial>().expect("one").stretch_stiffness = 8000.0 + 4000.0 * share;

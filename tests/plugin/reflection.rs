@@ -210,7 +210,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
                 ClothContactEvents { patience: 0.5, ..default() },
             ),
-            ClothCollision { layer: -2, contact: false, ..default() },
+            ClothCollision { garment_layer: -2, contact: false, ..default() },
             ClothCollisionLayers::new(0b110, 0b011),
             ClothUntangling { iterations: 11, ..default() }.with_method(ClothUntanglingMethod::LocalGradient),
             ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 7 }, ..default() },
@@ -343,7 +343,7 @@ fn components_are_written_in_bsn() {
         Cloth
         ClothMaterial { density: 0.3, thickness: 0.004 }
         ClothSolver { substep_rate: 480.0, teleport: {ClothTeleportMode::Reset} }
-        ClothCollision { layer: 2 }
+        ClothCollision { garment_layer: 2 }
         ClothCollisionLayers { memberships: 2 }
         ClothUntangling { iterations: 6 }
         ClothSkipFrame { max_held_frames: 1 }
@@ -360,7 +360,7 @@ fn components_are_written_in_bsn() {
         world.get::<ClothSolver>(entity),
         Some(&ClothSolver { substep_rate: 480.0, teleport: ClothTeleportMode::Reset, ..default() })
     );
-    assert_eq!(world.get::<ClothCollision>(entity).map(|c| c.layer), Some(2));
+    assert_eq!(world.get::<ClothCollision>(entity).map(|c| c.garment_layer), Some(2));
     assert_eq!(world.get::<ClothCollisionLayers>(entity), Some(&ClothCollisionLayers::new(2, u32::MAX)));
     assert_eq!(world.get::<ClothUntangling>(entity).map(|u| (u.iterations, u.patience)), Some((6, 10)));
     assert_eq!(world.get::<ClothSkipFrame>(entity).map(|s| s.max_held_frames), Some(1));

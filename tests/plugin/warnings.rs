@@ -221,7 +221,7 @@ fn pins_that_hold_nothing_are_named_once() {
 fn layers_in_another_order_than_pins_are_named_once() {
     let lines = warnings(app(), |app| {
         for (name, layer, z) in [("coat", 1, 0.0), ("shirt", 0, 0.02)] {
-            let collision = ClothCollision { layer, ..default() };
+            let collision = ClothCollision { garment_layer: layer, ..default() };
             spawn(
                 app,
                 sheet(9),

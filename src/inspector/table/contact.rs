@@ -28,9 +28,9 @@ pub(super) const COLLISION: [Setting; 3] = [
     ),
     Setting::new(
         Part::Collision,
-        "layer",
+        "garment_layer",
         "",
-        Kind::Layer(Scale::whole(i32::MIN as f64, i32::MAX as f64).slider(-5.0, 5.0), |s| Some(&mut s.collision.layer)),
+        Kind::Layer(Scale::whole(i32::MIN as f64, i32::MAX as f64).slider(-5.0, 5.0), |s| Some(&mut s.collision.garment_layer)),
         [
             "Order of clothing: of two that cross, the higher is brought outside; equal ones have no order.",
             "Worn below, as a shirt.",
