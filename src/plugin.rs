@@ -129,6 +129,7 @@ impl Plugin for ClothPlugin {
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
             .add_observer(release::on_remove_zone)
+            .add_observer(touch::on_remove_events)
             .add_observer(release::on_remove_grab);
 
         #[cfg(feature = "presets")]

@@ -4,7 +4,7 @@ use bevy::ecs::world::WorldId;
 use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
-use crate::components::{ClothContactEvents, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus, ClothTouch};
+use crate::components::{ClothContacts, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus};
 use crate::groups::{ClothGroup, ClothGroups};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::solver::wind::Wind;
@@ -73,7 +73,7 @@ struct SavedCloth {
     scratch: ClothScratch,
     slumber: Slumber,
     report: ClothReport,
-    touches: Vec<ClothTouch>,
+    contacts: ClothContacts,
     /// What queries see, and its origin `[m]`.
     shown: (Vec<Vec3>, DVec3),
 }
@@ -116,12 +116,12 @@ impl ClothSnapshot {
             &ClothReport,
             &ClothShown,
             &ClothStatus,
-            Option<&ClothContactEvents>,
+            Option<&ClothContacts>,
         )>();
         let mut cloths: Vec<SavedCloth> = query
             .iter(world)
             .filter(|(entity, .., status, _)| wanted(*entity) && **status == ClothStatus::Active)
-            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, events)| SavedCloth {
+            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, contacts)| SavedCloth {
                 entity,
                 rest: rest.clone(),
                 particles: particles.clone(),
@@ -129,7 +129,7 @@ impl ClothSnapshot {
                 scratch: scratch.clone(),
                 slumber: slumber.clone(),
                 report: report.clone(),
-                touches: events.map_or_else(Vec::new, |events| events.touches.clone()),
+                contacts: contacts.cloned().unwrap_or_default(),
                 shown: (shown.particles.clone(), shown.origin),
             })
             .collect();
@@ -210,6 +210,7 @@ impl SavedCloth {
         put(&mut cloth, &self.scratch);
         put(&mut cloth, &self.slumber);
         put(&mut cloth, &self.report);
+        put(&mut cloth, &self.contacts);
         // Other pins than these are bound anew, to the cloth as it was.
         if let Some(mut pins) = cloth.get_mut::<ClothPins>().filter(|pins| **pins != self.inputs.pins) {
             pins.set_changed();
@@ -218,9 +219,6 @@ impl SavedCloth {
             shown.particles.clone_from(&self.shown.0);
             shown.origin = self.shown.1;
             (shown.forced, shown.still) = (true, false);
-        }
-        if let Some(mut events) = cloth.get_mut::<ClothContactEvents>() {
-            events.touches.clone_from(&self.touches);
         }
     }
 }

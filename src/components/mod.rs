@@ -40,6 +40,6 @@ pub use status::{
     ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
     ClothTeleported, ClothUntangled, ClothUntanglingEscalated, RecoveryCause, RecoveryLevel, WaitingFor,
 };
-pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothTouch};
+pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothTouch};
 pub use untangle::{ClothUntangling, ClothUntanglingMethod};
 pub use wind::{ClothGlobalWind, ClothWind, ClothWindZone, ClothWindZoneShape};

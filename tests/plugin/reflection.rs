@@ -208,7 +208,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             (
                 ClothSleep { delay: 2.0, ..default() },
                 ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
-                ClothContactEvents { patience: 0.5, ..default() },
+                ClothContactEvents { patience: 0.5 },
             ),
             ClothCollision { garment_layer: -2, contact: false, ..default() },
             ClothCollisionLayers::new(0b110, 0b011),
