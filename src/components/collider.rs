@@ -10,7 +10,7 @@ use crate::systems::colliders::ColliderBody;
 /// Pushes cloth away from its entity.
 ///
 /// It moves with the entity, fast or slow, and is not moved by the cloth. Which cloths it touches is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers).
-/// Entities with `Disabled` push nothing; on a cloth it pushes other cloths, not its own.
+/// Entities with [`ClothColliderDisabled`] or `Disabled` push nothing; on a cloth it pushes other cloths, not its own.
 ///
 /// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that moves fast
 /// can still poke out for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh finer.
@@ -36,9 +36,17 @@ pub struct ClothCollider {
     pub static_friction: f32,
     /// Coulomb coefficient while cloth slides (dimensionless). Default 0.4, range 0 to 10; combined by the geometric mean.
     pub dynamic_friction: f32,
-    /// Whether it pushes. Default true; false for sensors.
-    pub enabled: bool,
 }
+
+/// Switches the [`ClothCollider`] of its entity off: it pushes no cloth, as a sensor, until this is removed.
+///
+/// It comes back without having swept what lies between. Colliders of avian are kept away by avian's `ColliderDisabled`, or by
+/// [`NoClothCollision`](crate::NoClothCollision).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothColliderDisabled;
 
 impl Default for ClothCollider {
     fn default() -> Self {
@@ -50,7 +58,7 @@ impl ClothCollider {
     /// A collider of any shape.
     #[must_use]
     pub const fn new(shape: ClothColliderShape) -> Self {
-        Self { shape, margin: 0.0, static_friction: 0.5, dynamic_friction: 0.4, enabled: true }
+        Self { shape, margin: 0.0, static_friction: 0.5, dynamic_friction: 0.4 }
     }
 
     /// A ball of `radius` `[m]`.

@@ -23,7 +23,7 @@ mod untangle;
 mod wind;
 
 pub use cloth::Cloth;
-pub use collider::ClothCollider;
+pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
 pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 pub use grab::ClothGrab;
@@ -34,12 +34,12 @@ pub use pins::{ClothColorChannel, ClothOnTargetLost, ClothPinSelect, ClothPinSet
 pub use report::{ClothBuildReport, ClothReport};
 pub use shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit};
 pub use skip::{ClothSkipFrame, ClothSkipPolicy};
-pub use sleep::{ClothSleep, ClothSlept, ClothWoke};
+pub use sleep::{ClothSleep, ClothSleepDisabled, ClothSlept, ClothWoke};
 pub use solver::{ClothGravity, ClothMembrane, ClothSolver, ClothTeleportMode};
 pub use status::{
     ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
     ClothTeleported, ClothUntangled, ClothUntanglingEscalated, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothTouch};
-pub use untangle::{ClothUntangling, ClothUntanglingMethod};
+pub use untangle::{ClothUntangling, ClothUntanglingDisabled, ClothUntanglingMethod};
 pub use wind::{ClothGlobalWind, ClothWind, ClothWindZone, ClothWindZoneShape};

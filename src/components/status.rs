@@ -178,7 +178,8 @@ pub struct ClothHeld {
 
 /// A cloth has been tangled for so long that the last resorts are used: regions and ways apart for every contour, more directions, and at
 /// the end the tangled part is drawn to the animated pose or to the shape at rest. Methods other than
-/// [`ByEndType`](crate::ClothUntanglingMethod::ByEndType) have only the last of these; with [`ClothUntangling`](crate::ClothUntangling) off there is none, and no event.
+/// [`ByEndType`](crate::ClothUntanglingMethod::ByEndType) have only the last of these; with
+/// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled) there is none, and no event.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothUntanglingEscalated {
     /// The cloth.

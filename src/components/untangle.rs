@@ -9,15 +9,12 @@ use crate::solver::resolve::{Method, ResolveSettings};
 /// How a cloth that crosses itself or another is taken apart.
 ///
 /// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one whose entity has
-/// the lowest index, as a rule the one that was spawned first.
+/// the lowest index, as a rule the one that was spawned first. One with [`ClothUntanglingDisabled`] is not moved.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothUntangling {
-    /// Whether it takes part. Default true. A cloth that does not is left as it is, and others get off it. Contacts stay on, but for where it
-    /// crosses; crossings are counted all the same.
-    pub enabled: bool,
     /// The method. Default [`ClothUntanglingMethod::ByEndType`].
     pub method: ClothUntanglingMethod,
     /// Most iterations per frame, taken only while something crosses. Default 4, range 0 to 64; 0 only measures. More gets done sooner and
@@ -41,6 +38,14 @@ pub struct ClothUntangling {
     /// virtual time is paused, nothing is taken apart and the mesh is shown as it is.
     pub at_load: bool,
 }
+
+/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, but for where it crosses;
+/// crossings are counted all the same. Without it, [`ClothUntangling`] says how it comes apart.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothUntanglingDisabled;
 
 /// Methods of taking crossing surfaces apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
@@ -78,7 +83,6 @@ impl From<ClothUntanglingMethod> for Method {
 impl Default for ClothUntangling {
     fn default() -> Self {
         Self {
-            enabled: true,
             method: ClothUntanglingMethod::ByEndType,
             iterations: 4,
             step: 0.1,

@@ -26,8 +26,14 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     add(&mut lines, &settings.solver);
     add(&mut lines, &settings.collision);
     add(&mut lines, &settings.untangle);
+    if settings.untangling_disabled {
+        lines.push("ClothUntanglingDisabled".into());
+    }
     add(&mut lines, &settings.skip);
     add(&mut lines, &settings.sleep);
+    if settings.sleep_disabled {
+        lines.push("ClothSleepDisabled".into());
+    }
     add(&mut lines, &settings.lod);
     if let Some(wind) = &settings.own_wind {
         lines.push(format!("ClothWind({})", over(&wind.0, &ClothGlobalWind::default(), "default()")));
@@ -180,6 +186,12 @@ mod tests {
         let expected = "ClothMaterial::default(),\nClothSolver {\n    substep_rate: 720.0,\n    teleport: ClothTeleportMode::Reset,\n    \
                         ..default()\n},\nSkipFrame {\n    policy: ClothSkipPolicy::UntilClean { max: 3 },\n    ..default()\n},\n";
         assert_eq!(as_rust(&settings), expected);
+    }
+
+    #[test]
+    fn what_is_disabled_follows_as_its_marker() {
+        let settings = ClothSettings { untangling_disabled: true, sleep_disabled: true, ..default() };
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothUntanglingDisabled,\nClothSleepDisabled,\n");
     }
 
     #[test]

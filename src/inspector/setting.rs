@@ -159,7 +159,12 @@ pub enum Kind {
     /// A whole number.
     Layer(Scale, Field<i32>),
     /// On or off.
-    Switch(Field<bool>),
+    Switch {
+        /// Whether it is on.
+        get: fn(&ClothSettings) -> bool,
+        /// Switches it.
+        set: fn(&mut ClothSettings, bool),
+    },
     /// One of several.
     Choice {
         /// Names of the options, as they are called in code.
@@ -215,7 +220,7 @@ impl Setting {
     pub const fn scale(&self) -> Option<Scale> {
         match self.kind {
             Kind::Number(scale, _) | Kind::Count(scale, _) | Kind::Layer(scale, _) => Some(scale),
-            Kind::Switch(_) | Kind::Choice { .. } => None,
+            Kind::Switch { .. } | Kind::Choice { .. } => None,
         }
     }
 
@@ -226,7 +231,7 @@ impl Setting {
             Kind::Number(_, field) => field(settings).map(|v| f64::from(*v)),
             Kind::Count(_, field) => field(settings).map(|v| f64::from(*v)),
             Kind::Layer(_, field) => field(settings).map(|v| f64::from(*v)),
-            Kind::Switch(field) => field(settings).map(|v| f64::from(u8::from(*v))),
+            Kind::Switch { get, .. } => Some(f64::from(u8::from(get(settings)))),
             Kind::Choice { get, .. } => get(settings).map(|i| i as f64),
         }
     }
@@ -249,7 +254,7 @@ impl Setting {
             Kind::Number(_, field) => put(field(settings), value as f32),
             Kind::Count(_, field) => put(field(settings), value as u32),
             Kind::Layer(_, field) => put(field(settings), value as i32),
-            Kind::Switch(field) => put(field(settings), value != 0.0),
+            Kind::Switch { set, .. } => set(settings, value != 0.0),
             Kind::Choice { set, .. } => set(settings, value as usize),
         }
     }

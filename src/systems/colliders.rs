@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::bind::PATIENCE;
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::checked::Checked;
-use crate::components::{ClothCollider, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
+use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
 use crate::notices::{Notices, label};
 use crate::solver::body::{SharedShape, shape};
 use crate::solver::couple::Given;
@@ -198,6 +198,7 @@ pub(crate) fn poses(
         Entity,
         Option<&Name>,
         &ClothCollider,
+        Has<ClothColliderDisabled>,
         &GlobalTransform,
         Option<&ClothCollisionLayers>,
         &mut ColliderBody,
@@ -205,8 +206,8 @@ pub(crate) fn poses(
 ) {
     let WorldBodies { bodies, checked, .. } = &mut *world;
     bodies.clear();
-    for (entity, name, collider, global, layers, mut body) in &mut colliders {
-        let Some(shape) = body.shape.clone().filter(|_| collider.enabled) else {
+    for (entity, name, collider, disabled, global, layers, mut body) in &mut colliders {
+        let Some(shape) = body.shape.clone().filter(|_| !disabled) else {
             body.pose = None;
             continue;
         };

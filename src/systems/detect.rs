@@ -5,7 +5,7 @@ use bevy::tasks::ComputeTaskPool;
 
 use super::sleep::Slumber;
 use super::stopwatch;
-use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling};
+use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling, ClothUntanglingDisabled};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::body::Touch;
@@ -35,24 +35,24 @@ pub(crate) fn group(
             &ClothInputs,
             &ClothParticles,
             &ClothCollision,
-            &ClothUntangling,
+            Has<ClothUntanglingDisabled>,
             Option<&ClothCollisionLayers>,
             &mut ClothScratch,
             &mut Slumber,
         ),
-        With<Cloth>,
+        (With<Cloth>, With<ClothUntangling>),
     >,
 ) {
     let _span = debug_span!("cloth/detect").entered();
     groups.begin();
-    for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch, _) in &mut cloths {
+    for (entity, rest, inputs, particles, collision, not_untangled, layers, mut scratch, _) in &mut cloths {
         let last = scratch.group.take().map(|(group, _)| group);
         let last_box = scratch.bounds.take();
         if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
             continue;
         }
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
-        let fixed = still || !untangle.enabled;
+        let fixed = still || not_untangled;
         let (asleep, thickness) = (inputs.asleep, inputs.fabric.thickness);
         let member =
             Member { entity, rest: rest.0.clone(), collision: *collision, thickness, fixed, still, rode: inputs.rode, asleep };

@@ -7,7 +7,7 @@ use super::detect::each;
 use super::stopwatch;
 use crate::components::{
     Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
-    ClothUntangled, ClothUntangling, ClothUntanglingEscalated, RecoveryLevel,
+    ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated, RecoveryLevel,
 };
 use crate::groups::ClothGroups;
 use crate::notices::{Notices, label};
@@ -74,9 +74,9 @@ pub(crate) fn judge(
 /// Events for cloths that became tangled, held or clean.
 pub(crate) fn tell(
     mut commands: Commands,
-    mut cloths: Query<(Entity, &ClothParticles, &ClothUntangling, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothParticles, Has<ClothUntanglingDisabled>, &mut ClothReport), With<Cloth>>,
 ) {
-    for (entity, particles, untangle, mut report) in &mut cloths {
+    for (entity, particles, not_untangled, mut report) in &mut cloths {
         let outcome = particles.display.outcome();
         if outcome.became_tangled {
             let ClothReport { crossings, contour_length, .. } = *report;
@@ -86,7 +86,7 @@ pub(crate) fn tell(
             commands.trigger(ClothHeld { entity });
         }
         // What takes no part has no resorts.
-        if outcome.became_last_resort && untangle.enabled {
+        if outcome.became_last_resort && !not_untangled {
             commands.trigger(ClothUntanglingEscalated { entity, crossings: report.crossings });
         }
         if outcome.became_clean {

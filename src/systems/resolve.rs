@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::detect::each;
 use super::stopwatch;
-use crate::components::{Cloth, ClothUntangling};
+use crate::components::{Cloth, ClothUntangling, ClothUntanglingDisabled};
 use crate::groups::{ClothGroup, ClothGroups, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::evaluate::Resort;
@@ -15,8 +15,12 @@ use crate::solver::load::relax_edges;
 use crate::solver::step::{displace, relax};
 use crate::time::ClothTime;
 
-type Springs<'w, 's, 'q> =
-    Query<'w, 's, (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q ClothUntangling, &'q ClothParticles), With<Cloth>>;
+type Springs<'w, 's, 'q> = Query<
+    'w,
+    's,
+    (&'q ClothRest, &'q ClothInputs, &'q ClothScratch, &'q ClothParticles, &'q ClothUntangling, Has<ClothUntanglingDisabled>),
+    With<Cloth>,
+>;
 
 /// Iterations at load, at most.
 const AT_LOAD: u32 = 300;
@@ -33,7 +37,7 @@ pub(crate) fn resolve(time: Res<ClothTime>, mut groups: ResMut<ClothGroups>, clo
         if !group.group.total().is_clean() && group.members.iter().any(|m| is_new(m, &cloths)) {
             at_load(group, &cloths);
         }
-        let outcome = |m: &Member| cloths.get(m.entity).map(|cloth| cloth.4.display.outcome()).unwrap_or_default();
+        let outcome = |m: &Member| cloths.get(m.entity).map(|cloth| cloth.3.display.outcome()).unwrap_or_default();
         let resort = group.members.iter().map(|m| outcome(m).resort).max().unwrap_or_default();
         group.group.escalate(resort);
         let (members, settings) = (&group.members, group.settings);
@@ -81,7 +85,7 @@ pub(crate) fn scatter(
 fn is_new(member: &Member, cloths: &Springs) -> bool {
     cloths
         .get(member.entity)
-        .is_ok_and(|(_, _, _, untangle, particles)| untangle.enabled && untangle.at_load && particles.display.is_new())
+        .is_ok_and(|(.., particles, untangle, not_untangled)| !not_untangled && untangle.at_load && particles.display.is_new())
 }
 
 fn at_load(group: &mut ClothGroup, cloths: &Springs) {
@@ -98,7 +102,7 @@ fn at_load(group: &mut ClothGroup, cloths: &Springs) {
 fn blend(group: &mut ClothGroup, cloths: &Springs, dt: f32) {
     let mut pose: Vec<Vec3> = Vec::new();
     for part in 0..group.members.len() {
-        let Ok((rest, inputs, _, _, particles)) = cloths.get(group.members[part].entity) else { continue };
+        let Ok((rest, inputs, _, particles, ..)) = cloths.get(group.members[part].entity) else { continue };
         match &inputs.skin {
             Some(_) => {
                 pose.clear();

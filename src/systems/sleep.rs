@@ -18,8 +18,8 @@ use super::colliders::{WorldBodies, WorldBody};
 use super::inputs::WorldAir;
 use crate::components::checked::Checked;
 use crate::components::{
-    Cloth, ClothCollision, ClothCollisionLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothUntangling,
-    ClothWindZone, ClothWindZoneShape, ClothWoke,
+    Cloth, ClothCollision, ClothCollisionLayers, ClothReport, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver,
+    ClothUntangling, ClothUntanglingDisabled, ClothWindZone, ClothWindZoneShape, ClothWoke,
 };
 use crate::groups::{ClothGroups, Member};
 use crate::notices::Notices;
@@ -38,6 +38,8 @@ pub(super) const NEAR: f32 = 0.02;
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Slumber {
     asleep: bool,
+    /// Whether it may not sleep, and is not untangled.
+    disabled: [bool; 2],
     /// Another cloth came near.
     pub roused: bool,
     /// Time at rest `[s]`.
@@ -111,6 +113,8 @@ pub(crate) struct Sleeper {
     collision: Ref<'static, ClothCollision>,
     untangle: Ref<'static, ClothUntangling>,
     sleep: Ref<'static, ClothSleep>,
+    kept_awake: Has<ClothSleepDisabled>,
+    not_untangled: Has<ClothUntanglingDisabled>,
     layers: Option<&'static ClothCollisionLayers>,
     inputs: &'static mut ClothInputs,
     particles: &'static mut ClothParticles,
@@ -137,11 +141,13 @@ pub(crate) fn watch(
 ) {
     for mut cloth in &mut cloths {
         checked.clear();
-        let ClothSleep { enabled, threshold, delay } = cloth.sleep.checked(&mut checked);
+        let ClothSleep { threshold, delay } = cloth.sleep.checked(&mut checked);
         notices.clamped(cloth.entity, cloth.name, "cloth", &checked);
         let slumber = &mut *cloth.slumber;
-        (slumber.threshold, slumber.delay) = (if enabled { threshold } else { 0.0 }, delay);
-        let changed = cloth.solver.is_changed()
+        (slumber.threshold, slumber.delay) = (if cloth.kept_awake { 0.0 } else { threshold }, delay);
+        let disabled = [cloth.kept_awake, cloth.not_untangled];
+        let changed = core::mem::replace(&mut slumber.disabled, disabled) != disabled
+            || cloth.solver.is_changed()
             || cloth.collision.is_changed()
             || cloth.untangle.is_changed()
             || cloth.sleep.is_changed()

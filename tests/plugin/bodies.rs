@@ -53,16 +53,46 @@ fn disabled_colliders_and_other_layers_are_ignored() {
     let mut app = app();
     let cloth = spawn(&mut app, sheet(5), (border(), ClothCollisionLayers::new(0b01, 0b01)));
     app.world_mut().spawn(ClothCollider::ball(0.1));
-    let off = app.world_mut().spawn(ClothCollider { enabled: false, ..ClothCollider::ball(0.1) }).id();
+    let off = app.world_mut().spawn((ClothCollider::ball(0.1), ClothColliderDisabled)).id();
     let disabled = app.world_mut().spawn((ClothCollider::ball(0.1), Disabled)).id();
     app.world_mut().spawn((ClothCollider::ball(0.1), ClothCollisionLayers::new(0b10, u32::MAX)));
     app.world_mut().spawn((ClothCollider::ball(0.1), ClothCollisionLayers::new(0b01, 0b10)));
     run(&mut app, 3);
     assert_eq!(bodies(&app, cloth), 1);
     app.world_mut().entity_mut(disabled).remove::<Disabled>();
-    app.world_mut().get_mut::<ClothCollider>(off).expect("a collider").enabled = true;
+    app.world_mut().entity_mut(off).remove::<ClothColliderDisabled>();
     run(&mut app, 3);
     assert_eq!(bodies(&app, cloth), 3);
+    app.world_mut().entity_mut(off).insert(ClothColliderDisabled);
+    run(&mut app, 1);
+    assert_eq!(bodies(&app, cloth), 2, "off again");
+}
+
+#[test]
+fn a_collider_that_is_off_sweeps_nothing_on_its_way() {
+    let is_hit = |off: bool| {
+        let mut app = app();
+        app.insert_resource(ClothGravity(Vec3::ZERO));
+        let cloth = spawn(&mut app, sheet(12), border());
+        let place = |y: f32| Transform::from_xyz(0.0, y, 0.0);
+        let body = app.world_mut().spawn((place(-1.0), ClothCollider::ball(0.2))).id();
+        run(&mut app, 3);
+        let before = particles(&app, cloth);
+        if off {
+            app.world_mut().entity_mut(body).insert(ClothColliderDisabled);
+        }
+        run(&mut app, 1);
+        // Through the cloth in a frame, by less than what counts as a jump.
+        *app.world_mut().get_mut::<Transform>(body).expect("a transform") = place(0.5);
+        app.world_mut().entity_mut(body).remove::<ClothColliderDisabled>();
+        run(&mut app, 3);
+        assert_eq!(bodies(&app, cloth), 1);
+        let moved = particles(&app, cloth).iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        // It may have been hit so hard that it was taken back.
+        moved > 1.0e-3 || report(&app, cloth).restores > 0
+    };
+    assert!(!is_hit(true), "off");
+    assert!(is_hit(false), "on");
 }
 
 /// F18

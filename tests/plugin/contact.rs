@@ -55,7 +55,7 @@ fn piles_apart_from_each_other_each_remember_their_contacts() {
 #[test]
 fn without_contact_cloths_pass_through_each_other() {
     let mut app = app();
-    let alone = || (ClothCollision { contact: false, ..default() }, ClothUntangling { enabled: false, ..default() });
+    let alone = || (ClothCollision { contact: false, ..default() }, ClothUntanglingDisabled);
     let cloths = pile(&mut app, 12, alone());
     run(&mut app, 60);
     assert!(cloths.iter().all(|&c| report(&app, c).contacts == 0));
@@ -114,7 +114,7 @@ fn what_is_not_a_number_in_one_cloth_stays_there() {
 #[test]
 fn cloths_that_are_not_untangled_still_rest_on_each_other() {
     let mut app = app();
-    let cloths = pile(&mut app, 16, ClothUntangling { enabled: false, ..default() });
+    let cloths = pile(&mut app, 16, ClothUntanglingDisabled);
     run(&mut app, 60);
     assert!(cloths.iter().all(|&c| report(&app, c).contacts > 10 || report(&app, c).crossings == 0));
     let lowest_over_ball = |cloth: Entity| {
@@ -145,7 +145,7 @@ fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its
         app.world_mut().spawn(ClothCollider::ground());
         let material = ClothMaterial { thickness: 0.01, ..default() };
         let cloths = [0.01, 0.03]
-            .map(|y| spawn(&mut app, sheet(12), (material.clone(), Transform::from_xyz(0.0, y, 0.0), ClothSleep::OFF)));
+            .map(|y| spawn(&mut app, sheet(12), (material.clone(), Transform::from_xyz(0.0, y, 0.0), ClothSleepDisabled)));
         run(&mut app, 180);
         let builds = app.world().resource::<ClothGroups>().builds();
         let contacts = report(&app, cloths[1]).contacts;

@@ -79,7 +79,7 @@ fn cloths_that_sleep_are_counted_until_they_wake() {
     let mut app = measured(ClothPlugin::default());
     app.world_mut().spawn(ClothCollider::ground());
     let lying = [0.0, 5.0].map(|x| spawn(&mut app, sheet(6), Transform::from_xyz(x, 0.006, 0.0)));
-    let swinging = spawn(&mut app, sheet(6), (border(), Transform::from_xyz(10.0, 2.0, 0.0), ClothSleep::OFF));
+    let swinging = spawn(&mut app, sheet(6), (border(), Transform::from_xyz(10.0, 2.0, 0.0), ClothSleepDisabled));
     run(&mut app, 2);
     assert_eq!(value(&app, &ClothDiagnosticsPlugin::SLEEPING), 0.0);
     run(&mut app, 240);

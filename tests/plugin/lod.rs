@@ -19,7 +19,7 @@ fn camera(app: &mut App, at: Vec3) -> Entity {
 fn watched(distance: f32, lod: ClothLod) -> (App, Entity, Entity) {
     let mut app = app();
     let camera = camera(&mut app, Vec3::new(0.5 + distance, 0.0, 0.0));
-    let cloth = spawn(&mut app, sheet(8), (border(), lod, ClothSleep::OFF));
+    let cloth = spawn(&mut app, sheet(8), (border(), lod, ClothSleepDisabled));
     run(&mut app, 5);
     (app, cloth, camera)
 }

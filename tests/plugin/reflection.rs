@@ -209,6 +209,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 ClothSleep { delay: 2.0, ..default() },
                 ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
                 ClothContactEvents { patience: 0.5 },
+                (ClothSleepDisabled, ClothUntanglingDisabled),
             ),
             ClothCollision { garment_layer: -2, contact: false, ..default() },
             ClothCollisionLayers::new(0b110, 0b011),
@@ -228,7 +229,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
     let body = world
         .spawn((
             Name::new("body"),
-            ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01),
+            (ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01), ClothColliderDisabled),
             ClothWindZone::cuboid(Vec3::ONE, Vec3::Y),
             (ClothCoupling::TwoWay, NoClothCollision, ClothReaction { linear: Vec3::Y, ..default() }),
             ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },

@@ -85,16 +85,34 @@ fn a_sheet_on_a_sheet_on_a_ball_falls_asleep() {
 fn a_cloth_that_may_not_sleep_does_not() {
     let mut app = app();
     app.world_mut().spawn(ClothCollider::ground());
-    let cloths =
-        [ClothSleep::OFF, ClothSleep { threshold: 0.0, ..default() }, ClothSleep { delay: 60.0, ..default() }].map(|sleep| {
-            spawn(
-                &mut app,
-                sheet(6),
-                (Transform::from_xyz(0.0, 0.01, 0.0), ClothCollision { contact: false, ..default() }, sleep),
-            )
-        });
+    let sleeps = [ClothSleep::default(), ClothSleep { threshold: 0.0, ..default() }, ClothSleep { delay: 60.0, ..default() }];
+    let cloths = sleeps.map(|sleep| {
+        let alone = ClothCollision { contact: false, ..default() };
+        spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.01, 0.0), alone, sleep))
+    });
+    app.world_mut().entity_mut(cloths[0]).insert(ClothSleepDisabled);
     run(&mut app, 180);
     assert!(cloths.iter().all(|&c| !report(&app, c).asleep));
+}
+
+#[test]
+fn a_cloth_is_kept_awake_for_as_long_as_the_marker_is_on_it() {
+    let mut app = app();
+    record::<ClothSlept>(&mut app);
+    record::<ClothWoke>(&mut app);
+    let cloth = sleeping(&mut app, ());
+    for times in 1..=2 {
+        app.world_mut().entity_mut(cloth).insert(ClothSleepDisabled);
+        run(&mut app, 1);
+        assert!(!report(&app, cloth).asleep && seen::<ClothWoke>(&app).len() == times);
+        run(&mut app, 120);
+        assert!(!report(&app, cloth).asleep, "asleep after 2 s");
+        app.world_mut().entity_mut(cloth).remove::<ClothSleepDisabled>();
+        run(&mut app, 20);
+        assert!(!report(&app, cloth).asleep, "its rest begins anew");
+        until_asleep(&mut app, cloth);
+        assert_eq!(seen::<ClothSlept>(&app).len(), times + 1);
+    }
 }
 
 #[test]
@@ -135,13 +153,16 @@ fn a_body_that_comes_moves_goes_or_changes_wakes_it_and_one_far_away_does_not() 
         app.world_mut().spawn(ball(3.0, 0.1));
         run(app, 1);
     }));
-    for change in [0, 1, 2] {
+    for change in 0..4 {
         let mut app = app();
         let body = app.world_mut().spawn(ball(0.0, 0.115)).id();
         let cloth = sleeping(&mut app, ());
         match change {
             0 => set::<Transform>(&mut app, body, |t| t.translation.x += 0.01),
-            1 => set::<ClothCollider>(&mut app, body, |c| c.enabled = false),
+            1 => set::<ClothCollider>(&mut app, body, |c| c.static_friction = 0.9),
+            2 => {
+                app.world_mut().entity_mut(body).insert(ClothColliderDisabled);
+            }
             _ => {
                 app.world_mut().despawn(body);
             }
@@ -156,7 +177,13 @@ fn settings_gravity_and_pins_wake_it() {
     assert!(wakes(|app, _| app.insert_resource(ClothGravity(Vec3::X)).update()));
     assert!(wakes(|app, cloth| set::<ClothMaterial>(app, cloth, |m| m.density = 1.0)));
     assert!(wakes(|app, cloth| set::<ClothSolver>(app, cloth, |s| s.substep_rate = 720.0)));
-    assert!(wakes(|app, cloth| set::<ClothSleep>(app, cloth, |s| s.enabled = false)));
+    assert!(wakes(|app, cloth| set::<ClothSleep>(app, cloth, |s| s.delay = 2.0)));
+    assert!(wakes(|app, cloth| {
+        app.world_mut().entity_mut(cloth).insert(ClothSleepDisabled);
+    }));
+    assert!(wakes(|app, cloth| {
+        app.world_mut().entity_mut(cloth).insert(ClothUntanglingDisabled);
+    }));
     assert!(wakes(|app, cloth| set::<ClothPins>(app, cloth, |pins| *pins = border())));
 }
 

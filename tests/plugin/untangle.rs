@@ -51,7 +51,7 @@ fn a_cloth_that_takes_no_part_is_left_alone_and_the_other_gets_off_it() {
     let mut app = app();
     let cloths = tangled(&mut app, Tangle::Dent, 13, Vec3::Y);
     // Without contact, too, which would push it when they touch.
-    let alone = (ClothUntangling { enabled: false, ..default() }, ClothCollision { contact: false, ..default() });
+    let alone = (ClothUntanglingDisabled, ClothCollision { contact: false, ..default() });
     app.world_mut().entity_mut(cloths[0]).insert(alone);
     run(&mut app, 1);
     let before = particles(&app, cloths[0]);
@@ -62,13 +62,44 @@ fn a_cloth_that_takes_no_part_is_left_alone_and_the_other_gets_off_it() {
 }
 
 #[test]
+fn untangling_is_switched_off_and_on_while_cloths_cross() {
+    let mut app = app();
+    let cloths = tangled(&mut app, Tangle::StripStab, 13, Vec3::Y);
+    let off = |app: &mut App, off: bool| {
+        for cloth in cloths {
+            let mut cloth = app.world_mut().entity_mut(cloth);
+            if off {
+                cloth.insert(ClothUntanglingDisabled);
+            } else {
+                cloth.remove::<ClothUntanglingDisabled>();
+            }
+        }
+    };
+    off(&mut app, true);
+    run(&mut app, 2);
+    assert!(crossings(&app, &cloths) > 0 && report(&app, cloths[0]).iterations == 0, "off: {:?}", report(&app, cloths[0]));
+    off(&mut app, false);
+    run(&mut app, 1);
+    assert!(report(&app, cloths[0]).iterations > 0, "on: {:?}", report(&app, cloths[0]));
+    off(&mut app, true);
+    run(&mut app, 1);
+    assert_eq!(report(&app, cloths[0]).iterations, 0, "off again");
+    off(&mut app, false);
+    run(&mut app, TWO_SECONDS);
+    assert_eq!(crossings(&app, &cloths), 0, "{:?}", report(&app, cloths[0]));
+}
+
+#[test]
 fn clean_cloths_have_the_same_bits_with_and_without_untangling() {
     let run_with = |enabled: bool| {
         let mut app = app();
-        let untangle = ClothUntangling { enabled, ..default() };
         let cloths = [0.0, 0.2].map(|z| {
             let place = Transform::from_xyz(0.01, 2.0 + 0.5 * z, z);
-            spawn(&mut app, sheet(16), (border(), place, untangle))
+            let cloth = spawn(&mut app, sheet(16), (border(), place));
+            if !enabled {
+                app.world_mut().entity_mut(cloth).insert(ClothUntanglingDisabled);
+            }
+            cloth
         });
         for frame in 0..90 {
             run(&mut app, 1);
@@ -233,7 +264,7 @@ fn the_game_is_told_of_last_resorts() {
     app.insert_resource(ClothGravity(Vec3::ZERO));
     let idle = ClothUntangling { iterations: 0, ..default() };
     let cloths = Tangle::DeepDent.meshes(13).map(|mesh| spawn(&mut app, mesh_of(&mesh), (Transform::default(), idle)));
-    let off = ClothUntangling { enabled: false, ..default() };
+    let off = ClothUntanglingDisabled;
     for mesh in Tangle::DeepDent.meshes(13) {
         spawn(&mut app, mesh_of(&mesh), (Transform::from_xyz(10.0, 0.0, 0.0), off));
     }
@@ -248,7 +279,7 @@ fn the_game_is_told_of_last_resorts() {
 #[test]
 fn crossings_of_cloths_that_are_not_untangled_are_counted_and_left_alone() {
     let mut app = app();
-    let off = ClothUntangling { enabled: false, ..default() };
+    let off = ClothUntanglingDisabled;
     let turn = |angle: f32| Transform::from_rotation(Quat::from_rotation_y(angle));
     let cloths = [0.0, 0.5].map(|angle| {
         let stands = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);

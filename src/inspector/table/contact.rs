@@ -8,7 +8,7 @@ pub(super) const COLLISION: [Setting; 3] = [
         Part::Collision,
         "self_collision",
         "",
-        Kind::Switch(|s| Some(&mut s.collision.self_collision)),
+        Kind::Switch { get: |s| s.collision.self_collision, set: |s, on| s.collision.self_collision = on },
         [
             "Whether it meets itself: folds on itself and is untangled from itself.",
             "Off: goes through itself, and costs less.",
@@ -19,7 +19,7 @@ pub(super) const COLLISION: [Setting; 3] = [
         Part::Collision,
         "contact",
         "",
-        Kind::Switch(|s| Some(&mut s.collision.contact)),
+        Kind::Switch { get: |s| s.collision.contact, set: |s, on| s.collision.contact = on },
         [
             "Whether it rests on other cloths and on itself, one thickness apart and with friction.",
             "Off: passes through and is taken apart afterwards.",
@@ -44,7 +44,7 @@ pub(super) const UNTANGLE: [Setting; 9] = [
         Part::Untangle,
         "enabled",
         "",
-        Kind::Switch(|s| Some(&mut s.untangle.enabled)),
+        Kind::Switch { get: |s| !s.untangling_disabled, set: |s, on| s.untangling_disabled = !on },
         [
             "Whether it is moved to come apart.",
             "Off: left as it is, and others get off it.",
@@ -128,7 +128,7 @@ pub(super) const UNTANGLE: [Setting; 9] = [
         Part::Untangle,
         "at_load",
         "",
-        Kind::Switch(|s| Some(&mut s.untangle.at_load)),
+        Kind::Switch { get: |s| s.untangle.at_load, set: |s, on| s.untangle.at_load = on },
         [
             "Whether a cloth that is tangled in its first frame is taken apart before it is shown. Matters for cloths still to be bound.",
             "Off: comes apart before the eyes of the player.",

@@ -84,7 +84,7 @@ mod tests {
                 let held = f64::from(i32::MIN)..=f64::from(i32::MAX);
                 [low - 1.0, high + 1.0].into_iter().filter(|v| held.contains(v)).collect()
             }
-            Kind::Switch(_) | Kind::Choice { .. } => Vec::new(),
+            Kind::Switch { .. } | Kind::Choice { .. } => Vec::new(),
         }
     }
 
