@@ -22,7 +22,7 @@ use crate::time::ClothTime;
 /// travelled, and where bodies were in the last frame. What is the app's, the app restores: transforms and parents, settings, grips
 /// ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time. Then the frames that follow have the same bits as those that followed the
 /// first time. Write only what differs ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is
-/// written. What cameras saw is not in it, so let `ClothLod` be off where bits matter.
+/// written. What cameras saw is not in it, so do without `ClothLod` where bits matter.
 ///
 /// Capture and restore between two updates, or in an exclusive system before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after
 /// [`ClothSystems::Sync`](crate::ClothSystems::Sync). A snapshot lives in memory, and only the world it is of can be restored from it.

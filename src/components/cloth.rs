@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
-    ClothBuildReport, ClothCollision, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver,
+    ClothBuildReport, ClothCollision, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver,
     ClothStatus, ClothUntangling,
 };
 
@@ -11,7 +11,11 @@ use super::{
 ///
 /// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is simulated
 /// and where it is held; [`ClothCollision`], [`ClothUntangling`] and [`ClothSkipFrame`] what happens when it meets itself or another cloth;
-/// [`ClothSleep`] and [`ClothLod`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
+/// [`ClothSleep`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
+///
+/// The rest is put on where it is wanted: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
+/// [`ClothLod`](crate::ClothLod), [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as
+/// they are there: [`ClothSleepDisabled`](crate::ClothSleepDisabled), [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
 ///
 /// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh back. The cloth starts
 /// where the entity is and then lives in the world: moving the entity moves what is pinned to it, and the rest follows by physics.
@@ -40,7 +44,6 @@ use super::{
     ClothUntangling,
     ClothSkipFrame,
     ClothSleep,
-    ClothLod,
     ClothStatus,
     ClothReport,
     ClothBuildReport,

@@ -8,7 +8,7 @@ use ron::extensions::Extensions;
 use super::setting::Setting;
 use super::settings::{ClothSettings, Edit};
 use super::table::settings;
-use crate::components::{ClothGlobalWind, ClothGravity, ClothMaterial, ClothOnTargetLost};
+use crate::components::{ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost};
 use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
@@ -34,7 +34,9 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     if settings.sleep_disabled {
         lines.push("ClothSleepDisabled".into());
     }
-    add(&mut lines, &settings.lod);
+    if let Some(lod) = &settings.lod {
+        lines.push(over(lod, &ClothLod::default(), "default()"));
+    }
     if let Some(wind) = &settings.own_wind {
         lines.push(format!("ClothWind({})", over(&wind.0, &ClothGlobalWind::default(), "default()")));
     }
@@ -186,6 +188,14 @@ mod tests {
         let expected = "ClothMaterial::default(),\nClothSolver {\n    substep_rate: 720.0,\n    teleport: ClothTeleportMode::Reset,\n    \
                         ..default()\n},\nSkipFrame {\n    policy: ClothSkipPolicy::UntilClean { max: 3 },\n    ..default()\n},\n";
         assert_eq!(as_rust(&settings), expected);
+    }
+
+    #[test]
+    fn a_level_of_detail_follows_where_there_is_one() {
+        let mut settings = ClothSettings { lod: Some(ClothLod::default()), ..default() };
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLod::default(),\n");
+        settings.lod = Some(ClothLod { full_within: 5.0, ..default() });
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLod {\n    full_within: 5.0,\n    ..default()\n},\n");
     }
 
     #[test]

@@ -146,7 +146,7 @@ impl Scale {
     }
 }
 
-/// Where a number lies; none when it does not exist now, as the wind of a cloth that has none of its own.
+/// Where a number lies; none when it does not exist now, as the wind of a cloth that has none of its own, or the distances of its level of detail.
 pub type Field<T> = fn(&mut ClothSettings) -> Option<&mut T>;
 
 /// What kind of value a setting has, and where it lies.
@@ -193,7 +193,7 @@ pub struct Setting {
     pub high: &'static str,
     /// Kind and place of its value.
     pub kind: Kind,
-    /// What a number that exists only beside some option begins with: no default component has it.
+    /// What a setting that exists only beside some option begins with: no default component has it.
     pub start: Option<f64>,
 }
 

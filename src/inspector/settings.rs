@@ -28,8 +28,8 @@ pub struct ClothSettings {
     pub sleep: ClothSleep,
     /// Whether it has [`ClothSleepDisabled`].
     pub sleep_disabled: bool,
-    /// What it costs far away.
-    pub lod: ClothLod,
+    /// What it costs far away; without, as much as near.
+    pub lod: Option<ClothLod>,
     /// Its own wind; without, that of the world.
     pub own_wind: Option<ClothWind>,
     /// Where it is held.
@@ -62,7 +62,7 @@ impl ClothSettings {
             skip: part(&entity),
             sleep: part(&entity),
             sleep_disabled: entity.contains::<ClothSleepDisabled>(),
-            lod: part(&entity),
+            lod: entity.get::<ClothLod>().copied(),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
             wind: world.get_resource::<ClothGlobalWind>().copied().unwrap_or_default(),
@@ -90,7 +90,7 @@ impl ClothSettings {
                         put(&mut entity, self.sleep);
                         put_or_remove(&mut entity, self.sleep_disabled.then_some(ClothSleepDisabled));
                     }
-                    Part::Lod => put(&mut entity, self.lod),
+                    Part::Lod => put_or_remove(&mut entity, self.lod),
                     Part::Pins => put(&mut entity, self.pins.clone()),
                     Part::OwnWind => put_or_remove(&mut entity, self.own_wind),
                     Part::Wind | Part::Gravity => {}

@@ -74,7 +74,7 @@ pub(crate) fn settings(
             &ClothPins,
             &ClothUntangling,
             &ClothSkipFrame,
-            &ClothLod,
+            Option<&ClothLod>,
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -100,7 +100,7 @@ pub(crate) fn settings(
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);
         inputs.evaluate = skip.settings(checked);
-        inputs.lod = lod.checked(checked);
+        inputs.lod = lod.map(|lod| lod.checked(checked));
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
         pins.checked(checked);

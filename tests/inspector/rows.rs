@@ -13,13 +13,13 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::panel::Panel;
 
-/// A panel in which every row exists: with a wind of its own, and a maximum until clean.
+/// A panel in which every row exists: with a wind of its own, a level of detail, and a maximum until clean.
 fn with_all_rows() -> Panel {
     let mut panel = Panel::new();
     let cloth = panel.cloth;
     let world = panel.app().world_mut();
     let mut entity = world.entity_mut(cloth);
-    entity.insert(ClothWind::default());
+    entity.insert((ClothWind::default(), ClothLod::default()));
     entity.get_mut::<ClothSkipFrame>().expect("a cloth").policy = ClothSkipPolicy::UntilClean { max: 3 };
     panel.opened()
 }
@@ -246,6 +246,20 @@ fn what_is_switched_off_is_a_marker_on_the_cloth_and_comes_off_again() {
         click(&mut panel, "untangle enabled");
         assert_eq!(has::<ClothUntanglingDisabled>(&mut panel), [false; 2]);
     }
+}
+
+#[test]
+fn a_level_of_detail_comes_and_goes_with_its_switch() {
+    let mut panel = Panel::new().opened();
+    assert_eq!((panel.settings().lod, panel.shows("lod full_within")), (None, false));
+    panel.harness.get_by_role_and_label(Role::CheckBox, "lod enabled").click();
+    panel.steps(4);
+    assert_eq!(panel.settings().lod, Some(ClothLod::default()));
+    panel.type_into("lod full_within", "7");
+    assert_eq!(panel.settings().lod, Some(ClothLod { full_within: 7.0, ..default() }));
+    panel.harness.get_by_role_and_label(Role::CheckBox, "lod enabled").click();
+    panel.steps(4);
+    assert_eq!((panel.settings().lod, panel.others().lod), (None, None));
 }
 
 #[test]

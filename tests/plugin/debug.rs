@@ -136,7 +136,7 @@ fn the_border_of_a_cloth_that_comes_to_rest_goes_through_the_colours_of_the_lege
     run(&mut app, 2);
     assert_eq!(meaning(&mut app).0, labels[0], "{:?}", report(&app, cloth));
     let camera = app.world_mut().spawn((Camera::default(), Transform::default())).id();
-    app.world_mut().entity_mut(cloth).insert(ClothLod::ON);
+    app.world_mut().entity_mut(cloth).insert(ClothLod::default());
     for (distance, label) in [(20.0, &labels[4]), (50.0, &labels[5]), (500.0, &labels[6])] {
         app.world_mut().get_mut::<Transform>(camera).expect("a camera").translation.y = distance;
         run(&mut app, 2);

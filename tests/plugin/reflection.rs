@@ -207,7 +207,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             ClothSolver { substep_rate: 480.0, teleport: ClothTeleportMode::Reset, ..default() },
             (
                 ClothSleep { delay: 2.0, ..default() },
-                ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
+                ClothLod { unseen: ClothDetail::Still, ..default() },
                 ClothContactEvents { patience: 0.5 },
                 (ClothSleepDisabled, ClothUntanglingDisabled),
             ),
