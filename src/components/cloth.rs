@@ -15,7 +15,8 @@ use super::{
 ///
 /// The rest is put on where it is wanted: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
 /// [`ClothLod`](crate::ClothLod), [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as
-/// they are there: [`ClothSleepDisabled`](crate::ClothSleepDisabled), [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
+/// they are there: [`ClothDisabled`], [`ClothSleepDisabled`](crate::ClothSleepDisabled),
+/// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
 ///
 /// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh back. The cloth starts
 /// where the entity is and then lives in the world: moving the entity moves what is pinned to it, and the rest follows by physics.
@@ -50,3 +51,15 @@ use super::{
     Transform
 )]
 pub struct Cloth;
+
+/// Switches the cloth of its entity off for as long as it is there: it is neither stepped nor looked at, costs nothing, meets no other cloth,
+/// and is shown as it is, in the space of its entity; one that was never simulated is drawn as it was authored. When this is removed the
+/// cloth goes on from where it was, with the speed it had.
+///
+/// What carries it may move meanwhile: a long way is a teleport ([`ClothSolver::teleport`](crate::ClothSolver::teleport)), a short one that of
+/// a single frame. A cloth that is to stay where others lie on it is paused, with a [`ClothSolver::time_scale`](crate::ClothSolver::time_scale) of 0.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothDisabled;

@@ -22,7 +22,7 @@ mod touch;
 mod untangle;
 mod wind;
 
-pub use cloth::Cloth;
+pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
 pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};

@@ -10,7 +10,8 @@ use bevy::prelude::*;
 pub enum ClothStatus {
     /// Something is missing that may still come.
     Waiting(WaitingFor),
-    /// It is simulated, or sleeps: [`ClothReport::asleep`](crate::ClothReport::asleep).
+    /// It is simulated, or sleeps ([`ClothReport::asleep`](crate::ClothReport::asleep)), or was switched off since
+    /// ([`ClothDisabled`](crate::ClothDisabled)).
     Active,
     /// It cannot be simulated; [`ClothError`] on the entity says why.
     Failed,

@@ -74,9 +74,13 @@ pub(crate) fn judge(
 /// Events for cloths that became tangled, held or clean.
 pub(crate) fn tell(
     mut commands: Commands,
-    mut cloths: Query<(Entity, &ClothParticles, Has<ClothUntanglingDisabled>, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothInputs, &ClothParticles, Has<ClothUntanglingDisabled>, &mut ClothReport), With<Cloth>>,
 ) {
-    for (entity, particles, not_untangled, mut report) in &mut cloths {
+    for (entity, inputs, particles, not_untangled, mut report) in &mut cloths {
+        // Of a cloth that was not judged there is nothing new.
+        if !inputs.active || inputs.asleep || inputs.carried {
+            continue;
+        }
         let outcome = particles.display.outcome();
         if outcome.became_tangled {
             let ClothReport { crossings, contour_length, .. } = *report;

@@ -209,7 +209,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 ClothSleep { delay: 2.0, ..default() },
                 ClothLod { unseen: ClothDetail::Still, ..default() },
                 ClothContactEvents { patience: 0.5 },
-                (ClothSleepDisabled, ClothUntanglingDisabled),
+                (ClothDisabled, ClothSleepDisabled, ClothUntanglingDisabled),
             ),
             ClothCollision { garment_layer: -2, contact: false, ..default() },
             ClothCollisionLayers::new(0b110, 0b011),

@@ -90,6 +90,32 @@ fn untangling_is_switched_off_and_on_while_cloths_cross() {
 }
 
 #[test]
+fn cloths_that_are_switched_off_while_they_cross_tell_of_it_once() {
+    let mut app = app();
+    record::<ClothTangled>(&mut app);
+    let cloths = tangled(&mut app, Tangle::StripStab, 13, Vec3::Y);
+    for cloth in cloths {
+        app.world_mut().entity_mut(cloth).insert(ClothUntangling { iterations: 0, ..default() });
+    }
+    for _ in 0..3 {
+        if seen::<ClothTangled>(&app).is_empty() {
+            run(&mut app, 1);
+        }
+    }
+    assert_eq!(seen::<ClothTangled>(&app).len(), 2);
+    for cloth in cloths {
+        app.world_mut().entity_mut(cloth).insert(ClothDisabled);
+    }
+    run(&mut app, 10);
+    assert_eq!(seen::<ClothTangled>(&app).len(), 2, "it is told again and again");
+    for cloth in cloths {
+        app.world_mut().entity_mut(cloth).insert(ClothUntangling::default()).remove::<ClothDisabled>();
+    }
+    run(&mut app, TWO_SECONDS);
+    assert_eq!(crossings(&app, &cloths), 0);
+}
+
+#[test]
 fn clean_cloths_have_the_same_bits_with_and_without_untangling() {
     let run_with = |enabled: bool| {
         let mut app = app();
