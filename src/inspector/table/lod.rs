@@ -8,7 +8,7 @@ pub(super) const LOD: [Setting; 4] = [
         Part::Lod,
         "enabled",
         "",
-        Kind::Switch { get: |s| s.lod.is_some(), set: |s, on| s.lod = on.then(|| s.lod.unwrap_or_default()) },
+        Kind::Switch { get: |s| s.lod.is_some(), set: |s, on| s.lod = on.then_some(s.lod.unwrap_or_default()) },
         [
             "Whether it takes fewer substeps far from the cameras, and when none sees it.",
             "Off: it costs as much far away as in front of the camera.",
