@@ -43,7 +43,7 @@ struct Arguments {
     substep_rate: f32,
     /// How crossing cloths are taken apart; the default is what each cloth asks for.
     #[arg(long, value_parser = cli::method)]
-    method: Option<UntangleMethod>,
+    method: Option<ClothUntanglingMethod>,
     /// Folder to write to; made if it is not there.
     #[arg(long, default_value = "bake")]
     out: PathBuf,
@@ -80,7 +80,7 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
     load(&mut app, &arguments.scene)?;
     refine(&mut app, arguments.substep_rate);
     if let Some(method) = arguments.method {
-        let mut cloths = app.world_mut().query::<&mut Untangle>();
+        let mut cloths = app.world_mut().query::<&mut ClothUntangling>();
         cloths.iter_mut(app.world_mut()).for_each(|mut untangle| untangle.method = method);
     }
     std::fs::create_dir_all(&arguments.out).map_err(|error| unwritable(&arguments.out, &error))?;

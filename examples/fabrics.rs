@@ -148,9 +148,10 @@ fn hang(
             // On the nearest vertex, so that all are held alike.
             let cell = (hook as f32 / (curtain::HOOKS - 1) as f32 * cells as f32).round();
             let x = (cell / cells as f32 - 0.5) * side;
-            let held = PinSelect::Position(PositionPredicate::new(move |p| p.y > 0.499 * side && (p.x - x).abs() < 0.4 * edge));
+            let held =
+                ClothPinSelect::Position(PositionPredicate::new(move |p| p.y > 0.499 * side && (p.x - x).abs() < 0.4 * edge));
             let entity = commands.spawn((Hook(x, middle), Transform::from_xyz(middle + x, height, 0.0))).id();
-            PinSet { select: held, weight: 1.0, target: Some(entity) }
+            ClothPinSet { select: held, weight: 1.0, target: Some(entity) }
         });
         let pins = ClothPins { sets: hooks.collect(), ..default() };
         commands.spawn((

@@ -1,6 +1,6 @@
 //! Flags in a gusty wind.
 //!
-//! Each is held along one side by a pole, in the wind of `GlobalWind`; a gust is a few metres wide, so it passes from one to the next.
+//! Each is held along one side by a pole, in the wind of `ClothGlobalWind`; a gust is a few metres wide, so it passes from one to the next.
 //!
 //! | key | does |
 //! |---|---|
@@ -30,7 +30,7 @@ fn main() -> AppExit {
         .report(report)
         .build()
         .add_plugins((ClothPlugin::default(), ClothInspectorPlugin::default()))
-        .insert_resource(GlobalWind { turbulence: 0.35, ..GlobalWind::new(WIND) })
+        .insert_resource(ClothGlobalWind { turbulence: 0.35, ..ClothGlobalWind::new(WIND) })
         .add_systems(Startup, setup)
         .add_systems(Update, keys)
         .run()
@@ -84,7 +84,7 @@ fn setup(
     Ok(())
 }
 
-fn keys(keys: Res<ButtonInput<KeyCode>>, mut wind: ResMut<GlobalWind>) {
+fn keys(keys: Res<ButtonInput<KeyCode>>, mut wind: ResMut<ClothGlobalWind>) {
     if keys.just_pressed(KeyCode::ArrowUp) {
         wind.velocity *= STEP;
     }

@@ -32,7 +32,7 @@ fn main() -> AppExit {
         .report(report)
         .build()
         .add_plugins((ClothPlugin::default(), ClothInspectorPlugin { open: true, ..default() }))
-        .insert_resource(GlobalWind::new(WIND))
+        .insert_resource(ClothGlobalWind::new(WIND))
         .add_systems(Startup, (flag, table, sheets))
         .add_systems(Update, drive)
         .run()

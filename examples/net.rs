@@ -38,7 +38,7 @@ fn main() -> AppExit {
         .build()
         .add_plugins((PhysicsPlugins::default(), ClothPlugin::new(FixedPostUpdate)))
         .insert_resource(Time::<Fixed>::from_hz(120.0))
-        .insert_resource(GlobalWind { turbulence: 0.5, ..GlobalWind::new(Vec3::new(5.0, 0.0, 1.0)) })
+        .insert_resource(ClothGlobalWind { turbulence: 0.5, ..ClothGlobalWind::new(Vec3::new(5.0, 0.0, 1.0)) })
         .add_systems(Startup, (floor, hangings, mast, drop))
         .add_systems(FixedUpdate, sway)
         .add_systems(Update, keys)
@@ -253,12 +253,12 @@ fn keys(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>, dropped: Query<
 }
 
 fn report(
-    frames: Query<&ClothImpulse, With<Frame>>,
+    frames: Query<&ClothReaction, With<Frame>>,
     dropped: Query<(&Position, &LinearVelocity), With<Dropped>>,
     time: Res<Time<Fixed>>,
 ) -> String {
     let tick = time.timestep().as_secs_f32();
-    let frames = frames.iter().map(|impulse| format!("a frame bears {:.2} N\n", -impulse.linear.y / tick));
+    let frames = frames.iter().map(|reaction| format!("a frame bears {:.2} N\n", -reaction.linear.y / tick));
     let bodies = dropped.iter().map(|(at, v)| format!("a body of 1 kg at {:.3} m moves at {:.3} m/s\n", at.y, v.length()));
     frames.chain(bodies).collect()
 }

@@ -72,8 +72,8 @@ impl Shown {
 #[derive(Resource)]
 struct Choice {
     shown: Shown,
-    method: UntangleMethod,
-    policy: SkipPolicy,
+    method: ClothUntanglingMethod,
+    policy: ClothSkipPolicy,
     slow: bool,
 }
 
@@ -85,7 +85,7 @@ fn main() -> AppExit {
         (None, 0) => Shown::Tangles,
         (None, k) => Shown::Tangle(k as usize - 1),
     };
-    let choice = Choice { shown, method: UntangleMethod::ByEndType, policy: SkipPolicy::Ladder, slow: true };
+    let choice = Choice { shown, method: ClothUntanglingMethod::ByEndType, policy: ClothSkipPolicy::Ladder, slow: true };
     Stage::from_args("tangled", arguments.stage)
         .camera(camera(shown))
         .hint("0 to 8: tangle   9, F1 to F7: unit   H L G E: method   P: hold   S: slow motion   R: again")
@@ -115,7 +115,7 @@ enum Next {
     /// It is put into another [m].
     Push(Vec3),
     /// It is taken apart.
-    Untangle(Untangle),
+    Untangle(ClothUntangling),
 }
 
 /// What a cloth is called, and its words.
@@ -136,8 +136,8 @@ fn spawn(
         let (column, row) = ((k % 4) as f32, (k / 4) as f32);
         if one { Vec3::new(0.0, 0.85, 0.0) } else { Vec3::new(GRID.0 * (column - 1.5), LOW + GRID.1 * (1.0 - row), 0.0) }
     };
-    let untangle = Untangle::default().with_method(choice.method);
-    let skip = SkipFrame { policy: choice.policy, ..default() };
+    let untangle = ClothUntangling::default().with_method(choice.method);
+    let skip = ClothSkipFrame { policy: choice.policy, ..default() };
     let mut spawn = |source: &SourceMesh, material: &Handle<StandardMaterial>, at: Vec3| {
         let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(TURN) * upright());
         let look = (Mesh3d(meshes.add(grid_mesh(source))), MeshMaterial3d(material.clone()), place);
@@ -171,7 +171,7 @@ fn spawn(
             commands.entity(cloth).insert((Title(name, words), Most::default()));
         }
         if let Some(Next::Untangle(_)) = next {
-            let wait = Untangle { iterations: 0, ..untangle };
+            let wait = ClothUntangling { iterations: 0, ..untangle };
             commands.entity(cloth).insert((ClothCollision { self_collision: true, ..default() }, wait));
         }
         if let Some(next) = next {
@@ -201,7 +201,7 @@ fn bottom(mesh: &SourceMesh) -> f32 {
 fn begin(
     mut commands: Commands,
     time: Res<Time>,
-    cloths: Query<(Entity, &Next, &ClothReport, &mut ClothParticles, &mut Untangle)>,
+    cloths: Query<(Entity, &Next, &ClothReport, &mut ClothParticles, &mut ClothUntangling)>,
 ) {
     for (cloth, next, report, mut particles, mut untangle) in cloths {
         // What is shown between two simulated frames is not looked at.
@@ -238,14 +238,15 @@ fn keys(
     for (_, shown) in shown.filter(|(key, _)| keys.just_pressed(*key)) {
         (choice.shown, again) = (shown, true);
     }
-    for (key, method) in [KeyH, KeyL, KeyG, KeyE].into_iter().zip(UntangleMethod::ALL) {
+    for (key, method) in [KeyH, KeyL, KeyG, KeyE].into_iter().zip(ClothUntanglingMethod::ALL) {
         if keys.just_pressed(key) {
             (choice.method, again) = (method, true);
         }
     }
     if keys.just_pressed(KeyP) {
-        let ladder = choice.policy == SkipPolicy::Ladder;
-        (choice.policy, again) = (if ladder { SkipPolicy::UntilClean { max: 600 } } else { SkipPolicy::Ladder }, true);
+        let ladder = choice.policy == ClothSkipPolicy::Ladder;
+        (choice.policy, again) =
+            (if ladder { ClothSkipPolicy::UntilClean { max: 600 } } else { ClothSkipPolicy::Ladder }, true);
     }
     if keys.just_pressed(KeyS) {
         choice.slow = !choice.slow;
@@ -286,7 +287,7 @@ fn describe(
         }
     }
     for mut text in &mut panel {
-        let hold = if choice.policy == SkipPolicy::Ladder { "held for 2 frames" } else { "held until clean" };
+        let hold = if choice.policy == ClothSkipPolicy::Ladder { "held for 2 frames" } else { "held until clean" };
         let pace = if choice.slow { format!("{:.0} frames a second", 1.0 / SLOW) } else { "real time".into() };
         text.set_if_neq(Text(format!("{:?}, {hold}, {pace}", choice.method)));
     }

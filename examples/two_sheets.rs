@@ -58,7 +58,7 @@ fn main() -> AppExit {
 /// What the keys choose.
 #[derive(Resource)]
 struct Choice {
-    method: UntangleMethod,
+    method: ClothUntanglingMethod,
     size: usize,
     beside: bool,
     /// When the drive began [s].
@@ -67,7 +67,7 @@ struct Choice {
 
 impl Default for Choice {
     fn default() -> Self {
-        Self { method: UntangleMethod::ByEndType, size: 4, beside: false, since: 0.0 }
+        Self { method: ClothUntanglingMethod::ByEndType, size: 4, beside: false, since: 0.0 }
     }
 }
 
@@ -103,8 +103,10 @@ fn sheets(
     let flat = Plane3d::default().mesh().size(1.0, 1.0).subdivisions(subdivisions).build().with_generated_tangents()?;
     let hanging = Plane3d::new(Vec3::Z, Vec2::new(0.3, 0.4)).mesh().subdivisions(subdivisions).build();
     // As in the paper, nothing keeps the sheets from crossing: they are only taken apart.
-    let untangle =
-        (Untangle::default().with_method(choice.method), ClothCollision { self_collision: false, contact: false, ..default() });
+    let untangle = (
+        ClothUntangling::default().with_method(choice.method),
+        ClothCollision { self_collision: false, contact: false, ..default() },
+    );
     commands.spawn((
         Name::new("stretched sheet"),
         Most::default(),
@@ -148,7 +150,7 @@ fn keys(
 ) {
     let digits = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4];
     let mut again = keys.just_pressed(KeyCode::KeyR);
-    for (key, method) in digits.into_iter().zip(UntangleMethod::ALL) {
+    for (key, method) in digits.into_iter().zip(ClothUntanglingMethod::ALL) {
         if keys.just_pressed(key) {
             (choice.method, again) = (method, true);
         }

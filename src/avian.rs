@@ -20,13 +20,13 @@ use avian3d::prelude::{
 };
 use bevy::prelude::*;
 
-use crate::components::{ClothCollider, ClothCoupling, ClothImpulse, ClothLayers, ClothRigidBody, NoClothCollision};
+use crate::components::{ClothCollider, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 use crate::notices::{Notices, label};
 use crate::solver::body::shape;
 use crate::systems::colliders::{ColliderBody, WorldBodies, WorldBody, jumped};
 use crate::time::ClothTime;
 
-impl From<CollisionLayers> for ClothLayers {
+impl From<CollisionLayers> for ClothCollisionLayers {
     /// The same bits.
     fn from(layers: CollisionLayers) -> Self {
         Self::new(layers.memberships.0, layers.filters.0)
@@ -100,7 +100,7 @@ type Colliders<'a> = (
     &'a ColliderOf,
     &'a GlobalTransform,
     Option<&'a CollisionLayers>,
-    Option<&'a ClothLayers>,
+    Option<&'a ClothCollisionLayers>,
     Option<&'a Friction>,
     Option<&'a CollisionMargin>,
     Option<&'a mut ColliderBody>,
@@ -169,7 +169,7 @@ pub(crate) fn give(
         (
             Entity,
             &RigidBody,
-            &ClothImpulse,
+            &ClothReaction,
             &ClothRigidBody,
             &mut Position,
             &mut Rotation,
@@ -181,17 +181,17 @@ pub(crate) fn give(
         (With<ClothCoupling>, Without<RigidBodyDisabled>),
     >,
 ) {
-    for (entity, kind, impulse, rigid, mut position, mut rotation, mut linear, mut angular, sleep, asleep) in &mut bodies {
-        if !kind.is_dynamic() || impulse.is_zero() {
+    for (entity, kind, reaction, rigid, mut position, mut rotation, mut linear, mut angular, sleep, asleep) in &mut bodies {
+        if !kind.is_dynamic() || reaction.is_zero() {
             continue;
         }
         let ClothRigidBody { inverse_mass, inverse_inertia, center_of_mass, .. } = *rigid;
         let axes = Mat3::from_quat(rotation.0);
-        let center = position.0 + rotation.0 * center_of_mass + impulse.displacement;
-        linear.0 += inverse_mass * impulse.linear;
-        angular.0 += axes * (inverse_inertia * (axes.transpose() * impulse.angular));
-        if impulse.turn != Quat::IDENTITY {
-            rotation.0 = (impulse.turn * rotation.0).normalize();
+        let center = position.0 + rotation.0 * center_of_mass + reaction.displacement;
+        linear.0 += inverse_mass * reaction.linear;
+        angular.0 += axes * (inverse_inertia * (axes.transpose() * reaction.angular));
+        if reaction.turn != Quat::IDENTITY {
+            rotation.0 = (reaction.turn * rotation.0).normalize();
         }
         position.0 = center - rotation.0 * center_of_mass;
         if let Some(mut sleep) = sleep {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use bevy::math::{DVec3, Vec4};
 use bevy::prelude::*;
 
-use crate::components::{ClothCollision, ClothLayers};
+use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles};
 use crate::solver::detect::PartRef;
 use crate::solver::island::{Island, UntangleSettings};
@@ -102,7 +102,7 @@ impl Member {
 struct Candidate {
     member: Member,
     settings: UntangleSettings,
-    layers: ClothLayers,
+    layers: ClothCollisionLayers,
     origin: DVec3,
     low: DVec3,
     high: DVec3,
@@ -155,7 +155,7 @@ impl ClothIslands {
         member: Member,
         inputs: &ClothInputs,
         particles: &ClothParticles,
-        layers: ClothLayers,
+        layers: ClothCollisionLayers,
         last_box: Option<(DVec3, DVec3)>,
         last: Option<u32>,
     ) -> Option<(DVec3, DVec3)> {
@@ -205,8 +205,8 @@ impl ClothIslands {
             if known {
                 island.members.clone_from(members);
                 for (part, member) in members.iter().enumerate() {
-                    let ClothCollision { layer, self_collision, .. } = member.collision;
-                    island.solver.tune(part, layer, self_collision, member.thickness);
+                    let ClothCollision { garment_layer, self_collision, .. } = member.collision;
+                    island.solver.tune(part, garment_layer, self_collision, member.thickness);
                 }
                 if island.origin != first.origin {
                     island.solver.carry((island.origin - first.origin).as_vec3());
@@ -265,7 +265,7 @@ fn build(members: &[Member]) -> Option<Island> {
         .map(|m| PartRef {
             topology: &m.rest.topology,
             rest: &m.rest.positions,
-            layer: m.collision.layer,
+            layer: m.collision.garment_layer,
             self_collision: m.collision.self_collision,
             thickness: m.thickness,
         })

@@ -29,13 +29,15 @@ pub mod solver;
 pub mod lab;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
-    ClothCoupling, ClothDetail, ClothError, ClothErrorKind, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothImpulse,
-    ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothMembrane, ClothPins, ClothRecovered, ClothReport,
-    ClothRigidBody, ClothSleep, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleported,
-    ClothTouch, ClothUntangled, ClothWind, ClothWoke, ColliderPart, ColliderShape, ColorChannel, GlobalWind, MeshFit,
-    NoClothCollision, OnTargetLost, PinSelect, PinSet, PositionPredicate, RecoveryCause, RecoveryLevel, SkipFrame, SkipPolicy,
-    TeleportMode, Untangle, UntangleMethod, WaitingFor, WindZone, WindZoneShape,
+    Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape, ClothCollision,
+    ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
+    ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
+    ClothGravity, ClothHeld, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
+    ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
+    ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
+    ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
+    ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, PositionPredicate,
+    RecoveryCause, RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -53,13 +55,15 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothBuildReport, ClothCollider, ClothCollision, ClothContactEnded, ClothContactEvents, ClothContactStarted,
-        ClothCoupling, ClothDetail, ClothError, ClothFailed, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothImpulse,
-        ClothLastResort, ClothLayers, ClothLod, ClothMaterial, ClothMembrane, ClothParticles, ClothPins, ClothPlugin,
-        ClothQuery, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSleep, ClothSlept, ClothSnapshot, ClothSolver,
-        ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleported, ClothTouch, ClothUntangled, ClothWind,
-        ClothWoke, ColliderShape, ColorChannel, GlobalWind, MeshFit, NoClothCollision, OnTargetLost, PinSelect, PinSet,
-        SkipFrame, SkipPolicy, TeleportMode, Untangle, UntangleMethod, WindZone, WindZoneShape,
+        Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
+        ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
+        ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity,
+        ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothParticles,
+        ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest,
+        ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot,
+        ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
+        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
+        ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -24,7 +24,7 @@ use bevy::transform::systems::{
 #[cfg(feature = "avian")]
 use crate::avian;
 use crate::bind::{RestCache, Sources};
-use crate::components::{ClothGravity, GlobalWind};
+use crate::components::{ClothGlobalWind, ClothGravity};
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::systems::colliders::WorldBodies;
@@ -118,7 +118,7 @@ impl Plugin for ClothPlugin {
         app.insert_resource(clock)
             .init_resource::<time::ClothTime>()
             .init_resource::<ClothGravity>()
-            .init_resource::<GlobalWind>()
+            .init_resource::<ClothGlobalWind>()
             .init_resource::<RestCache>()
             .init_resource::<Sources>()
             .init_resource::<Notices>()
@@ -129,6 +129,7 @@ impl Plugin for ClothPlugin {
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
             .add_observer(release::on_remove_zone)
+            .add_observer(touch::on_remove_events)
             .add_observer(release::on_remove_grab);
 
         #[cfg(feature = "presets")]

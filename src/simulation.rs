@@ -230,7 +230,8 @@ pub(crate) struct ClothInputs {
     pub carried: bool,
     /// Whether it was carried anywhere in this frame.
     pub rode: bool,
-    pub lod: ClothLod,
+    /// Level of detail, if it has any.
+    pub lod: Option<ClothLod>,
     /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
     pub by_distance: ClothDetail,
     pub unseen_for: f32,
@@ -288,7 +289,7 @@ impl ClothInputs {
             time_scale: 1.0,
             carried: false,
             rode: false,
-            lod: ClothLod::default(),
+            lod: None,
             by_distance: ClothDetail::Full,
             unseen_for: 0.0,
             teleport: (f32::INFINITY, f32::INFINITY),

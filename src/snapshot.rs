@@ -4,7 +4,7 @@ use bevy::ecs::world::WorldId;
 use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
-use crate::components::{ClothContactEvents, ClothError, ClothImpulse, ClothPins, ClothReport, ClothStatus, ClothTouch};
+use crate::components::{ClothContacts, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus};
 use crate::islands::{ClothIsland, ClothIslands};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
 use crate::solver::wind::Wind;
@@ -22,7 +22,7 @@ use crate::time::ClothTime;
 /// travelled, and where bodies were in the last frame. What is the app's, the app restores: transforms and parents, settings, grips
 /// ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time. Then the frames that follow have the same bits as those that followed the
 /// first time. Write only what differs ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is
-/// written. What cameras saw is not in it, so let `ClothLod` be off where bits matter.
+/// written. What cameras saw is not in it, so do without `ClothLod` where bits matter.
 ///
 /// Capture and restore between two updates, or in an exclusive system before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after
 /// [`ClothSystems::Sync`](crate::ClothSystems::Sync). A snapshot lives in memory, and only the world it is of can be restored from it.
@@ -73,7 +73,7 @@ struct SavedCloth {
     scratch: ClothScratch,
     slumber: Slumber,
     report: ClothReport,
-    touches: Vec<ClothTouch>,
+    contacts: ClothContacts,
     /// What queries see, and its origin `[m]`.
     shown: (Vec<Vec3>, DVec3),
 }
@@ -84,7 +84,7 @@ struct Surroundings {
     time: ClothTime,
     wind: Wind,
     colliders: Vec<(Entity, Option<Isometry3d>)>,
-    coupled: Vec<(Entity, CoupledBody, ClothImpulse)>,
+    coupled: Vec<(Entity, CoupledBody, ClothReaction)>,
     grips: Vec<(Entity, Grip)>,
     #[cfg(feature = "avian")]
     physics: crate::avian::Seen,
@@ -116,12 +116,12 @@ impl ClothSnapshot {
             &ClothReport,
             &ClothShown,
             &ClothStatus,
-            Option<&ClothContactEvents>,
+            Option<&ClothContacts>,
         )>();
         let mut cloths: Vec<SavedCloth> = query
             .iter(world)
             .filter(|(entity, .., status, _)| wanted(*entity) && **status == ClothStatus::Active)
-            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, events)| SavedCloth {
+            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, contacts)| SavedCloth {
                 entity,
                 rest: rest.clone(),
                 particles: particles.clone(),
@@ -129,7 +129,7 @@ impl ClothSnapshot {
                 scratch: scratch.clone(),
                 slumber: slumber.clone(),
                 report: report.clone(),
-                touches: events.map_or_else(Vec::new, |events| events.touches.clone()),
+                contacts: contacts.cloned().unwrap_or_default(),
                 shown: (shown.particles.clone(), shown.origin),
             })
             .collect();
@@ -210,6 +210,7 @@ impl SavedCloth {
         put(&mut cloth, &self.scratch);
         put(&mut cloth, &self.slumber);
         put(&mut cloth, &self.report);
+        put(&mut cloth, &self.contacts);
         // Other pins than these are bound anew, to the cloth as it was.
         if let Some(mut pins) = cloth.get_mut::<ClothPins>().filter(|pins| **pins != self.inputs.pins) {
             pins.set_changed();
@@ -219,21 +220,18 @@ impl SavedCloth {
             shown.origin = self.shown.1;
             (shown.forced, shown.still) = (true, false);
         }
-        if let Some(mut events) = cloth.get_mut::<ClothContactEvents>() {
-            events.touches.clone_from(&self.touches);
-        }
     }
 }
 
 impl Surroundings {
     fn of(world: &mut World) -> Option<Self> {
         let (time, wind) = (*world.get_resource::<ClothTime>()?, world.get_resource::<WorldAir>()?.wind.clone());
-        let mut coupled = world.query::<(Entity, &CoupledBody, &ClothImpulse)>();
+        let mut coupled = world.query::<(Entity, &CoupledBody, &ClothReaction)>();
         Some(Self {
             time,
             wind,
             colliders: world.query::<(Entity, &ColliderBody)>().iter(world).map(|(entity, body)| (entity, body.pose)).collect(),
-            coupled: coupled.iter(world).map(|(entity, body, impulse)| (entity, *body, *impulse)).collect(),
+            coupled: coupled.iter(world).map(|(entity, body, reaction)| (entity, *body, *reaction)).collect(),
             grips: world.query::<(Entity, &Grip)>().iter(world).map(|(entity, grip)| (entity, grip.clone())).collect(),
             #[cfg(feature = "avian")]
             physics: world.get_resource::<crate::avian::Seen>().copied().unwrap_or_default(),
@@ -252,10 +250,10 @@ impl Surroundings {
                 body.pose = *pose;
             }
         }
-        for (entity, body, impulse) in &self.coupled {
+        for (entity, body, reaction) in &self.coupled {
             let Ok(mut entity) = world.get_entity_mut(*entity) else { continue };
             put(&mut entity, body);
-            put(&mut entity, impulse);
+            put(&mut entity, reaction);
         }
         for (entity, grip) in &self.grips {
             if let Ok(mut entity) = world.get_entity_mut(*entity) {

@@ -1,7 +1,7 @@
 //! Command lines of the programs without a window: what is wrong is one line on stderr, and the exit code is 2.
 #![allow(dead_code, reason = "each program uses a part")]
 
-use bevy_drape::UntangleMethod;
+use bevy_drape::ClothUntanglingMethod;
 use clap::Parser;
 
 /// The arguments; ends the process if they are wrong, or if only help is asked for.
@@ -29,8 +29,8 @@ fn one_line(error: &str) -> String {
 }
 
 /// A method of untangling by its name, in any of the usual spellings.
-pub fn method(text: &str) -> Result<UntangleMethod, String> {
+pub fn method(text: &str) -> Result<ClothUntanglingMethod, String> {
     let plain = |name: &str| name.to_lowercase().replace(['-', '_'], "");
-    let known = UntangleMethod::ALL.into_iter().find(|m| plain(&format!("{m:?}")) == plain(text));
+    let known = ClothUntanglingMethod::ALL.into_iter().find(|m| plain(&format!("{m:?}")) == plain(text));
     known.ok_or_else(|| "must be history, local-gradient, global-gradient or by-end-type".into())
 }

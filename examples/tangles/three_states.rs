@@ -16,8 +16,8 @@ use super::state::State;
 use super::{counts, grid_mesh, upright};
 
 /// Methods, from above, and what they are called.
-const ROWS: [(UntangleMethod, &str); 2] =
-    [(UntangleMethod::LocalGradient, "2006: local gradient"), (UntangleMethod::ByEndType, "ours: by end type")];
+const ROWS: [(ClothUntanglingMethod, &str); 2] =
+    [(ClothUntanglingMethod::LocalGradient, "2006: local gradient"), (ClothUntanglingMethod::ByEndType, "ours: by end type")];
 /// States, from the left.
 const COLUMNS: [State; 3] = [State::Tangled, State::MostlySeparated, State::Separated];
 /// Distance between columns and between rows, and the height of the lower row [m].
@@ -53,13 +53,13 @@ pub fn spawn(commands: &mut Commands, meshes: &mut Assets<Mesh>, materials: [Han
         let height = low + up * (1 - row) as f32;
         for (column, until) in COLUMNS.into_iter().enumerate() {
             let at = Vec3::new(across * (column as f32 - 1.0), height, 0.0);
-            let untangle = Untangle::default().with_method(method);
+            let untangle = ClothUntangling::default().with_method(method);
             // The first is only measured.
-            let untangle = if column == 0 { Untangle { iterations: 0, ..untangle } } else { untangle };
+            let untangle = if column == 0 { ClothUntangling { iterations: 0, ..untangle } } else { untangle };
             let pair = [0, 1].map(|k| {
                 // As in the paper, nothing keeps the sheets from crossing.
                 let only = ClothCollision { self_collision: false, contact: false, ..default() };
-                let cloth = (Cloth, ClothMaterial::COTTON, untangle, only, SkipFrame::OFF);
+                let cloth = (Cloth, ClothMaterial::COTTON, untangle, only, ClothSkipFrame::OFF);
                 let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.45) * upright());
                 let pins = if k == 0 { ClothPins::where_position(|p| p.x.abs().min(p.y.abs()) > 0.499) } else { default() };
                 commands.spawn((cloth, Mesh3d(sheets[k].clone()), MeshMaterial3d(materials[k].clone()), place, pins)).id()

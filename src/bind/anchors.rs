@@ -6,9 +6,8 @@ use bevy::prelude::*;
 
 use super::placement::seen_from;
 use super::{Authored, Placement};
-use crate::components::{ClothError, ClothErrorKind, ClothPins, ColorChannel, PinSelect};
-use crate::solver::anchors::Anchors;
-use crate::solver::anchors::RIGID;
+use crate::components::{ClothColorChannel, ClothError, ClothErrorKind, ClothPinSelect, ClothPins};
+use crate::solver::anchors::{Anchors, RIGID};
 use crate::solver::rest::RestShape;
 use crate::solver::slew::SLEW_TIME;
 
@@ -97,13 +96,13 @@ pub(crate) fn resolve(
             }
         };
         match &set.select {
-            PinSelect::Vertices(vertices) => vertices.iter().for_each(|&v| hold(v, 1.0)),
-            PinSelect::Weighted(weights) => weights.iter().for_each(|&(v, w)| hold(v, w)),
-            PinSelect::Position(predicate) => {
+            ClothPinSelect::Vertices(vertices) => vertices.iter().for_each(|&v| hold(v, 1.0)),
+            ClothPinSelect::Weighted(weights) => weights.iter().for_each(|&(v, w)| hold(v, w)),
+            ClothPinSelect::Position(predicate) => {
                 (0..).zip(&authored.positions).filter(|(_, p)| predicate.holds(**p)).for_each(|(v, _)| hold(v, 1.0));
             }
-            PinSelect::Color(channel) => (0..).zip(color(mesh, *channel)?).for_each(|(v, w)| hold(v, w)),
-            PinSelect::Attribute(name) => (0..).zip(attribute(mesh, name)?).for_each(|(v, w)| hold(v, w)),
+            ClothPinSelect::Color(channel) => (0..).zip(color(mesh, *channel)?).for_each(|(v, w)| hold(v, w)),
+            ClothPinSelect::Attribute(name) => (0..).zip(attribute(mesh, name)?).for_each(|(v, w)| hold(v, w)),
         }
     }
     resolved.bad_pins.sort_unstable();
@@ -181,7 +180,7 @@ pub(crate) fn slew_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [b
     [moved, turned]
 }
 
-fn color(mesh: &Mesh, channel: ColorChannel) -> Result<impl Iterator<Item = f32> + '_, ClothError> {
+fn color(mesh: &Mesh, channel: ClothColorChannel) -> Result<impl Iterator<Item = f32> + '_, ClothError> {
     let Ok(VertexAttributeValues::Float32x4(colors)) = mesh.try_attribute(Mesh::ATTRIBUTE_COLOR) else {
         return Err(ClothError {
             kind: ClothErrorKind::NoPinAttribute,

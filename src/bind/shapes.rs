@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::read;
-use crate::components::{ColliderPart, ColliderShape, MeshFit};
+use crate::components::{ClothColliderPart, ClothColliderShape, ClothMeshFit};
 use crate::solver::body::shape::{self, ShapeError};
 use crate::solver::body::{Pose, SharedShape};
 
@@ -22,30 +22,32 @@ pub(crate) enum ColliderError {
 }
 
 /// The shape, unscaled.
-pub(crate) fn shape_of(shape: &ColliderShape, mesh: Option<&Mesh>) -> Result<SharedShape, ColliderError> {
+pub(crate) fn shape_of(shape: &ClothColliderShape, mesh: Option<&Mesh>) -> Result<SharedShape, ColliderError> {
     Ok(match shape {
-        ColliderShape::Ball { radius } => shape::ball(*radius)?,
-        ColliderShape::Capsule { radius, length } => shape::capsule(*radius, 0.5 * length).map_err(whole)?,
-        ColliderShape::Cuboid { size } => shape::cuboid(0.5 * *size).map_err(whole)?,
-        ColliderShape::Cylinder { radius, height } => shape::cylinder(*radius, 0.5 * height).map_err(whole)?,
-        ColliderShape::Cone { radius, height } => shape::cone(*radius, 0.5 * height).map_err(whole)?,
-        ColliderShape::HalfSpace { normal } => shape::half_space(*normal)?,
-        ColliderShape::ConvexHull { points } => shape::convex_hull(points)?,
-        ColliderShape::TriMesh { vertices, triangles, solid: false } => shape::trimesh(vertices.clone(), triangles.clone())?,
-        ColliderShape::TriMesh { vertices, triangles, solid: true } => {
+        ClothColliderShape::Ball { radius } => shape::ball(*radius)?,
+        ClothColliderShape::Capsule { radius, length } => shape::capsule(*radius, 0.5 * length).map_err(whole)?,
+        ClothColliderShape::Cuboid { size } => shape::cuboid(0.5 * *size).map_err(whole)?,
+        ClothColliderShape::Cylinder { radius, height } => shape::cylinder(*radius, 0.5 * height).map_err(whole)?,
+        ClothColliderShape::Cone { radius, height } => shape::cone(*radius, 0.5 * height).map_err(whole)?,
+        ClothColliderShape::HalfSpace { normal } => shape::half_space(*normal)?,
+        ClothColliderShape::ConvexHull { points } => shape::convex_hull(points)?,
+        ClothColliderShape::TriMesh { vertices, triangles, solid: false } => {
+            shape::trimesh(vertices.clone(), triangles.clone())?
+        }
+        ClothColliderShape::TriMesh { vertices, triangles, solid: true } => {
             shape::solid_trimesh(vertices.clone(), triangles.clone())?
         }
-        ColliderShape::HeightField { rows, columns, heights, size } => {
+        ClothColliderShape::HeightField { rows, columns, heights, size } => {
             shape::heightfield(*rows as usize, *columns as usize, heights, *size)?
         }
-        ColliderShape::Compound { parts } => {
+        ClothColliderShape::Compound { parts } => {
             let parts: Result<Vec<_>, ColliderError> = parts.iter().map(|part| part_of(part, mesh)).collect();
             shape::compound(parts?)?
         }
         // A plane needs no mesh.
-        ColliderShape::Mesh(MeshFit::HalfSpace) => shape::half_space(Vec3::Y)?,
-        ColliderShape::Mesh(fit) => fitted(*fit, mesh.ok_or(ColliderError::NoMesh)?)?,
-        ColliderShape::Parry(shape) => shape::checked(shape.0.clone().ok_or(ShapeError::Empty)?)?,
+        ClothColliderShape::Mesh(ClothMeshFit::HalfSpace) => shape::half_space(Vec3::Y)?,
+        ClothColliderShape::Mesh(fit) => fitted(*fit, mesh.ok_or(ColliderError::NoMesh)?)?,
+        ClothColliderShape::Parry(shape) => shape::checked(shape.0.clone().ok_or(ShapeError::Empty)?)?,
     })
 }
 
@@ -63,11 +65,11 @@ fn whole(error: ShapeError) -> ShapeError {
     ShapeError::Size { what, value: 2.0 * value }
 }
 
-fn part_of(part: &ColliderPart, mesh: Option<&Mesh>) -> Result<(Pose, SharedShape), ColliderError> {
+fn part_of(part: &ClothColliderPart, mesh: Option<&Mesh>) -> Result<(Pose, SharedShape), ColliderError> {
     Ok((Pose::from_parts(part.translation, part.rotation), shape_of(&part.shape, mesh)?))
 }
 
-fn fitted(fit: MeshFit, mesh: &Mesh) -> Result<SharedShape, ColliderError> {
+fn fitted(fit: ClothMeshFit, mesh: &Mesh) -> Result<SharedShape, ColliderError> {
     let authored = read(mesh).map_err(|error| ColliderError::Unreadable(error.detail))?;
     let fold = |(low, high): (Vec3, Vec3), p: &Vec3| (low.min(*p), high.max(*p));
     let (low, high) = authored.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold);
@@ -75,16 +77,16 @@ fn fitted(fit: MeshFit, mesh: &Mesh) -> Result<SharedShape, ColliderError> {
     let moved = |shape| shape::compound(vec![(Pose::from_translation(center), shape)]);
     let centred = center.length() <= 1.0e-4 * half.length();
     Ok(match fit {
-        MeshFit::Ball => {
+        ClothMeshFit::Ball => {
             let radius = authored.positions.iter().map(|p| p.distance_squared(center)).fold(0.0, f32::max).sqrt();
             let ball = shape::ball(radius)?;
             if centred { ball } else { moved(ball)? }
         }
-        MeshFit::Cuboid => {
+        ClothMeshFit::Cuboid => {
             let cuboid = shape::cuboid(half)?;
             if centred { cuboid } else { moved(cuboid)? }
         }
-        MeshFit::Capsule => {
+        ClothMeshFit::Capsule => {
             let axis = if half.x > half.y && half.x > half.z {
                 Vec3::X
             } else if half.z > half.y {
@@ -96,8 +98,8 @@ fn fitted(fit: MeshFit, mesh: &Mesh) -> Result<SharedShape, ColliderError> {
             let reach = (half.max_element() - radius).max(0.0);
             shape::capsule_between(center - axis * reach, center + axis * reach, radius)?
         }
-        MeshFit::ConvexHull => shape::convex_hull(&authored.positions)?,
-        MeshFit::TriMesh => shape::trimesh(authored.positions, authored.triangles)?,
-        MeshFit::HalfSpace => shape::half_space(Vec3::Y)?,
+        ClothMeshFit::ConvexHull => shape::convex_hull(&authored.positions)?,
+        ClothMeshFit::TriMesh => shape::trimesh(authored.positions, authored.triangles)?,
+        ClothMeshFit::HalfSpace => shape::half_space(Vec3::Y)?,
     })
 }

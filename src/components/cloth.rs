@@ -3,15 +3,20 @@
 use bevy::prelude::*;
 
 use super::{
-    ClothBuildReport, ClothCollision, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSleep, ClothSolver, ClothStatus,
-    SkipFrame, Untangle,
+    ClothBuildReport, ClothCollision, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver,
+    ClothStatus, ClothUntangling,
 };
 
 /// Makes the [`Mesh3d`] of its entity a cloth.
 ///
 /// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is simulated
-/// and where it is held; [`ClothCollision`], [`Untangle`] and [`SkipFrame`] what happens when it meets itself or another cloth;
-/// [`ClothSleep`] and [`ClothLod`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
+/// and where it is held; [`ClothCollision`], [`ClothUntangling`] and [`ClothSkipFrame`] what happens when it meets itself or another cloth;
+/// [`ClothSleep`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
+///
+/// The rest is put on where it is wanted: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
+/// [`ClothLod`](crate::ClothLod), [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as
+/// they are there: [`ClothDisabled`], [`ClothSleepDisabled`](crate::ClothSleepDisabled),
+/// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
 ///
 /// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh back. The cloth starts
 /// where the entity is and then lives in the world: moving the entity moves what is pinned to it, and the rest follows by physics.
@@ -37,13 +42,24 @@ use super::{
     ClothSolver,
     ClothPins,
     ClothCollision,
-    Untangle,
-    SkipFrame,
+    ClothUntangling,
+    ClothSkipFrame,
     ClothSleep,
-    ClothLod,
     ClothStatus,
     ClothReport,
     ClothBuildReport,
     Transform
 )]
 pub struct Cloth;
+
+/// Switches the cloth of its entity off for as long as it is there: it is neither stepped nor looked at, costs nothing, meets no other cloth,
+/// and is shown as it is, in the space of its entity; one that was never simulated is drawn as it was authored. When this is removed the
+/// cloth goes on from where it was, with the speed it had.
+///
+/// What carries it may move meanwhile: a long way is a teleport ([`ClothSolver::teleport`](crate::ClothSolver::teleport)), a short one that of
+/// a single frame. A cloth that is to stay where others lie on it is paused, with a [`ClothSolver::time_scale`](crate::ClothSolver::time_scale) of 0.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothDisabled;

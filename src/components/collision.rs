@@ -13,14 +13,16 @@ pub struct ClothCollision {
     /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths pass through
     /// each other and are untangled afterwards.
     pub contact: bool,
-    /// Order of layers of clothing: of two cloths that cross, the one with the higher number is brought outside, which is where the front of
-    /// their triangles faces; cloth that lies there in another order is found, too. Default 0; equal numbers have no order. Where pins of both hold
-    /// them in another order, that of the pins counts, and a warning says so.
-    pub layer: i32,
+    /// Place in the order of clothes that are worn over each other: of two cloths that cross, the one with the higher number is brought
+    /// outside, which is where the front of their triangles faces; cloth that lies there in another order is found, too. Default 0; equal
+    /// numbers have no order. Where pins of both hold them in another order, that of the pins counts, and a warning says so. What meets at
+    /// all is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers). Files may call it `layer`.
+    #[cfg_attr(feature = "presets", serde(alias = "layer"))]
+    pub garment_layer: i32,
 }
 
 impl Default for ClothCollision {
     fn default() -> Self {
-        Self { self_collision: true, contact: true, layer: 0 }
+        Self { self_collision: true, contact: true, garment_layer: 0 }
     }
 }

@@ -24,9 +24,9 @@ use crate::systems::couple::CoupledBody;
 /// // A mast that tells how hard the sail pulls at it.
 /// commands.spawn((ClothCollider::cylinder(0.1, 6.0), ClothCoupling::TwoWay));
 /// # }
-/// # fn creak(masts: Query<&ClothImpulse>, time: Res<Time>) {
-/// for impulse in &masts {
-///     let force = impulse.linear / time.delta_secs(); // [N]
+/// # fn creak(masts: Query<&ClothReaction>, time: Res<Time>) {
+/// for reaction in &masts {
+///     let force = reaction.linear / time.delta_secs(); // [N]
 /// #   let _ = force;
 /// }
 /// # }
@@ -35,12 +35,12 @@ use crate::systems::couple::CoupledBody;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-#[require(ClothImpulse, ClothRigidBody, CoupledBody)]
+#[require(ClothReaction, ClothRigidBody, CoupledBody)]
 pub enum ClothCoupling {
     /// Cloth gives it nothing. On a child of a two-way body: that child takes no part.
     #[default]
     OneWay,
-    /// [`ClothImpulse`] says what cloth gave it. A body with a mass ([`ClothRigidBody`]; a dynamic `RigidBody` of avian has one) also gives
+    /// [`ClothReaction`] says what cloth gave it. A body with a mass ([`ClothRigidBody`]; a dynamic `RigidBody` of avian has one) also gives
     /// way within the frame.
     TwoWay,
 }
@@ -54,7 +54,7 @@ pub enum ClothCoupling {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct ClothImpulse {
+pub struct ClothReaction {
     /// Impulse `[N s]`. Divided by the length of the frame: the mean force `[N]`.
     pub linear: Vec3,
     /// Angular impulse about the centre of mass `[N m s]`, which is the origin of the entity unless [`ClothRigidBody`] says otherwise.
@@ -65,13 +65,13 @@ pub struct ClothImpulse {
     pub turn: Quat,
 }
 
-impl Default for ClothImpulse {
+impl Default for ClothReaction {
     fn default() -> Self {
         Self { linear: Vec3::ZERO, angular: Vec3::ZERO, displacement: Vec3::ZERO, turn: Quat::IDENTITY }
     }
 }
 
-impl ClothImpulse {
+impl ClothReaction {
     /// Whether cloth gave nothing.
     #[must_use]
     pub fn is_zero(&self) -> bool {
@@ -81,7 +81,7 @@ impl ClothImpulse {
 
 /// How readily a body with [`ClothCoupling::TwoWay`] gives way. Default: not at all.
 ///
-/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of [`ClothImpulse`]
+/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of [`ClothReaction`]
 /// after [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next frame of the cloth goes on from
 /// there. The component of a body of avian is kept up to date from its mass properties.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]

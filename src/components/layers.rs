@@ -4,19 +4,20 @@ use bevy::prelude::*;
 
 /// Layers of a cloth or a collider. Without it: member of layer 0, touches everything.
 ///
-/// Two things touch when each is a member of a layer that the other filters for.
+/// Two things touch when each is a member of a layer that the other filters for. The order of clothes that are worn over each other is
+/// [`ClothCollision::garment_layer`](crate::ClothCollision::garment_layer).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct ClothLayers {
+pub struct ClothCollisionLayers {
     /// Layers it belongs to, a bit each. Default `1`.
     pub memberships: u32,
     /// Layers it touches, a bit each. Default all.
     pub filters: u32,
 }
 
-impl ClothLayers {
+impl ClothCollisionLayers {
     /// Member of layer 0, touches everything.
     pub const DEFAULT: Self = Self { memberships: 1, filters: u32::MAX };
 
@@ -33,7 +34,7 @@ impl ClothLayers {
     }
 }
 
-impl Default for ClothLayers {
+impl Default for ClothCollisionLayers {
     fn default() -> Self {
         Self::DEFAULT
     }
@@ -45,9 +46,9 @@ mod tests {
 
     #[test]
     fn two_touch_only_when_each_filters_for_the_other() {
-        let a = ClothLayers::new(0b01, 0b10);
-        let b = ClothLayers::new(0b10, 0b01);
-        let c = ClothLayers::new(0b10, 0b10);
+        let a = ClothCollisionLayers::new(0b01, 0b10);
+        let b = ClothCollisionLayers::new(0b10, 0b01);
+        let c = ClothCollisionLayers::new(0b10, 0b10);
         assert!(a.touches(b) && b.touches(a));
         assert!(!a.touches(c) && !c.touches(a));
     }

@@ -6,8 +6,9 @@ use super::checked::Checked;
 
 /// Level of detail: what a cloth costs follows from how far it is from the cameras, and whether one of them sees it.
 ///
-/// Off by default: then nothing that happens depends on who looks. Where it is on, a cloth takes all its substeps near the nearest active
-/// camera, half of them farther away, a quarter beyond that, and far away it stands still and is carried along rigidly by what it hangs on.
+/// No cloth has it unless you put it on: without it nothing that happens depends on who looks. A cloth that has it takes all its substeps
+/// near the nearest active camera, half of them farther away, a quarter beyond that, and far away it stands still and is carried along
+/// rigidly by what it hangs on.
 /// What it is at is in [`ClothReport::detail`](crate::ClothReport::detail).
 ///
 /// ```text
@@ -29,8 +30,6 @@ use super::checked::Checked;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothLod {
-    /// Whether distance and visibility matter. Default false.
-    pub enabled: bool,
     /// Distance up to which it is simulated in full `[m]`. Default 15, range 0.01 to 1e6. Too near: cloth stretches in plain view; too far:
     /// nothing is saved.
     pub full_within: f32,
@@ -43,23 +42,18 @@ pub struct ClothLod {
 }
 
 impl ClothLod {
-    /// Simulated in full everywhere: the default.
-    pub const OFF: Self = Self { enabled: false, full_within: 15.0, still_beyond: 150.0, unseen: ClothDetail::Quarter };
-    /// On, with the default distances.
-    pub const ON: Self = Self { enabled: true, ..Self::OFF };
-
     pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
         Self {
             full_within: checked.within("lod.full_within", self.full_within, 15.0, 0.01, 1.0e6),
             still_beyond: checked.within("lod.still_beyond", self.still_beyond, 150.0, 0.01, 1.0e6),
-            ..*self
+            unseen: self.unseen,
         }
     }
 }
 
 impl Default for ClothLod {
     fn default() -> Self {
-        Self::OFF
+        Self { full_within: 15.0, still_beyond: 150.0, unseen: ClothDetail::Quarter }
     }
 }
 

@@ -22,24 +22,24 @@ mod touch;
 mod untangle;
 mod wind;
 
-pub use cloth::Cloth;
-pub use collider::ClothCollider;
+pub use cloth::{Cloth, ClothDisabled};
+pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
-pub use coupling::{ClothCoupling, ClothImpulse, ClothRigidBody, NoClothCollision};
+pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 pub use grab::ClothGrab;
-pub use layers::ClothLayers;
+pub use layers::ClothCollisionLayers;
 pub use lod::{ClothDetail, ClothLod};
 pub use material::ClothMaterial;
-pub use pins::{ClothPins, ColorChannel, OnTargetLost, PinSelect, PinSet, PositionPredicate};
+pub use pins::{ClothColorChannel, ClothOnTargetLost, ClothPinSelect, ClothPinSet, ClothPins, PositionPredicate};
 pub use report::{ClothBuildReport, ClothReport};
-pub use shape::{ColliderPart, ColliderShape, MeshFit};
-pub use skip::{SkipFrame, SkipPolicy};
-pub use sleep::{ClothSleep, ClothSlept, ClothWoke};
-pub use solver::{ClothGravity, ClothMembrane, ClothSolver, TeleportMode};
+pub use shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit};
+pub use skip::{ClothSkipFrame, ClothSkipPolicy};
+pub use sleep::{ClothSleep, ClothSleepDisabled, ClothSlept, ClothWoke};
+pub use solver::{ClothGravity, ClothMembrane, ClothSolver, ClothTeleportMode};
 pub use status::{
-    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothStatus, ClothTangled,
-    ClothTargetLost, ClothTeleported, ClothUntangled, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
+    ClothTeleported, ClothUntangled, ClothUntanglingEscalated, RecoveryCause, RecoveryLevel, WaitingFor,
 };
-pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothTouch};
-pub use untangle::{Untangle, UntangleMethod};
-pub use wind::{ClothWind, GlobalWind, WindZone, WindZoneShape};
+pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothTouch};
+pub use untangle::{ClothUntangling, ClothUntanglingDisabled, ClothUntanglingMethod};
+pub use wind::{ClothGlobalWind, ClothWind, ClothWindZone, ClothWindZoneShape};

@@ -16,7 +16,7 @@ use super::checked::Checked;
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;
 /// # fn pins(left_hand: Entity) -> ClothPins {
-/// ClothPins::vertices([0, 40]).to(left_hand).and(ClothPins::color(ColorChannel::R).weighted(0.5))
+/// ClothPins::vertices([0, 40]).to(left_hand).and(ClothPins::color(ClothColorChannel::R).weighted(0.5))
 /// # }
 /// ```
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
@@ -26,9 +26,9 @@ use super::checked::Checked;
 pub struct ClothPins {
     /// The sets. Where two hold one vertex, the heavier weight holds it; with equal weights the first.
     #[entities]
-    pub sets: Vec<PinSet>,
-    /// What happens when the target of a set is despawned. Default [`OnTargetLost::Hold`].
-    pub on_target_lost: OnTargetLost,
+    pub sets: Vec<ClothPinSet>,
+    /// What happens when the target of a set is despawned. Default [`ClothOnTargetLost::Hold`].
+    pub on_target_lost: ClothOnTargetLost,
 }
 
 /// Vertices that are held by one target.
@@ -36,9 +36,9 @@ pub struct ClothPins {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct PinSet {
+pub struct ClothPinSet {
     /// Which vertices.
-    pub select: PinSelect,
+    pub select: ClothPinSelect,
     /// How firmly: 1 = rigidly, 0 = not at all (dimensionless). Default 1, range 0 to 1. Multiplies the weights of the selection.
     pub weight: f32,
     /// What holds them; the cloth's own entity if `None`.
@@ -51,7 +51,7 @@ pub struct PinSet {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum PinSelect {
+pub enum ClothPinSelect {
     /// Vertices of the mesh by index. Indices past the end are ignored and listed in
     /// [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
     Vertices(Vec<u32>),
@@ -64,7 +64,7 @@ pub enum PinSelect {
     #[cfg_attr(feature = "serialize", serde(skip))]
     Position(PositionPredicate),
     /// A channel of the vertex colour is the weight.
-    Color(ColorChannel),
+    Color(ClothColorChannel),
     /// A float attribute of that name is the weight, such as `"_PIN"` in a glTF.
     Attribute(String),
 }
@@ -74,7 +74,7 @@ pub enum PinSelect {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum ColorChannel {
+pub enum ClothColorChannel {
     /// Red.
     #[default]
     R,
@@ -123,7 +123,7 @@ impl PartialEq for PositionPredicate {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum OnTargetLost {
+pub enum ClothOnTargetLost {
     /// The set stays where it is.
     #[default]
     Hold,
@@ -134,27 +134,27 @@ pub enum OnTargetLost {
 }
 
 /// No vertex at all.
-impl Default for PinSelect {
+impl Default for ClothPinSelect {
     fn default() -> Self {
         Self::Vertices(Vec::new())
     }
 }
 
-impl Default for PinSet {
+impl Default for ClothPinSet {
     fn default() -> Self {
-        PinSelect::default().into()
+        ClothPinSelect::default().into()
     }
 }
 
-impl From<PinSelect> for PinSet {
-    fn from(select: PinSelect) -> Self {
+impl From<ClothPinSelect> for ClothPinSet {
+    fn from(select: ClothPinSelect) -> Self {
         Self { select, weight: 1.0, target: None }
     }
 }
 
-impl From<PinSelect> for ClothPins {
-    fn from(select: PinSelect) -> Self {
-        Self { sets: vec![select.into()], on_target_lost: OnTargetLost::Hold }
+impl From<ClothPinSelect> for ClothPins {
+    fn from(select: ClothPinSelect) -> Self {
+        Self { sets: vec![select.into()], on_target_lost: ClothOnTargetLost::Hold }
     }
 }
 
@@ -162,41 +162,41 @@ impl ClothPins {
     /// Names a weight that is out of range: it is used clamped, and holds nothing if it is not a number.
     pub(crate) fn checked(&self, checked: &mut Checked) {
         if let Some(bad) = self.sets.iter().find(|set| !(0.0..=1.0).contains(&set.weight)) {
-            checked.within("PinSet::weight", bad.weight, 0.0, 0.0, 1.0);
+            checked.within("ClothPinSet::weight", bad.weight, 0.0, 0.0, 1.0);
         }
     }
 
     /// No pins.
-    pub const NONE: Self = Self { sets: Vec::new(), on_target_lost: OnTargetLost::Hold };
+    pub const NONE: Self = Self { sets: Vec::new(), on_target_lost: ClothOnTargetLost::Hold };
 
     /// Holds vertices of the mesh by index.
     #[must_use]
     pub fn vertices(indices: impl IntoIterator<Item = u32>) -> Self {
-        PinSelect::Vertices(indices.into_iter().collect()).into()
+        ClothPinSelect::Vertices(indices.into_iter().collect()).into()
     }
 
     /// Holds vertices of the mesh by index, each with a weight from 0 to 1.
     #[must_use]
     pub fn weights(weights: impl IntoIterator<Item = (u32, f32)>) -> Self {
-        PinSelect::Weighted(weights.into_iter().collect()).into()
+        ClothPinSelect::Weighted(weights.into_iter().collect()).into()
     }
 
-    /// Holds the vertices at whose position in the space of the mesh `[m]` the predicate holds. Cannot be serialized: see [`PinSelect::Position`].
+    /// Holds the vertices at whose position in the space of the mesh `[m]` the predicate holds. Cannot be serialized: see [`ClothPinSelect::Position`].
     #[must_use]
     pub fn where_position(predicate: impl Fn(Vec3) -> bool + Send + Sync + 'static) -> Self {
-        PinSelect::Position(PositionPredicate::new(predicate)).into()
+        ClothPinSelect::Position(PositionPredicate::new(predicate)).into()
     }
 
     /// Holds vertices by a channel of the vertex colour: 1 = rigidly, 0 = not at all.
     #[must_use]
-    pub fn color(channel: ColorChannel) -> Self {
-        PinSelect::Color(channel).into()
+    pub fn color(channel: ClothColorChannel) -> Self {
+        ClothPinSelect::Color(channel).into()
     }
 
     /// Holds vertices by a float attribute of the mesh: 1 = rigidly, 0 = not at all.
     #[must_use]
     pub fn attribute(name: impl Into<String>) -> Self {
-        PinSelect::Attribute(name.into()).into()
+        ClothPinSelect::Attribute(name.into()).into()
     }
 
     /// Hands the last set to another entity.
@@ -226,7 +226,7 @@ impl ClothPins {
 
     /// What happens when the target of a set is despawned.
     #[must_use]
-    pub fn on_target_lost(mut self, reaction: OnTargetLost) -> Self {
+    pub fn on_target_lost(mut self, reaction: ClothOnTargetLost) -> Self {
         self.on_target_lost = reaction;
         self
     }

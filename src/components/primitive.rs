@@ -2,11 +2,11 @@
 
 use bevy::prelude::*;
 
-use super::{ClothCollider, ColliderShape};
+use super::{ClothCollider, ClothColliderShape};
 
 macro_rules! colliders_from {
     ($($primitive:ident: $shape:expr;)*) => {$(
-        impl From<$primitive> for ColliderShape {
+        impl From<$primitive> for ClothColliderShape {
             fn from(primitive: $primitive) -> Self {
                 let shape: fn($primitive) -> Self = $shape;
                 shape(primitive)

@@ -8,7 +8,7 @@ use parry3d::shape::SharedShape;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum ColliderShape {
+pub enum ClothColliderShape {
     /// A ball around the origin.
     Ball {
         /// Radius `[m]`.
@@ -73,10 +73,10 @@ pub enum ColliderShape {
     /// Several shapes moved as one.
     Compound {
         /// The parts.
-        parts: Vec<ColliderPart>,
+        parts: Vec<ClothColliderPart>,
     },
     /// Fitted to the mesh of the entity.
-    Mesh(MeshFit),
+    Mesh(ClothMeshFit),
     /// Any shape of parry3d; neither saved nor shown.
     #[cfg_attr(feature = "serialize", serde(skip))]
     Parry(#[reflect(ignore)] ParryShape),
@@ -107,7 +107,7 @@ impl PartialEq for ParryShape {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum MeshFit {
+pub enum ClothMeshFit {
     /// The ball around the centre of its box that holds every vertex.
     Ball,
     /// A capsule along the longest axis of its box.
@@ -128,16 +128,16 @@ pub enum MeshFit {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct ColliderPart {
+pub struct ClothColliderPart {
     /// Position in the collider `[m]`.
     pub translation: Vec3,
     /// Orientation in the collider.
     pub rotation: Quat,
     /// The shape. It must not be a compound or triangles: a collider with such a part pushes nothing, and says so in a warning.
-    pub shape: ColliderShape,
+    pub shape: ClothColliderShape,
 }
 
-impl Default for ColliderShape {
+impl Default for ClothColliderShape {
     fn default() -> Self {
         Self::Ball { radius: 0.5 }
     }

@@ -10,13 +10,13 @@ use crate::solver::evaluate::{self, EvaluateSettings};
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct SkipFrame {
-    /// What to do about tangled frames. Default [`SkipPolicy::Ladder`].
-    pub policy: SkipPolicy,
-    /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but the cloth visibly
+pub struct ClothSkipFrame {
+    /// What to do about tangled frames. Default [`ClothSkipPolicy::Ladder`].
+    pub policy: ClothSkipPolicy,
+    /// Most frames held in a row under [`ClothSkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but the cloth visibly
     /// sticks.
     pub max_held_frames: u32,
-    /// Most time held in any second under [`SkipPolicy::Ladder`] `[s]`. Default 0.1, range 0 to 1.
+    /// Most time held in any second under [`ClothSkipPolicy::Ladder`] `[s]`. Default 0.1, range 0 to 1.
     pub max_held_time: f32,
     /// Time over which what was held fades into the live shape when the bound is reached `[s]`. Default 0.1, range 0 to 10.
     pub fade: f32,
@@ -27,7 +27,7 @@ pub struct SkipFrame {
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum SkipPolicy {
+pub enum ClothSkipPolicy {
     /// Hold the tangled part in its last clean shape for a few frames at most, then show the best there is.
     #[default]
     Ladder,
@@ -40,22 +40,22 @@ pub enum SkipPolicy {
     Off,
 }
 
-impl Default for SkipFrame {
+impl Default for ClothSkipFrame {
     fn default() -> Self {
-        Self { policy: SkipPolicy::Ladder, max_held_frames: 2, max_held_time: 0.1, fade: 0.1 }
+        Self { policy: ClothSkipPolicy::Ladder, max_held_frames: 2, max_held_time: 0.1, fade: 0.1 }
     }
 }
 
-impl SkipFrame {
+impl ClothSkipFrame {
     /// Never holds anything.
-    pub const OFF: Self = Self { policy: SkipPolicy::Off, max_held_frames: 0, max_held_time: 0.0, fade: 0.0 };
+    pub const OFF: Self = Self { policy: ClothSkipPolicy::Off, max_held_frames: 0, max_held_time: 0.0, fade: 0.0 };
 
     pub(crate) fn settings(&self, checked: &mut Checked) -> EvaluateSettings {
         EvaluateSettings {
             policy: match self.policy {
-                SkipPolicy::Ladder => evaluate::SkipPolicy::Ladder,
-                SkipPolicy::UntilClean { max } => evaluate::SkipPolicy::UntilClean { max },
-                SkipPolicy::Off => evaluate::SkipPolicy::Off,
+                ClothSkipPolicy::Ladder => evaluate::SkipPolicy::Ladder,
+                ClothSkipPolicy::UntilClean { max } => evaluate::SkipPolicy::UntilClean { max },
+                ClothSkipPolicy::Off => evaluate::SkipPolicy::Off,
             },
             max_held_frames: checked.count("max_held_frames", self.max_held_frames, 0, 30),
             max_held_time: checked.within("max_held_time", self.max_held_time, 0.1, 0.0, 1.0),

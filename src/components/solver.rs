@@ -28,8 +28,8 @@ pub struct ClothSolver {
     pub gravity_scale: f32,
     /// Pace of this cloth over that of its clock (dimensionless). Default 1, range 0 to 10; 0 stops it.
     pub time_scale: f32,
-    /// What happens when the cloth is moved too far in one frame. Default [`TeleportMode::Keep`].
-    pub teleport: TeleportMode,
+    /// What happens when the cloth is moved too far in one frame. Default [`ClothTeleportMode::Keep`].
+    pub teleport: ClothTeleportMode,
     /// Least jump of the carrier in a frame that counts as a teleport `[m]`. Default 1, range 0.001 to 1e6; three times the cloth's radius
     /// counts when that is larger.
     pub teleport_distance: f32,
@@ -46,7 +46,7 @@ pub struct ClothSolver {
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum TeleportMode {
+pub enum ClothTeleportMode {
     /// Nothing: the cloth is dragged along.
     None,
     /// It is carried rigidly and keeps shape and velocity.
@@ -91,7 +91,7 @@ impl Default for ClothSolver {
             membrane: ClothMembrane::Auto,
             gravity_scale: 1.0,
             time_scale: 1.0,
-            teleport: TeleportMode::Keep,
+            teleport: ClothTeleportMode::Keep,
             teleport_distance: 1.0,
             teleport_angle: 60.0_f32.to_radians(),
             reset_edge_ratio: 5.0,

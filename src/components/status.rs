@@ -10,7 +10,8 @@ use bevy::prelude::*;
 pub enum ClothStatus {
     /// Something is missing that may still come.
     Waiting(WaitingFor),
-    /// It is simulated, or sleeps: [`ClothReport::asleep`](crate::ClothReport::asleep).
+    /// It is simulated, or sleeps ([`ClothReport::asleep`](crate::ClothReport::asleep)), or was switched off since
+    /// ([`ClothDisabled`](crate::ClothDisabled)).
     Active,
     /// It cannot be simulated; [`ClothError`] on the entity says why.
     Failed,
@@ -169,7 +170,7 @@ pub struct ClothUntangled {
     pub after: f32,
 }
 
-/// A tangled cloth is shown in its last clean shape from this frame on, for as long as [`SkipFrame`](crate::SkipFrame) allows.
+/// A tangled cloth is shown in its last clean shape from this frame on, for as long as [`ClothSkipFrame`](crate::ClothSkipFrame) allows.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothHeld {
     /// The cloth.
@@ -178,16 +179,17 @@ pub struct ClothHeld {
 
 /// A cloth has been tangled for so long that the last resorts are used: regions and ways apart for every contour, more directions, and at
 /// the end the tangled part is drawn to the animated pose or to the shape at rest. Methods other than
-/// [`ByEndType`](crate::UntangleMethod::ByEndType) have only the last of these; with [`Untangle`](crate::Untangle) off there is none, and no event.
+/// [`ByEndType`](crate::ClothUntanglingMethod::ByEndType) have only the last of these; with
+/// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled) there is none, and no event.
 #[derive(EntityEvent, Clone, Copy, Debug)]
-pub struct ClothLastResort {
+pub struct ClothUntanglingEscalated {
     /// The cloth.
     pub entity: Entity,
     /// Edges that cross faces.
     pub crossings: u32,
 }
 
-/// The target of a pin set is gone; what happens is up to [`OnTargetLost`](crate::OnTargetLost).
+/// The target of a pin set is gone; what happens is up to [`ClothOnTargetLost`](crate::ClothOnTargetLost).
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothTargetLost {
     /// The cloth.
@@ -196,7 +198,7 @@ pub struct ClothTargetLost {
     pub target: Entity,
 }
 
-/// The carrier of a cloth jumped, and the cloth went along as [`TeleportMode`](crate::TeleportMode) says.
+/// The carrier of a cloth jumped, and the cloth went along as [`ClothTeleportMode`](crate::ClothTeleportMode) says.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothTeleported {
     /// The cloth.

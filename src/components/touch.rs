@@ -4,23 +4,21 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 
-/// Asks for [`ClothContactStarted`] and [`ClothContactEnded`] on this cloth, and for the list of what touches it. Without it nothing is computed.
-#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+/// Asks for [`ClothContactStarted`] and [`ClothContactEnded`] on this cloth, and for [`ClothContacts`], the list of what touches it. Without
+/// it nothing is computed.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[require(ClothContacts)]
 pub struct ClothContactEvents {
     /// Time without touch after which a contact has ended `[s]`. Default 0.1, range 0 to 10. 0: cloth that bounces or flutters tells of every touch.
     pub patience: f32,
-    /// What touches the cloth, bodies and other cloths, in the order of entities; written by the plugin, as of the last frame in which each did.
-    #[cfg_attr(feature = "serialize", serde(skip))]
-    #[reflect(ignore)]
-    pub touches: Vec<ClothTouch>,
 }
 
 impl Default for ClothContactEvents {
     fn default() -> Self {
-        Self { patience: 0.1, touches: Vec::new() }
+        Self { patience: 0.1 }
     }
 }
 
@@ -28,6 +26,31 @@ impl ClothContactEvents {
     pub(crate) fn patience(&self, checked: &mut Checked) -> f32 {
         checked.within("contact_events.patience", self.patience, 0.1, 0.0, 10.0)
     }
+}
+
+/// What touches a cloth with [`ClothContactEvents`], which brings it and takes it away. Read it after
+/// [`ClothSystems::Respond`](crate::ClothSystems::Respond); written by the simulation and not saved.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// fn touched(cloths: Query<(Entity, &ClothContacts)>) {
+///     for (cloth, contacts) in &cloths {
+///         for touch in &contacts.touches {
+///             info!("{cloth} touches {}", touch.other);
+///         }
+///     }
+/// }
+/// ```
+#[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothContacts {
+    /// Bodies and other cloths, in the order of entities, each as of the last frame in which it touched.
+    #[cfg_attr(feature = "serialize", serde(skip))]
+    #[reflect(ignore)]
+    pub touches: Vec<ClothTouch>,
 }
 
 /// A body or another cloth that touches a cloth.

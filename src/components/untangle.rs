@@ -9,17 +9,14 @@ use crate::solver::resolve::{Method, ResolveSettings};
 /// How a cloth that crosses itself or another is taken apart.
 ///
 /// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one whose entity has
-/// the lowest index, as a rule the one that was spawned first.
+/// the lowest index, as a rule the one that was spawned first. One with [`ClothUntanglingDisabled`] is not moved.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct Untangle {
-    /// Whether it takes part. Default true. A cloth that does not is left as it is, and others get off it. Contacts stay on, but for where it
-    /// crosses; crossings are counted all the same.
-    pub enabled: bool,
-    /// The method. Default [`UntangleMethod::ByEndType`].
-    pub method: UntangleMethod,
+pub struct ClothUntangling {
+    /// The method. Default [`ClothUntanglingMethod::ByEndType`].
+    pub method: ClothUntanglingMethod,
     /// Most iterations per frame, taken only while something crosses. Default 4, range 0 to 64; 0 only measures. More gets done sooner and
     /// costs in proportion.
     pub iterations: u32,
@@ -42,12 +39,20 @@ pub struct Untangle {
     pub at_load: bool,
 }
 
+/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, but for where it crosses;
+/// crossings are counted all the same. Without it, [`ClothUntangling`] says how it comes apart.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+pub struct ClothUntanglingDisabled;
+
 /// Methods of taking crossing surfaces apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum UntangleMethod {
+pub enum ClothUntanglingMethod {
     /// The traditional method (1995): remember on which side of each other particles and faces were, and push them back there.
     History,
     /// Each crossing on its own follows the gradient of the contour's length (Volino and Magnenat-Thalmann 2006).
@@ -59,27 +64,26 @@ pub enum UntangleMethod {
     ByEndType,
 }
 
-impl UntangleMethod {
+impl ClothUntanglingMethod {
     /// All methods, oldest first.
     pub const ALL: [Self; 4] = [Self::History, Self::LocalGradient, Self::GlobalGradient, Self::ByEndType];
 }
 
-impl From<UntangleMethod> for Method {
-    fn from(method: UntangleMethod) -> Self {
+impl From<ClothUntanglingMethod> for Method {
+    fn from(method: ClothUntanglingMethod) -> Self {
         match method {
-            UntangleMethod::History => Self::History,
-            UntangleMethod::LocalGradient => Self::LocalGradient,
-            UntangleMethod::GlobalGradient => Self::GlobalGradient,
-            UntangleMethod::ByEndType => Self::ByEndType,
+            ClothUntanglingMethod::History => Self::History,
+            ClothUntanglingMethod::LocalGradient => Self::LocalGradient,
+            ClothUntanglingMethod::GlobalGradient => Self::GlobalGradient,
+            ClothUntanglingMethod::ByEndType => Self::ByEndType,
         }
     }
 }
 
-impl Default for Untangle {
+impl Default for ClothUntangling {
     fn default() -> Self {
         Self {
-            enabled: true,
-            method: UntangleMethod::ByEndType,
+            method: ClothUntanglingMethod::ByEndType,
             iterations: 4,
             step: 0.1,
             pace: 5.0,
@@ -91,10 +95,10 @@ impl Default for Untangle {
     }
 }
 
-impl Untangle {
+impl ClothUntangling {
     /// With another method.
     #[must_use]
-    pub fn with_method(mut self, method: UntangleMethod) -> Self {
+    pub fn with_method(mut self, method: ClothUntanglingMethod) -> Self {
         self.method = method;
         self
     }

@@ -9,7 +9,7 @@ use super::checked::Checked;
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct GlobalWind {
+pub struct ClothGlobalWind {
     /// Velocity of the air `[m/s]`. Default 0, at most 200.
     pub velocity: Vec3,
     /// Strength of gusts as a fraction of the speed (dimensionless). Default 0.3, range 0 to 5; open country 0.15, a city 0.3.
@@ -24,13 +24,13 @@ pub struct GlobalWind {
     pub air_density: f32,
 }
 
-impl Default for GlobalWind {
+impl Default for ClothGlobalWind {
     fn default() -> Self {
         Self { velocity: Vec3::ZERO, turbulence: 0.3, gust_length: 4.0, gust_frequency: 0.5, seed: 0, air_density: 1.225 }
     }
 }
 
-impl GlobalWind {
+impl ClothGlobalWind {
     /// Steady wind with the default gusts `[m/s]`.
     #[must_use]
     pub fn new(velocity: Vec3) -> Self {
@@ -49,18 +49,18 @@ impl GlobalWind {
     }
 }
 
-/// Wind at one cloth in place of [`GlobalWind`]; [`WindZone`]s still add to it.
+/// Wind at one cloth in place of [`ClothGlobalWind`]; [`ClothWindZone`]s still add to it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct ClothWind(pub GlobalWind);
+pub struct ClothWind(pub ClothGlobalWind);
 
 impl ClothWind {
     /// Steady wind with the default gusts `[m/s]`.
     #[must_use]
     pub fn new(velocity: Vec3) -> Self {
-        Self(GlobalWind::new(velocity))
+        Self(ClothGlobalWind::new(velocity))
     }
 
     /// No wind at all, as indoors.
@@ -76,9 +76,9 @@ impl ClothWind {
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(Transform)]
-pub struct WindZone {
+pub struct ClothWindZone {
     /// Where it blows, in the space of the entity.
-    pub shape: WindZoneShape,
+    pub shape: ClothWindZoneShape,
     /// Velocity added to the air `[m/s]`, in the axes of the entity. Default 0, at most 200.
     pub velocity: Vec3,
     /// Whether it takes the place of the wind around it, as in a shelter, instead of adding to it. Default false.
@@ -92,7 +92,7 @@ pub struct WindZone {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum WindZoneShape {
+pub enum ClothWindZoneShape {
     /// In a box around the origin.
     Box {
         /// Half its lengths `[m]`.
@@ -105,39 +105,39 @@ pub enum WindZoneShape {
     },
 }
 
-impl Default for WindZoneShape {
+impl Default for ClothWindZoneShape {
     fn default() -> Self {
         Self::Sphere { radius: 1.0 }
     }
 }
 
-impl Default for WindZone {
+impl Default for ClothWindZone {
     fn default() -> Self {
-        Self { shape: WindZoneShape::default(), velocity: Vec3::ZERO, replace: false, falloff: 0.2 }
+        Self { shape: ClothWindZoneShape::default(), velocity: Vec3::ZERO, replace: false, falloff: 0.2 }
     }
 }
 
-impl WindZone {
+impl ClothWindZone {
     /// Wind of `velocity` `[m/s]` in a box of lengths `size` `[m]`.
     #[must_use]
     pub fn cuboid(size: Vec3, velocity: Vec3) -> Self {
-        Self { shape: WindZoneShape::Box { half_size: 0.5 * size }, velocity, ..Self::default() }
+        Self { shape: ClothWindZoneShape::Box { half_size: 0.5 * size }, velocity, ..Self::default() }
     }
 
     /// Wind of `velocity` `[m/s]` in a sphere of `radius` `[m]`.
     #[must_use]
     pub fn sphere(radius: f32, velocity: Vec3) -> Self {
-        Self { shape: WindZoneShape::Sphere { radius }, velocity, ..Self::default() }
+        Self { shape: ClothWindZoneShape::Sphere { radius }, velocity, ..Self::default() }
     }
 
     pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
         Self {
             shape: match self.shape {
-                WindZoneShape::Box { half_size } => WindZoneShape::Box {
+                ClothWindZoneShape::Box { half_size } => ClothWindZoneShape::Box {
                     half_size: checked.vector("zone.half_size", half_size, Vec3::ZERO, 1.0e6).max(Vec3::ZERO),
                 },
-                WindZoneShape::Sphere { radius } => {
-                    WindZoneShape::Sphere { radius: checked.within("zone.radius", radius, 0.0, 0.0, 1.0e6) }
+                ClothWindZoneShape::Sphere { radius } => {
+                    ClothWindZoneShape::Sphere { radius: checked.within("zone.radius", radius, 0.0, 0.0, 1.0e6) }
                 }
             },
             velocity: checked.vector("zone.velocity", self.velocity, Vec3::ZERO, 200.0),

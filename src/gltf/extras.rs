@@ -3,7 +3,7 @@
 use bevy::math::Vec3;
 use serde_json::{Map, Value};
 
-use crate::components::{ClothMaterial, ColorChannel, MeshFit, PinSelect};
+use crate::components::{ClothColorChannel, ClothMaterial, ClothMeshFit, ClothPinSelect};
 use crate::notices::shortened;
 
 /// A key that could not be used.
@@ -30,7 +30,7 @@ pub(crate) struct NodeExtras {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ClothExtras {
     pub material: Option<MaterialExtras>,
-    pub pin: Option<PinSelect>,
+    pub pin: Option<ClothPinSelect>,
     pub self_collision: Option<bool>,
     pub layer: Option<i32>,
     pub thickness: Option<f32>,
@@ -47,7 +47,7 @@ pub(crate) enum MaterialExtras {
 /// The `collider` key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ColliderExtras {
-    pub fit: MeshFit,
+    pub fit: ClothMeshFit,
     pub friction: Option<f32>,
 }
 
@@ -179,7 +179,7 @@ fn material(value: &Value, problems: &mut Vec<Problem>) -> Option<MaterialExtras
     }
 }
 
-fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<PinSelect> {
+fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<ClothPinSelect> {
     let wrong = |what: String| Problem::new("cloth.pin", what);
     match value {
         Value::Array(list) => {
@@ -189,15 +189,15 @@ fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<PinSelect> {
                 let bad = list.len() - vertices.len();
                 problems.push(wrong(format!("has {bad} entries that are not vertex indices; the others are used")));
             }
-            Some(PinSelect::Vertices(vertices))
+            Some(ClothPinSelect::Vertices(vertices))
         }
-        Value::String(name) if name.starts_with('_') && name.len() > 1 => Some(PinSelect::Attribute(name.clone())),
+        Value::String(name) if name.starts_with('_') && name.len() > 1 => Some(ClothPinSelect::Attribute(name.clone())),
         Value::String(name) => {
             let channel = match name.to_ascii_lowercase().as_str() {
-                "color.r" => Some(ColorChannel::R),
-                "color.g" => Some(ColorChannel::G),
-                "color.b" => Some(ColorChannel::B),
-                "color.a" => Some(ColorChannel::A),
+                "color.r" => Some(ClothColorChannel::R),
+                "color.g" => Some(ClothColorChannel::G),
+                "color.b" => Some(ClothColorChannel::B),
+                "color.a" => Some(ClothColorChannel::A),
                 _ => None,
             };
             if channel.is_none() {
@@ -206,7 +206,7 @@ fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<PinSelect> {
                     shortened(name)
                 )));
             }
-            channel.map(PinSelect::Color)
+            channel.map(ClothPinSelect::Color)
         }
         _ => {
             problems.push(wrong(format!("is {}: it must be a list of indices, `_NAME` or `color.r` (g, b, a)", kind(value))));
@@ -218,12 +218,12 @@ fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<PinSelect> {
 fn collider(value: &Value, problems: &mut Vec<Problem>) -> Option<ColliderExtras> {
     let shape = |value: &Value, key: &str, problems: &mut Vec<Problem>| {
         let fit = match value.as_str().map(str::to_ascii_lowercase).as_deref() {
-            Some("ball") => Some(MeshFit::Ball),
-            Some("capsule") => Some(MeshFit::Capsule),
-            Some("cuboid") => Some(MeshFit::Cuboid),
-            Some("convex") => Some(MeshFit::ConvexHull),
-            Some("trimesh") => Some(MeshFit::TriMesh),
-            Some("plane") => Some(MeshFit::HalfSpace),
+            Some("ball") => Some(ClothMeshFit::Ball),
+            Some("capsule") => Some(ClothMeshFit::Capsule),
+            Some("cuboid") => Some(ClothMeshFit::Cuboid),
+            Some("convex") => Some(ClothMeshFit::ConvexHull),
+            Some("trimesh") => Some(ClothMeshFit::TriMesh),
+            Some("plane") => Some(ClothMeshFit::HalfSpace),
             _ => None,
         };
         if fit.is_none() {
@@ -313,14 +313,14 @@ mod tests {
         );
         let expected = ClothExtras {
             material: Some(MaterialExtras::Given(Box::new(ClothMaterial::SILK))),
-            pin: Some(PinSelect::Vertices(vec![0, 3])),
+            pin: Some(ClothPinSelect::Vertices(vec![0, 3])),
             self_collision: Some(false),
             layer: Some(2),
             thickness: Some(0.01),
             substep_rate: Some(600.0),
         };
         assert_eq!(node.cloth, Some(expected));
-        assert_eq!(node.collider, Some(ColliderExtras { fit: MeshFit::Capsule, friction: Some(0.1) }));
+        assert_eq!(node.collider, Some(ColliderExtras { fit: ClothMeshFit::Capsule, friction: Some(0.1) }));
         assert!(problems.is_empty(), "{problems:?}");
     }
 
@@ -335,9 +335,9 @@ mod tests {
     #[test]
     fn pins_are_indices_attributes_or_colour_channels_nested_or_flat() {
         let pin = |text: &str| read(text).0.cloth.and_then(|c| c.pin);
-        assert_eq!(pin(r#"{"cloth": {"pin": "_PIN"}}"#), Some(PinSelect::Attribute("_PIN".into())));
-        assert_eq!(pin(r#"{"cloth": {"pin": "color.g"}}"#), Some(PinSelect::Color(ColorChannel::G)));
-        assert_eq!(pin(r#"{"cloth": 1, "cloth.pin": [7]}"#), Some(PinSelect::Vertices(vec![7])));
+        assert_eq!(pin(r#"{"cloth": {"pin": "_PIN"}}"#), Some(ClothPinSelect::Attribute("_PIN".into())));
+        assert_eq!(pin(r#"{"cloth": {"pin": "color.g"}}"#), Some(ClothPinSelect::Color(ClothColorChannel::G)));
+        assert_eq!(pin(r#"{"cloth": 1, "cloth.pin": [7]}"#), Some(ClothPinSelect::Vertices(vec![7])));
     }
 
     #[test]

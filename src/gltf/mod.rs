@@ -39,8 +39,8 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
-    Cloth, ClothCollider, ClothCollision, ClothGravity, ClothMaterial, ClothPins, ClothSolver, ColliderShape, GlobalWind,
-    MeshFit, PinSelect,
+    Cloth, ClothCollider, ClothColliderShape, ClothCollision, ClothGlobalWind, ClothGravity, ClothMaterial, ClothMeshFit,
+    ClothPinSelect, ClothPins, ClothSolver,
 };
 use crate::plugin::ClothSystems;
 use crate::presets::{ClothPresetHandle, PresetOverrides};
@@ -67,7 +67,7 @@ pub(crate) fn scenes(
     parents: Query<&ChildOf>,
     roots: Query<&WorldAssetRoot>,
     mut gravity: ResMut<ClothGravity>,
-    mut wind: ResMut<GlobalWind>,
+    mut wind: ResMut<ClothGlobalWind>,
 ) {
     for (entity, extras) in &added {
         let mut problems = Vec::new();
@@ -104,7 +104,7 @@ pub(crate) fn nodes(
         } else {
             children.into_iter().flatten().copied().filter(|child| meshes.contains(*child)).collect()
         };
-        let lone_plane = node.collider.as_ref().is_some_and(|c| c.fit == MeshFit::HalfSpace);
+        let lone_plane = node.collider.as_ref().is_some_and(|c| c.fit == ClothMeshFit::HalfSpace);
         if primitives.is_empty() && node.cloth.is_some() {
             problems.push(Problem::new("cloth", "needs a mesh on the node"));
         }
@@ -117,7 +117,7 @@ pub(crate) fn nodes(
                     "each becomes a cloth of its own and they come apart: join their materials, or pin them where they meet";
                 problems.push(Problem::new("cloth", format!("is on a mesh with {} primitives: {what}", primitives.len())));
             }
-            let listed = matches!(&cloth.pin, Some(PinSelect::Vertices(vertices)) if !vertices.is_empty());
+            let listed = matches!(&cloth.pin, Some(ClothPinSelect::Vertices(vertices)) if !vertices.is_empty());
             let mut shown = primitives.iter().filter_map(|p| meshes.get(*p).ok()).filter_map(|m| assets.get(&m.0));
             if listed && shown.any(without_normals) {
                 let what = "lists vertices but the primitive has no normals, so that its vertices are numbered anew: \
@@ -129,7 +129,7 @@ pub(crate) fn nodes(
             }
         }
         if let Some(collider) = &node.collider {
-            let shape = ColliderShape::Mesh(collider.fit);
+            let shape = ClothColliderShape::Mesh(collider.fit);
             let mut component = ClothCollider::new(shape);
             if let Some(friction) = collider.friction {
                 component = component.with_friction(friction);
@@ -181,7 +181,7 @@ fn make_cloth(
                         thickness: extras.thickness,
                         substep_rate: extras.substep_rate,
                         self_collision: extras.self_collision,
-                        layer: extras.layer,
+                        garment_layer: extras.layer,
                     };
                     entity.try_insert((ClothPresetHandle(server.load(path)), overrides));
                 }
@@ -198,8 +198,11 @@ fn make_cloth(
         solver.substep_rate = rate;
     }
     let pins = extras.pin.clone().map_or(ClothPins::NONE, ClothPins::from);
-    let collision =
-        ClothCollision { self_collision: extras.self_collision.unwrap_or(true), layer: extras.layer.unwrap_or(0), ..default() };
+    let collision = ClothCollision {
+        self_collision: extras.self_collision.unwrap_or(true),
+        garment_layer: extras.layer.unwrap_or(0),
+        ..default()
+    };
     entity.try_insert((Cloth, material, solver, pins, collision));
 }
 

@@ -179,7 +179,7 @@ pub fn differences(a: &mut ClothSettings, b: &mut ClothSettings) -> Vec<(String,
     let text = |setting: &Setting, value: Option<f64>| match (value, setting.kind) {
         (None, _) => "-".to_string(),
         (Some(value), Kind::Choice { options, .. }) => options.get(value as usize).map_or(String::new(), |o| (*o).into()),
-        (Some(value), Kind::Switch(_)) => if value == 0.0 { "off" } else { "on" }.into(),
+        (Some(value), Kind::Switch { .. }) => if value == 0.0 { "off" } else { "on" }.into(),
         (Some(value), _) => {
             format!("{} {}", show(value, setting.scale().is_some_and(|s| s.integer)), setting.unit).trim_end().into()
         }
@@ -219,7 +219,7 @@ pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector) -> Option<Ask> {
         ui.label("File");
         let response = ui.add(TextEdit::singleline(&mut state.file).hint_text("my_fabric.cloth.ron").desired_width(170.0));
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("file name"));
-        let saves = "Writes to the path, from the folder that the program runs in, and adds .cloth.ron: the material, and what else differs from its default: solver, collision, untangling, what is shown while tangled, wind of its own. Sleep, level of detail, pins and the world are not in files.";
+        let saves = "Writes to the path, from the folder that the program runs in, and adds .cloth.ron: the material, and what else differs from its default: solver, collision, untangling, what is shown while tangled, wind of its own. Sleep, level of detail, pins, the world, and whether it is untangled at all are not in files.";
         if button(ui, "save", "save to file", saves) {
             asked = Some(Ask::Save);
         }

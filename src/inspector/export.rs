@@ -8,7 +8,7 @@ use ron::extensions::Extensions;
 use super::setting::Setting;
 use super::settings::{ClothSettings, Edit};
 use super::table::settings;
-use crate::components::{ClothGravity, ClothMaterial, GlobalWind, OnTargetLost};
+use crate::components::{ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost};
 use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
@@ -26,11 +26,19 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     add(&mut lines, &settings.solver);
     add(&mut lines, &settings.collision);
     add(&mut lines, &settings.untangle);
+    if settings.untangling_disabled {
+        lines.push("ClothUntanglingDisabled".into());
+    }
     add(&mut lines, &settings.skip);
     add(&mut lines, &settings.sleep);
-    add(&mut lines, &settings.lod);
+    if settings.sleep_disabled {
+        lines.push("ClothSleepDisabled".into());
+    }
+    if let Some(lod) = &settings.lod {
+        lines.push(over(lod, &ClothLod::default(), "default()"));
+    }
     if let Some(wind) = &settings.own_wind {
-        lines.push(format!("ClothWind({})", over(&wind.0, &GlobalWind::default(), "default()")));
+        lines.push(format!("ClothWind({})", over(&wind.0, &ClothGlobalWind::default(), "default()")));
     }
     lines.join(",\n") + ",\n" + &elsewhere(settings)
 }
@@ -41,11 +49,11 @@ fn elsewhere(settings: &ClothSettings) -> String {
     for (i, set) in settings.pins.sets.iter().enumerate().filter(|(_, set)| set.weight != 1.0) {
         lines.push(format!("pins.sets[{i}].weight = {};", number_as_rust(set.weight)));
     }
-    if settings.pins.on_target_lost != OnTargetLost::default() {
+    if settings.pins.on_target_lost != ClothOnTargetLost::default() {
         lines.push(format!("pins.on_target_lost = {};", literal(&settings.pins.on_target_lost)));
     }
-    if settings.wind != GlobalWind::default() {
-        let wind = over(&settings.wind, &GlobalWind::default(), "default()");
+    if settings.wind != ClothGlobalWind::default() {
+        let wind = over(&settings.wind, &ClothGlobalWind::default(), "default()");
         lines.extend(format!("commands.insert_resource({wind});").lines().map(String::from));
     }
     if settings.gravity != ClothGravity::default() {
@@ -157,7 +165,9 @@ pub fn from_ron(text: &str, file: &str) -> Result<(ClothPreset, Vec<String>), St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::components::{ClothCollision, ClothPins, ClothSolver, SkipFrame, SkipPolicy, TeleportMode, Untangle};
+    use crate::components::{
+        ClothCollision, ClothPins, ClothSkipFrame, ClothSkipPolicy, ClothSolver, ClothTeleportMode, ClothUntangling,
+    };
 
     #[test]
     fn a_preset_is_written_by_its_name_and_a_change_over_it() {
@@ -171,25 +181,41 @@ mod tests {
     #[test]
     fn components_that_differ_follow_as_expressions() {
         let settings = ClothSettings {
-            solver: ClothSolver { substep_rate: 720.0, teleport: TeleportMode::Reset, ..default() },
-            skip: SkipFrame { policy: SkipPolicy::UntilClean { max: 3 }, ..default() },
+            solver: ClothSolver { substep_rate: 720.0, teleport: ClothTeleportMode::Reset, ..default() },
+            skip: ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..default() },
             ..default()
         };
-        let expected = "ClothMaterial::default(),\nClothSolver {\n    substep_rate: 720.0,\n    teleport: TeleportMode::Reset,\n    \
-                        ..default()\n},\nSkipFrame {\n    policy: SkipPolicy::UntilClean { max: 3 },\n    ..default()\n},\n";
+        let expected = "ClothMaterial::default(),\nClothSolver {\n    substep_rate: 720.0,\n    teleport: ClothTeleportMode::Reset,\n    \
+                        ..default()\n},\nSkipFrame {\n    policy: ClothSkipPolicy::UntilClean { max: 3 },\n    ..default()\n},\n";
         assert_eq!(as_rust(&settings), expected);
+    }
+
+    #[test]
+    fn a_level_of_detail_follows_where_there_is_one() {
+        let mut settings = ClothSettings { lod: Some(ClothLod::default()), ..default() };
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLod::default(),\n");
+        settings.lod = Some(ClothLod { full_within: 5.0, ..default() });
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLod {\n    full_within: 5.0,\n    ..default()\n},\n");
+    }
+
+    #[test]
+    fn what_is_disabled_follows_as_its_marker() {
+        let settings = ClothSettings { untangling_disabled: true, sleep_disabled: true, ..default() };
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothUntanglingDisabled,\nClothSleepDisabled,\n");
     }
 
     #[test]
     fn pins_and_the_world_follow_as_comments_where_they_differ() {
         let mut settings = ClothSettings {
-            pins: ClothPins::vertices([0]).and(ClothPins::vertices([1]).weighted(0.25)).on_target_lost(OnTargetLost::Release),
-            wind: GlobalWind::new(Vec3::X),
+            pins: ClothPins::vertices([0])
+                .and(ClothPins::vertices([1]).weighted(0.25))
+                .on_target_lost(ClothOnTargetLost::Release),
+            wind: ClothGlobalWind::new(Vec3::X),
             gravity: ClothGravity(Vec3::ZERO),
             ..default()
         };
-        let expected = "ClothMaterial::default(),\n// pins.sets[1].weight = 0.25;\n// pins.on_target_lost = OnTargetLost::Release;\n\
-                        // commands.insert_resource(GlobalWind {\n//     velocity: Vec3::new(1.0, 0.0, 0.0),\n//     ..default()\n// });\n\
+        let expected = "ClothMaterial::default(),\n// pins.sets[1].weight = 0.25;\n// pins.on_target_lost = ClothOnTargetLost::Release;\n\
+                        // commands.insert_resource(ClothGlobalWind {\n//     velocity: Vec3::new(1.0, 0.0, 0.0),\n//     ..default()\n// });\n\
                         // commands.insert_resource(ClothGravity(Vec3::new(0.0, 0.0, 0.0)));\n";
         assert_eq!(as_rust(&settings), expected);
         (settings.pins, settings.wind, settings.gravity) = default();
@@ -210,10 +236,10 @@ mod tests {
         let preset = ClothPreset {
             material: ClothMaterial { density: 0.005, strain_limit: f32::INFINITY, ..default() },
             solver: Some(ClothSolver { substep_rate: 1.0e6, ..default() }),
-            collision: Some(ClothCollision { layer: -7, ..default() }),
-            untangle: Some(Untangle { iterations: 65, ..default() }),
-            skip_frame: Some(SkipFrame { policy: SkipPolicy::UntilClean { max: 3 }, ..default() }),
-            wind: Some(GlobalWind { turbulence: 9.0, ..GlobalWind::new(Vec3::X) }),
+            collision: Some(ClothCollision { garment_layer: -7, ..default() }),
+            untangle: Some(ClothUntangling { iterations: 65, ..default() }),
+            skip_frame: Some(ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..default() }),
+            wind: Some(ClothGlobalWind { turbulence: 9.0, ..ClothGlobalWind::new(Vec3::X) }),
         };
         let clamped = ["material density", "solver substep_rate", "untangle iterations", "own wind turbulence"];
         assert_eq!(from_ron(&as_ron(&preset), ""), Ok((preset, clamped.map(String::from).to_vec())));

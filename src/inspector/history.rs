@@ -1,6 +1,6 @@
 //! What one cloth did in the last ten seconds, a sample for every sixtieth: a ring, filled without allocating.
 
-use crate::components::{ClothReport, SkipFrame, SkipPolicy};
+use crate::components::{ClothReport, ClothSkipFrame, ClothSkipPolicy};
 use crate::simulation::ClothParticles;
 use crate::solver::evaluate::Shown;
 use crate::solver::state::ClothState;
@@ -43,19 +43,19 @@ impl Verdict {
         match self {
             Self::Clean => "live: nothing crosses",
             Self::Held => "held: the last clean shape is shown where it crosses",
-            Self::Fading => "fading: it was held for as long as SkipFrame allows",
-            Self::Spent => "crossing is shown: it was held for as long as SkipFrame allows",
+            Self::Fading => "fading: it was held for as long as ClothSkipFrame allows",
+            Self::Spent => "crossing is shown: it was held for as long as ClothSkipFrame allows",
             Self::NeverClean => "crossing is shown: there is no clean shape to hold",
-            Self::NotAsked => "crossing is shown: SkipFrame is off",
+            Self::NotAsked => "crossing is shown: ClothSkipFrame is off",
         }
     }
 
-    fn of(particles: &ClothParticles, skip: &SkipFrame) -> Self {
+    fn of(particles: &ClothParticles, skip: &ClothSkipFrame) -> Self {
         let never = particles.display.clean_shape().is_none();
         let idle = match skip.policy {
-            SkipPolicy::Off => true,
-            SkipPolicy::UntilClean { max } => max == 0,
-            SkipPolicy::Ladder => skip.max_held_frames == 0 || skip.max_held_time <= 0.0,
+            ClothSkipPolicy::Off => true,
+            ClothSkipPolicy::UntilClean { max } => max == 0,
+            ClothSkipPolicy::Ladder => skip.max_held_frames == 0 || skip.max_held_time <= 0.0,
         };
         match particles.display.outcome().shown {
             Shown::Clean => Self::Clean,
@@ -93,7 +93,7 @@ pub struct Sample {
 
 impl Sample {
     /// What a cloth did in the frame that ended at `time` `[s]`.
-    pub(crate) fn of(time: f64, report: &ClothReport, particles: &ClothParticles, skip: &SkipFrame) -> Self {
+    pub(crate) fn of(time: f64, report: &ClothReport, particles: &ClothParticles, skip: &ClothSkipFrame) -> Self {
         Self {
             time,
             stages: [

@@ -6,19 +6,19 @@ use bevy_egui::egui::Ui;
 use super::row::{self, Row};
 use super::setting::{Part, Scale};
 use super::settings::Edit;
-use crate::components::{ClothBuildReport, ClothReport, OnTargetLost, PinSelect, PinSet};
+use crate::components::{ClothBuildReport, ClothOnTargetLost, ClothPinSelect, ClothPinSet, ClothReport};
 
 const WEIGHT: Scale = Scale::real(0.0, 1.0);
-const LOST: [OnTargetLost; 3] = [OnTargetLost::Hold, OnTargetLost::Release, OnTargetLost::Despawn];
+const LOST: [ClothOnTargetLost; 3] = [ClothOnTargetLost::Hold, ClothOnTargetLost::Release, ClothOnTargetLost::Despawn];
 
 /// What a set selects, in words.
-fn describe(set: &PinSet) -> String {
+fn describe(set: &ClothPinSet) -> String {
     let what = match &set.select {
-        PinSelect::Vertices(list) => format!("{} vertices", list.len()),
-        PinSelect::Weighted(list) => format!("{} vertices with weights", list.len()),
-        PinSelect::Position(_) => "by position".into(),
-        PinSelect::Color(channel) => format!("colour {channel:?}"),
-        PinSelect::Attribute(name) => format!("attribute {name}"),
+        ClothPinSelect::Vertices(list) => format!("{} vertices", list.len()),
+        ClothPinSelect::Weighted(list) => format!("{} vertices with weights", list.len()),
+        ClothPinSelect::Position(_) => "by position".into(),
+        ClothPinSelect::Color(channel) => format!("colour {channel:?}"),
+        ClothPinSelect::Attribute(name) => format!("attribute {name}"),
     };
     match set.target {
         Some(target) => format!("{what}, held by {target}"),

@@ -54,7 +54,7 @@ pub(super) fn setting(ui: &mut Ui, setting: &Setting, edit: &mut Edit) {
         Kind::Number(scale, _) | Kind::Count(scale, _) | Kind::Layer(scale, _) => {
             number(ui, &Row { label: &label, name: setting.name, unit: setting.unit, scale, default, tips }, value)
         }
-        Kind::Switch(_) => switch(ui, &label, setting.name, tips, value, default),
+        Kind::Switch { .. } => switch(ui, &label, setting.name, tips, value, default),
         Kind::Choice { options, .. } => choice(ui, &label, setting.name, tips, options, value, default),
     };
     if let Some(new) = new {

@@ -11,9 +11,9 @@ pub enum Part {
     Solver,
     /// [`ClothCollision`](crate::ClothCollision).
     Collision,
-    /// [`Untangle`](crate::Untangle).
+    /// [`ClothUntangling`](crate::ClothUntangling).
     Untangle,
-    /// [`SkipFrame`](crate::SkipFrame).
+    /// [`ClothSkipFrame`](crate::ClothSkipFrame).
     Skip,
     /// [`ClothSleep`](crate::ClothSleep).
     Sleep,
@@ -23,7 +23,7 @@ pub enum Part {
     OwnWind,
     /// [`ClothPins`](crate::ClothPins).
     Pins,
-    /// [`GlobalWind`](crate::GlobalWind).
+    /// [`ClothGlobalWind`](crate::ClothGlobalWind).
     Wind,
     /// [`ClothGravity`](crate::ClothGravity).
     Gravity,
@@ -146,7 +146,7 @@ impl Scale {
     }
 }
 
-/// Where a number lies; none when it does not exist now, as the wind of a cloth that has none of its own.
+/// Where a number lies; none when it does not exist now, as the wind of a cloth that has none of its own, or the distances of its level of detail.
 pub type Field<T> = fn(&mut ClothSettings) -> Option<&mut T>;
 
 /// What kind of value a setting has, and where it lies.
@@ -159,7 +159,12 @@ pub enum Kind {
     /// A whole number.
     Layer(Scale, Field<i32>),
     /// On or off.
-    Switch(Field<bool>),
+    Switch {
+        /// Whether it is on.
+        get: fn(&ClothSettings) -> bool,
+        /// Switches it.
+        set: fn(&mut ClothSettings, bool),
+    },
     /// One of several.
     Choice {
         /// Names of the options, as they are called in code.
@@ -188,7 +193,7 @@ pub struct Setting {
     pub high: &'static str,
     /// Kind and place of its value.
     pub kind: Kind,
-    /// What a number that exists only beside some option begins with: no default component has it.
+    /// What a setting that exists only beside some option begins with: no default component has it.
     pub start: Option<f64>,
 }
 
@@ -215,7 +220,7 @@ impl Setting {
     pub const fn scale(&self) -> Option<Scale> {
         match self.kind {
             Kind::Number(scale, _) | Kind::Count(scale, _) | Kind::Layer(scale, _) => Some(scale),
-            Kind::Switch(_) | Kind::Choice { .. } => None,
+            Kind::Switch { .. } | Kind::Choice { .. } => None,
         }
     }
 
@@ -226,7 +231,7 @@ impl Setting {
             Kind::Number(_, field) => field(settings).map(|v| f64::from(*v)),
             Kind::Count(_, field) => field(settings).map(|v| f64::from(*v)),
             Kind::Layer(_, field) => field(settings).map(|v| f64::from(*v)),
-            Kind::Switch(field) => field(settings).map(|v| f64::from(u8::from(*v))),
+            Kind::Switch { get, .. } => Some(f64::from(u8::from(get(settings)))),
             Kind::Choice { get, .. } => get(settings).map(|i| i as f64),
         }
     }
@@ -249,7 +254,7 @@ impl Setting {
             Kind::Number(_, field) => put(field(settings), value as f32),
             Kind::Count(_, field) => put(field(settings), value as u32),
             Kind::Layer(_, field) => put(field(settings), value as i32),
-            Kind::Switch(field) => put(field(settings), value != 0.0),
+            Kind::Switch { set, .. } => set(settings, value != 0.0),
             Kind::Choice { set, .. } => set(settings, value as usize),
         }
     }

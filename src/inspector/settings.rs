@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use super::setting::Part;
 use crate::components::{
-    ClothCollision, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSleep, ClothSolver, ClothWind, GlobalWind,
-    SkipFrame, Untangle,
+    ClothCollision, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSkipFrame, ClothSleep,
+    ClothSleepDisabled, ClothSolver, ClothUntangling, ClothUntanglingDisabled, ClothWind,
 };
 use crate::presets::ClothPreset;
 
@@ -19,19 +19,23 @@ pub struct ClothSettings {
     /// What it meets.
     pub collision: ClothCollision,
     /// How it is taken apart.
-    pub untangle: Untangle,
+    pub untangle: ClothUntangling,
+    /// Whether it has [`ClothUntanglingDisabled`].
+    pub untangling_disabled: bool,
     /// What is shown meanwhile.
-    pub skip: SkipFrame,
+    pub skip: ClothSkipFrame,
     /// When it is left alone.
     pub sleep: ClothSleep,
-    /// What it costs far away.
-    pub lod: ClothLod,
+    /// Whether it has [`ClothSleepDisabled`].
+    pub sleep_disabled: bool,
+    /// What it costs far away; without, as much as near.
+    pub lod: Option<ClothLod>,
     /// Its own wind; without, that of the world.
     pub own_wind: Option<ClothWind>,
     /// Where it is held.
     pub pins: ClothPins,
     /// Wind in the world.
-    pub wind: GlobalWind,
+    pub wind: ClothGlobalWind,
     /// Gravity in the world.
     pub gravity: ClothGravity,
 }
@@ -54,12 +58,14 @@ impl ClothSettings {
             solver: part(&entity),
             collision: part(&entity),
             untangle: part(&entity),
+            untangling_disabled: entity.contains::<ClothUntanglingDisabled>(),
             skip: part(&entity),
             sleep: part(&entity),
-            lod: part(&entity),
+            sleep_disabled: entity.contains::<ClothSleepDisabled>(),
+            lod: entity.get::<ClothLod>().copied(),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
-            wind: world.get_resource::<GlobalWind>().copied().unwrap_or_default(),
+            wind: world.get_resource::<ClothGlobalWind>().copied().unwrap_or_default(),
             gravity: world.get_resource::<ClothGravity>().copied().unwrap_or_default(),
         })
     }
@@ -75,25 +81,26 @@ impl ClothSettings {
                     Part::Material => put(&mut entity, self.material.clone()),
                     Part::Solver => put(&mut entity, self.solver.clone()),
                     Part::Collision => put(&mut entity, self.collision),
-                    Part::Untangle => put(&mut entity, self.untangle),
+                    Part::Untangle => {
+                        put(&mut entity, self.untangle);
+                        put_or_remove(&mut entity, self.untangling_disabled.then_some(ClothUntanglingDisabled));
+                    }
                     Part::Skip => put(&mut entity, self.skip),
-                    Part::Sleep => put(&mut entity, self.sleep),
-                    Part::Lod => put(&mut entity, self.lod),
+                    Part::Sleep => {
+                        put(&mut entity, self.sleep);
+                        put_or_remove(&mut entity, self.sleep_disabled.then_some(ClothSleepDisabled));
+                    }
+                    Part::Lod => put_or_remove(&mut entity, self.lod),
                     Part::Pins => put(&mut entity, self.pins.clone()),
-                    Part::OwnWind => match self.own_wind {
-                        Some(wind) => put(&mut entity, wind),
-                        None => {
-                            entity.remove::<ClothWind>();
-                        }
-                    },
+                    Part::OwnWind => put_or_remove(&mut entity, self.own_wind),
                     Part::Wind | Part::Gravity => {}
                 }
             }
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, level of detail, pins and the
-    /// world are not in files.
+    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, level of detail, pins, the
+    /// world, and whether it is untangled at all are not in files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
         fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {
@@ -125,6 +132,15 @@ fn put<T: Component<Mutability = bevy::ecs::component::Mutable>>(entity: &mut En
         Some(mut at) => *at = value,
         None => {
             entity.insert(value);
+        }
+    }
+}
+
+fn put_or_remove<T: Component<Mutability = bevy::ecs::component::Mutable>>(entity: &mut EntityWorldMut<'_>, value: Option<T>) {
+    match value {
+        Some(value) => put(entity, value),
+        None => {
+            entity.remove::<T>();
         }
     }
 }

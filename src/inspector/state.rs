@@ -7,7 +7,7 @@ use super::history::{History, Sample};
 use super::plots::Curves;
 use super::settings::ClothSettings;
 use super::specimen::Specimen;
-use crate::components::{Cloth, ClothReport, SkipFrame};
+use crate::components::{Cloth, ClothReport, ClothSkipFrame};
 use crate::simulation::ClothParticles;
 
 /// What the panel shows and remembers.
@@ -54,7 +54,7 @@ impl ClothInspector {
 pub(super) fn record(
     time: Res<Time>,
     mut inspector: ResMut<ClothInspector>,
-    cloths: Query<(Entity, &ClothReport, &SkipFrame, Option<&ClothParticles>), With<Cloth>>,
+    cloths: Query<(Entity, &ClothReport, &ClothSkipFrame, Option<&ClothParticles>), With<Cloth>>,
 ) {
     let inspector = &mut *inspector;
     let drawn = core::mem::take(&mut inspector.drawn);

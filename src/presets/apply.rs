@@ -15,7 +15,7 @@ pub(crate) struct PresetOverrides {
     /// `[Hz]`
     pub substep_rate: Option<f32>,
     pub self_collision: Option<bool>,
-    pub layer: Option<i32>,
+    pub garment_layer: Option<i32>,
 }
 
 /// Gives cloths what their files hold: once loaded, when they change, and when a cloth or its handle is new.
@@ -58,8 +58,8 @@ fn give(commands: &mut Commands, entity: Entity, preset: &ClothPreset, overrides
     }
     if let Some(collision) = collision {
         let self_collision = overrides.self_collision.unwrap_or(collision.self_collision);
-        let layer = overrides.layer.unwrap_or(collision.layer);
-        entity.try_insert(ClothCollision { self_collision, layer, ..collision });
+        let garment_layer = overrides.garment_layer.unwrap_or(collision.garment_layer);
+        entity.try_insert(ClothCollision { self_collision, garment_layer, ..collision });
     }
     if let Some(untangle) = untangle {
         entity.try_insert(untangle);

@@ -25,7 +25,7 @@ use bevy::ecs::template::FromTemplate;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::components::{ClothCollision, ClothMaterial, ClothSolver, GlobalWind, SkipFrame, Untangle};
+use crate::components::{ClothCollision, ClothGlobalWind, ClothMaterial, ClothSkipFrame, ClothSolver, ClothUntangling};
 
 /// A fabric in a file: what a cloth with [`ClothPresetHandle`] takes over. See the [module](self) for how a file is written.
 ///
@@ -45,13 +45,13 @@ pub struct ClothPreset {
     pub collision: Option<ClothCollision>,
     /// How it is taken apart. Default `None`: the cloth keeps its own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub untangle: Option<Untangle>,
+    pub untangle: Option<ClothUntangling>,
     /// What is shown while it is tangled. Default `None`: the cloth keeps its own.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub skip_frame: Option<SkipFrame>,
-    /// Wind at the cloth, as [`ClothWind`](crate::ClothWind). Default `None`: it keeps its own, or the [`GlobalWind`].
+    pub skip_frame: Option<ClothSkipFrame>,
+    /// Wind at the cloth, as [`ClothWind`](crate::ClothWind). Default `None`: it keeps its own, or the [`ClothGlobalWind`].
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub wind: Option<GlobalWind>,
+    pub wind: Option<ClothGlobalWind>,
 }
 
 impl From<ClothMaterial> for ClothPreset {

@@ -17,8 +17,8 @@ use crate::bind::{
     instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
-    Cloth, ClothBuildReport, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPins, ClothReport, ClothSolver,
-    ClothStatus, PinSet, WaitingFor,
+    Cloth, ClothBuildReport, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPinSet, ClothPins,
+    ClothReport, ClothSolver, ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, label};
 use crate::simulation::{
@@ -38,6 +38,7 @@ pub(crate) const PATIENCE: f64 = 5.0;
 pub(crate) struct Bindable {
     entity: Entity,
     name: Option<&'static Name>,
+    disabled: Has<ClothDisabled>,
     mesh: Option<&'static mut Mesh3d>,
     global: Option<&'static GlobalTransform>,
     pins: Ref<'static, ClothPins>,
@@ -134,6 +135,10 @@ fn bind_one(
     notices: &mut Notices,
     cloth: &mut BindableItem,
 ) -> Result<(), Obstacle> {
+    if cloth.disabled && cloth.inputs.is_none() {
+        // It is drawn as it was authored.
+        return Ok(());
+    }
     let wanted = want(assembly, cloth)?;
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
@@ -144,8 +149,12 @@ fn bind_one(
         && cloth.error.is_none()
     {
         inputs.placement = wanted.placement;
-        inputs.active = true;
+        inputs.active = !cloth.disabled;
         activate(commands, cloth);
+    }
+    if cloth.disabled {
+        // In every frame, so that it is not marked as changed.
+        cloth.report.bypass_change_detection().idle();
     }
     Ok(())
 }
@@ -281,7 +290,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
         inputs.pins.clone_from(&cloth.pins);
-        (inputs.radius, inputs.stale, inputs.active) = (radius, true, true);
+        (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled);
         shown.surface = surface;
         shown.fit(vertices);
         shown.forced = true;
@@ -293,6 +302,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let (anchors, sets) = resolved.into_anchors(sets, &rest, None);
         let mut inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
         inputs.pins.clone_from(&cloth.pins);
+        inputs.active = !cloth.disabled;
         inputs.settle(origin);
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };
@@ -390,7 +400,7 @@ fn join(
     placement: &Placement,
 ) -> Result<Vec<(AnchorSet, Option<usize>)>, Obstacle> {
     let old = old.map_or(&[][..], |old| &old.sets);
-    let join = |(s, set): (usize, &PinSet)| {
+    let join = |(s, set): (usize, &ClothPinSet)| {
         let fits = |at: &usize| old.get(*at).is_some_and(|known| known.target == set.target);
         if let Some(at) = Some(s).filter(fits).or_else(|| (0..old.len()).find(fits)) {
             return Ok((old[at].clone(), Some(at)));

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::bind::PATIENCE;
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::checked::Checked;
-use crate::components::{ClothCollider, ClothLayers, ColliderShape, MeshFit};
+use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
 use crate::notices::{Notices, label};
 use crate::solver::body::{SharedShape, shape};
 use crate::solver::couple::Given;
@@ -65,7 +65,7 @@ pub(crate) struct WorldBody {
     pub shape: SharedShape,
     pub from: Isometry3d,
     pub to: Isometry3d,
-    pub layers: ClothLayers,
+    pub layers: ClothCollisionLayers,
     pub margin: f32,
     pub static_friction: f32,
     pub dynamic_friction: f32,
@@ -182,10 +182,10 @@ fn waiting(stage: Stage, now: f64) -> Stage {
 }
 
 /// Whether a shape, or a part of it, is fitted to the mesh of the entity. A plane needs none.
-fn needs_mesh(shape: &ColliderShape) -> bool {
+fn needs_mesh(shape: &ClothColliderShape) -> bool {
     match shape {
-        ColliderShape::Mesh(fit) => *fit != MeshFit::HalfSpace,
-        ColliderShape::Compound { parts } => parts.iter().any(|part| needs_mesh(&part.shape)),
+        ClothColliderShape::Mesh(fit) => *fit != ClothMeshFit::HalfSpace,
+        ClothColliderShape::Compound { parts } => parts.iter().any(|part| needs_mesh(&part.shape)),
         _ => false,
     }
 }
@@ -194,12 +194,20 @@ fn needs_mesh(shape: &ColliderShape) -> bool {
 pub(crate) fn poses(
     mut world: ResMut<WorldBodies>,
     mut notices: ResMut<Notices>,
-    mut colliders: Query<(Entity, Option<&Name>, &ClothCollider, &GlobalTransform, Option<&ClothLayers>, &mut ColliderBody)>,
+    mut colliders: Query<(
+        Entity,
+        Option<&Name>,
+        &ClothCollider,
+        Has<ClothColliderDisabled>,
+        &GlobalTransform,
+        Option<&ClothCollisionLayers>,
+        &mut ColliderBody,
+    )>,
 ) {
     let WorldBodies { bodies, checked, .. } = &mut *world;
     bodies.clear();
-    for (entity, name, collider, global, layers, mut body) in &mut colliders {
-        let Some(shape) = body.shape.clone().filter(|_| collider.enabled) else {
+    for (entity, name, collider, disabled, global, layers, mut body) in &mut colliders {
+        let Some(shape) = body.shape.clone().filter(|_| !disabled) else {
             body.pose = None;
             continue;
         };

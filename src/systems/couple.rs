@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::colliders::{ColliderBody, WorldBodies, WorldRigid};
 use super::release::forget;
-use crate::components::{Cloth, ClothCoupling, ClothImpulse, ClothRigidBody};
+use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::couple::{Given, Rigid};
@@ -50,17 +50,17 @@ pub(crate) fn bodies(
         &ClothRigidBody,
         &GlobalTransform,
         &mut CoupledBody,
-        &mut ClothImpulse,
+        &mut ClothReaction,
     )>,
 ) {
     let WorldBodies { bodies, rigids, checked } = &mut *world;
     rigids.clear();
-    for (entity, name, coupling, rigid, global, mut body, mut impulse) in &mut coupled {
+    for (entity, name, coupling, rigid, global, mut body, mut reaction) in &mut coupled {
         let (_, rotation, translation) = global.to_scale_rotation_translation();
         if *coupling == ClothCoupling::OneWay || !(rotation.is_finite() && translation.is_finite()) {
             *body = CoupledBody::default();
             // It is given nothing any more: an impulse that stays would be taken over in every frame.
-            impulse.set_if_neq(ClothImpulse::default());
+            reaction.set_if_neq(ClothReaction::default());
             continue;
         }
         let to = Isometry3d::new(translation, rotation.normalize());
@@ -157,7 +157,7 @@ pub(crate) fn give(
     mut world: ResMut<WorldBodies>,
     mut order: Local<Vec<Entity>>,
     mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &ClothScratch), With<Cloth>>,
-    mut takers: Query<(&mut ClothImpulse, &mut CoupledBody)>,
+    mut takers: Query<(&mut ClothReaction, &mut CoupledBody)>,
     mut colliders: Query<&mut ColliderBody>,
 ) {
     let WorldBodies { bodies, rigids, .. } = &mut *world;
@@ -184,9 +184,9 @@ pub(crate) fn give(
         }
     }
     for rigid in rigids.iter() {
-        let Ok((mut impulse, mut body)) = takers.get_mut(rigid.entity) else { continue };
+        let Ok((mut reaction, mut body)) = takers.get_mut(rigid.entity) else { continue };
         let Given { linear, angular, shift, turn } = rigid.given;
-        impulse.set_if_neq(ClothImpulse { linear, angular, displacement: shift, turn });
+        reaction.set_if_neq(ClothReaction { linear, angular, displacement: shift, turn });
         body.givers = rigid.gave;
         body.pose = body.pose.map(|pose| rigid.moved(pose));
     }
@@ -285,6 +285,6 @@ impl Coupled {
 pub(crate) fn on_remove_coupling(removed: On<Remove, ClothCoupling>, mut commands: Commands) {
     forget(&mut commands, removed.entity);
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<(CoupledBody, ClothImpulse)>();
+        entity.try_remove::<(CoupledBody, ClothReaction)>();
     }
 }

@@ -4,14 +4,17 @@ use bevy::prelude::*;
 
 use super::islands::{Cloths, is_awake, run};
 use super::sleep::Slumber;
-use crate::components::{Cloth, ClothCollision, ClothLayers, Untangle};
+use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling, ClothUntanglingDisabled};
 use crate::islands::{ClothIslands, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::time::ClothTime;
 
 /// Takes cloths out of their islands from which a component was removed that meeting others takes.
 pub(crate) fn leave(
-    mut cloths: Query<(&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<Untangle>, Has<Slumber>), With<Cloth>>,
+    mut cloths: Query<
+        (&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<ClothUntangling>, Has<Slumber>),
+        With<Cloth>,
+    >,
 ) {
     for (mut scratch, rest, collision, untangle, slumber) in &mut cloths {
         if scratch.island.is_some() && !(rest && collision && untangle && slumber) {
@@ -20,7 +23,7 @@ pub(crate) fn leave(
     }
 }
 
-/// Islands cloths that can meet.
+/// Finds the cloths that can meet.
 pub(crate) fn group(
     mut islands: ResMut<ClothIslands>,
     mut cloths: Query<
@@ -30,8 +33,9 @@ pub(crate) fn group(
             &ClothInputs,
             &ClothParticles,
             &ClothCollision,
-            &Untangle,
-            Option<&ClothLayers>,
+            &ClothUntangling,
+            Has<ClothUntanglingDisabled>,
+            Option<&ClothCollisionLayers>,
             &mut ClothScratch,
             &mut Slumber,
         ),
@@ -40,16 +44,16 @@ pub(crate) fn group(
 ) {
     let _span = debug_span!("cloth/detect").entered();
     islands.begin();
-    for (entity, rest, inputs, particles, collision, untangle, layers, mut scratch, _) in &mut cloths {
+    for (entity, rest, inputs, particles, collision, untangle, not_untangled, layers, mut scratch, _) in &mut cloths {
         let last = scratch.island.take().map(|(island, _)| island);
         let last_box = scratch.bounds.take();
         if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
             continue;
         }
         let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
-        let fixed = still || !untangle.enabled;
+        let fixed = still || not_untangled;
         let (asleep, thickness) = (inputs.asleep, inputs.fabric.thickness);
-        let at_load = untangle.enabled && untangle.at_load;
+        let at_load = !not_untangled && untangle.at_load;
         let (rest, rode) = (rest.0.clone(), inputs.rode);
         let member = Member { entity, rest, collision: *collision, thickness, fixed, still, rode, asleep, at_load };
         let layers = layers.copied().unwrap_or_default();

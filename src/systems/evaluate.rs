@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use super::islands::each;
 use super::stopwatch;
 use crate::components::{
-    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothLastResort, ClothRecovered, ClothReport, ClothStatus,
-    ClothTangled, ClothUntangled, RecoveryLevel, Untangle,
+    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
+    ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated, RecoveryLevel,
 };
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
@@ -75,9 +75,13 @@ pub(crate) fn judge(
 /// Events for cloths that became tangled, held or clean.
 pub(crate) fn tell(
     mut commands: Commands,
-    mut cloths: Query<(Entity, &ClothParticles, &Untangle, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothInputs, &ClothParticles, Has<ClothUntanglingDisabled>, &mut ClothReport), With<Cloth>>,
 ) {
-    for (entity, particles, untangle, mut report) in &mut cloths {
+    for (entity, inputs, particles, not_untangled, mut report) in &mut cloths {
+        // Of a cloth that was not judged there is nothing new.
+        if !inputs.active || inputs.asleep || inputs.carried {
+            continue;
+        }
         let outcome = particles.display.outcome();
         if outcome.became_tangled {
             let ClothReport { crossings, contour_length, .. } = *report;
@@ -87,8 +91,8 @@ pub(crate) fn tell(
             commands.trigger(ClothHeld { entity });
         }
         // What takes no part has no resorts.
-        if outcome.became_last_resort && untangle.enabled {
-            commands.trigger(ClothLastResort { entity, crossings: report.crossings });
+        if outcome.became_last_resort && !not_untangled {
+            commands.trigger(ClothUntanglingEscalated { entity, crossings: report.crossings });
         }
         if outcome.became_clean {
             commands.trigger(ClothUntangled { entity, after: report.tangled_for });
@@ -102,12 +106,12 @@ pub(crate) fn overruled_layers(mut notices: ResMut<Notices>, islands: Res<ClothI
     for island in &islands.list {
         for pair in island.solver.overruled_layers() {
             let [Some(outer), Some(inner)] = pair.map(|part| island.members.get(part)) else { continue };
-            if notices.first(outer.entity, "ClothCollision::layer") {
+            if notices.first(outer.entity, "ClothCollision::garment_layer") {
                 let [over, under] = [outer, inner].map(|member| label(member.entity, names.get(member.entity).ok()));
                 warn!(
-                    "cloth {over} has `ClothCollision::layer` {}, to be worn over {under} with {}, but pins of both hold it under it: their \
+                    "cloth {over} has `ClothCollision::garment_layer` {}, to be worn over {under} with {}, but pins of both hold it under it: their \
                      order is let be; swap the layers or the pins, or turn triangles whose front is not outside",
-                    outer.collision.layer, inner.collision.layer
+                    outer.collision.garment_layer, inner.collision.garment_layer
                 );
             }
         }

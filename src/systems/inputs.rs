@@ -8,9 +8,9 @@ use super::sleep::reaches;
 use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
 use crate::components::checked::Checked;
 use crate::components::{
-    Cloth, ClothBuildReport, ClothGravity, ClothLayers, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSolver,
-    ClothTargetLost, ClothTeleported, ClothWind, GlobalWind, OnTargetLost, SkipFrame, TeleportMode, Untangle, WindZone,
-    WindZoneShape,
+    Cloth, ClothBuildReport, ClothCollisionLayers, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost,
+    ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothUntangling,
+    ClothWind, ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
 use crate::plugin::ClothClock;
@@ -30,18 +30,18 @@ pub(crate) struct WorldAir {
     pub wind: Wind,
     gravity: Vec3,
     /// In the order of entities.
-    pub zones: Vec<(Entity, WindZone, Isometry3d)>,
+    pub zones: Vec<(Entity, ClothWindZone, Isometry3d)>,
     checked: Checked,
 }
 
 /// Reads global wind, gravity and zones, and lets the gusts travel.
 pub(crate) fn air(
     time: Res<ClothTime>,
-    wind: Res<GlobalWind>,
+    wind: Res<ClothGlobalWind>,
     gravity: Res<ClothGravity>,
     mut air: ResMut<WorldAir>,
     mut notices: ResMut<Notices>,
-    zones: Query<(Entity, Option<&Name>, &WindZone, &GlobalTransform)>,
+    zones: Query<(Entity, Option<&Name>, &ClothWindZone, &GlobalTransform)>,
 ) {
     let WorldAir { wind: air, gravity: pull, zones: known, checked } = &mut *air;
     checked.clear();
@@ -72,9 +72,9 @@ pub(crate) fn settings(
             &ClothMaterial,
             &ClothSolver,
             &ClothPins,
-            &Untangle,
-            &SkipFrame,
-            &ClothLod,
+            &ClothUntangling,
+            &ClothSkipFrame,
+            Option<&ClothLod>,
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -100,7 +100,7 @@ pub(crate) fn settings(
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);
         inputs.evaluate = skip.settings(checked);
-        inputs.lod = lod.checked(checked);
+        inputs.lod = lod.map(|lod| lod.checked(checked));
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
         pins.checked(checked);
@@ -158,7 +158,7 @@ pub(crate) fn anchors(
         }
         let jump = jump(inputs, particles, solver);
         if let Some(jump) = &jump {
-            if solver.teleport == TeleportMode::Keep {
+            if solver.teleport == ClothTeleportMode::Keep {
                 carry(jump, inputs, particles);
             }
             commands.trigger(ClothTeleported { entity, distance: jump.distance, angle: jump.angle });
@@ -169,7 +169,7 @@ pub(crate) fn anchors(
             inputs.skin = Some(skin);
         }
         inputs.aim(particles.origin);
-        if jump.is_some() && solver.teleport == TeleportMode::Reset {
+        if jump.is_some() && solver.teleport == ClothTeleportMode::Reset {
             particles.place(inputs.pose(&rest.0, particles.origin));
             inputs.anchors.from.clone_from(&inputs.anchors.to);
         }
@@ -204,12 +204,12 @@ fn follow_targets(
                 set.lost = true;
                 commands.trigger(ClothTargetLost { entity, target });
                 match pins.on_target_lost {
-                    OnTargetLost::Hold => {}
-                    OnTargetLost::Release => {
+                    ClothOnTargetLost::Hold => {}
+                    ClothOnTargetLost::Release => {
                         set.released = true;
                         released = true;
                     }
-                    OnTargetLost::Despawn => return true,
+                    ClothOnTargetLost::Despawn => return true,
                 }
             }
         }
@@ -272,7 +272,7 @@ fn jump(inputs: &ClothInputs, particles: &mut ClothParticles, solver: &ClothSolv
     let distance = from.translation.distance(to.translation);
     let angle = from.rotation.angle_between(to.rotation);
     let far = !(distance <= least.max(3.0 * inputs.radius)) || !(angle <= turn);
-    (far && solver.teleport != TeleportMode::None).then_some(Jump { from, to, distance, angle })
+    (far && solver.teleport != ClothTeleportMode::None).then_some(Jump { from, to, distance, angle })
 }
 
 /// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
@@ -289,7 +289,7 @@ fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     inputs.joints.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
 }
 
-fn blow(air: &mut Wind, wind: &GlobalWind) {
+fn blow(air: &mut Wind, wind: &ClothGlobalWind) {
     air.velocity = wind.velocity;
     air.density = wind.air_density;
     air.turbulence = Turbulence {
@@ -301,12 +301,12 @@ fn blow(air: &mut Wind, wind: &GlobalWind) {
 }
 
 /// A zone as its entity's scale makes it.
-fn scaled(zone: WindZone, scale: Vec3) -> WindZone {
+fn scaled(zone: ClothWindZone, scale: Vec3) -> ClothWindZone {
     let shape = match zone.shape {
-        WindZoneShape::Box { half_size } => WindZoneShape::Box { half_size: half_size * scale },
-        WindZoneShape::Sphere { radius } => WindZoneShape::Sphere { radius: radius * scale.max_element() },
+        ClothWindZoneShape::Box { half_size } => ClothWindZoneShape::Box { half_size: half_size * scale },
+        ClothWindZoneShape::Sphere { radius } => ClothWindZoneShape::Sphere { radius: radius * scale.max_element() },
     };
-    WindZone { shape, ..zone }
+    ClothWindZone { shape, ..zone }
 }
 
 /// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed and its anchors tell, with its own radius to spare for
@@ -328,7 +328,10 @@ pub(crate) fn surroundings(
     time: Res<ClothTime>,
     world: Res<WorldBodies>,
     air: Res<WorldAir>,
-    mut cloths: Query<(Entity, &ClothParticles, Option<&ClothLayers>, &mut ClothInputs, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<
+        (Entity, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
+        With<Cloth>,
+    >,
 ) {
     for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
         if inputs.asleep || inputs.carried {
@@ -365,8 +368,8 @@ pub(crate) fn surroundings(
         let zones = air.zones.iter().filter(|(_, zone, at)| blows(zone, at));
         inputs.wind.zones.extend(zones.map(|(_, zone, at)| wind::WindZone {
             shape: match zone.shape {
-                WindZoneShape::Box { half_size } => ZoneShape::Box { half_extents: half_size },
-                WindZoneShape::Sphere { radius } => ZoneShape::Sphere { radius },
+                ClothWindZoneShape::Box { half_size } => ZoneShape::Box { half_extents: half_size },
+                ClothWindZoneShape::Sphere { radius } => ZoneShape::Sphere { radius },
             },
             center: (Vec3::from(at.translation).as_dvec3() - origin).as_vec3(),
             rotation: at.rotation,
@@ -396,7 +399,7 @@ mod tests {
         world.insert_resource(time);
         world.init_resource::<WorldBodies>();
         let zone = |&(at, radius): &(Vec3, f32)| {
-            let zone = WindZone::sphere(radius, Vec3::Y * radius);
+            let zone = ClothWindZone::sphere(radius, Vec3::Y * radius);
             (Entity::PLACEHOLDER, zone, Isometry3d::from_translation(at))
         };
         world.insert_resource(WorldAir { zones: zones.iter().map(zone).collect(), ..WorldAir::default() });

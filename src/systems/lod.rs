@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::colliders::{WorldBodies, WorldBody};
 use super::sleep::{NEAR, is_near};
-use crate::components::{Cloth, ClothDetail, ClothLayers, ClothLod, ClothReport};
+use crate::components::{Cloth, ClothCollisionLayers, ClothDetail, ClothLod, ClothReport};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::time::ClothTime;
 
@@ -25,7 +25,7 @@ pub(crate) fn detail(
         (
             Entity,
             Option<&ViewVisibility>,
-            Option<&ClothLayers>,
+            Option<&ClothCollisionLayers>,
             &ClothScratch,
             &mut ClothInputs,
             &mut ClothParticles,
@@ -40,8 +40,7 @@ pub(crate) fn detail(
     eyes.extend(active.map(|(_, at)| at.translation().as_dvec3()));
     for (entity, seen, layers, scratch, mut inputs, mut particles, mut report) in &mut cloths {
         let inputs = &mut *inputs;
-        let lod = inputs.lod;
-        let detail = if lod.enabled && !eyes.is_empty() {
+        let detail = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
             let seen = seen.is_none_or(|seen| seen.get());
             inputs.unseen_for = if seen { 0.0 } else { inputs.unseen_for + time.delta_secs() };
             let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
@@ -112,7 +111,7 @@ mod tests {
     #[test]
     fn a_level_is_left_for_a_finer_one_a_tenth_nearer_only() {
         use ClothDetail::{Full, Half, Quarter, Still};
-        let lod = ClothLod { full_within: 10.0, still_beyond: 100.0, ..ClothLod::ON };
+        let lod = ClothLod { full_within: 10.0, still_beyond: 100.0, ..ClothLod::default() };
         let walk = |from: ClothDetail, way: &[f64]| {
             let step = |last: &mut ClothDetail, &distance: &f64| {
                 *last = at_distance(&lod, distance, *last);

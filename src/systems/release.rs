@@ -6,7 +6,7 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
-use crate::components::{Cloth, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothReport, ClothStatus, WindZone};
+use crate::components::{Cloth, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothReport, ClothStatus, ClothWindZone};
 use crate::notices::Notices;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince};
 use crate::systems::colliders::ColliderBody;
@@ -74,7 +74,7 @@ pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut command
 }
 
 /// Forgets what was told of a wind zone.
-pub(crate) fn on_remove_zone(removed: On<Remove, WindZone>, mut commands: Commands) {
+pub(crate) fn on_remove_zone(removed: On<Remove, ClothWindZone>, mut commands: Commands) {
     forget(&mut commands, removed.entity);
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
                 || entity.contains::<ClothCollider>()
                 || entity.contains::<ClothCoupling>()
                 || entity.contains::<ClothGrab>()
-                || entity.contains::<WindZone>()
+                || entity.contains::<ClothWindZone>()
         });
         if let Some(mut notices) = world.get_resource_mut::<Notices>().filter(|_| !is_meant) {
             notices.forget(entity);

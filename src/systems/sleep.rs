@@ -18,8 +18,8 @@ use super::colliders::{WorldBodies, WorldBody};
 use super::inputs::WorldAir;
 use crate::components::checked::Checked;
 use crate::components::{
-    Cloth, ClothCollision, ClothLayers, ClothReport, ClothSleep, ClothSlept, ClothSolver, ClothWoke, Untangle, WindZone,
-    WindZoneShape,
+    Cloth, ClothCollision, ClothCollisionLayers, ClothReport, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver,
+    ClothUntangling, ClothUntanglingDisabled, ClothWindZone, ClothWindZoneShape, ClothWoke,
 };
 use crate::islands::{ClothIslands, Member};
 use crate::notices::Notices;
@@ -38,6 +38,8 @@ pub(super) const NEAR: f32 = 0.02;
 #[component(clone_behavior = Ignore)]
 pub(crate) struct Slumber {
     asleep: bool,
+    /// Whether it may not sleep, and is not untangled.
+    disabled: [bool; 2],
     /// Another cloth came near.
     pub roused: bool,
     /// Time at rest `[s]`.
@@ -57,9 +59,9 @@ struct Seen {
     gravity: Vec3,
     air: Option<(Vec3, f32, Turbulence)>,
     anchors: Vec<Vec3>,
-    layers: ClothLayers,
+    layers: ClothCollisionLayers,
     bodies: Vec<SeenBody>,
-    zones: Vec<(Entity, WindZone, Isometry3d)>,
+    zones: Vec<(Entity, ClothWindZone, Isometry3d)>,
 }
 
 /// A body near a cloth.
@@ -109,9 +111,11 @@ pub(crate) struct Sleeper {
     name: Option<&'static Name>,
     solver: Ref<'static, ClothSolver>,
     collision: Ref<'static, ClothCollision>,
-    untangle: Ref<'static, Untangle>,
+    untangle: Ref<'static, ClothUntangling>,
     sleep: Ref<'static, ClothSleep>,
-    layers: Option<&'static ClothLayers>,
+    kept_awake: Has<ClothSleepDisabled>,
+    not_untangled: Has<ClothUntanglingDisabled>,
+    layers: Option<&'static ClothCollisionLayers>,
     inputs: &'static mut ClothInputs,
     particles: &'static mut ClothParticles,
     scratch: &'static ClothScratch,
@@ -137,11 +141,13 @@ pub(crate) fn watch(
 ) {
     for mut cloth in &mut cloths {
         checked.clear();
-        let ClothSleep { enabled, threshold, delay } = cloth.sleep.checked(&mut checked);
+        let ClothSleep { threshold, delay } = cloth.sleep.checked(&mut checked);
         notices.clamped(cloth.entity, cloth.name, "cloth", &checked);
         let slumber = &mut *cloth.slumber;
-        (slumber.threshold, slumber.delay) = (if enabled { threshold } else { 0.0 }, delay);
-        let changed = cloth.solver.is_changed()
+        (slumber.threshold, slumber.delay) = (if cloth.kept_awake { 0.0 } else { threshold }, delay);
+        let disabled = [cloth.kept_awake, cloth.not_untangled];
+        let changed = core::mem::replace(&mut slumber.disabled, disabled) != disabled
+            || cloth.solver.is_changed()
             || cloth.collision.is_changed()
             || cloth.untangle.is_changed()
             || cloth.sleep.is_changed()
@@ -192,7 +198,7 @@ impl Seen {
         &mut self,
         entity: Entity,
         inputs: &ClothInputs,
-        layers: ClothLayers,
+        layers: ClothCollisionLayers,
         bounds: Option<(DVec3, DVec3)>,
         around: &Around,
     ) -> bool {
@@ -218,9 +224,10 @@ impl Seen {
             news = true;
         }
         let blows = || around.air.zones.iter().filter(|(_, zone, at)| reaches(zone, at, low, high));
-        let same = |((e, zone, at), (f, seen, was)): (&(Entity, WindZone, Isometry3d), &(Entity, WindZone, Isometry3d))| {
-            e == f && zone == seen && stays(at, was)
-        };
+        let same =
+            |((e, zone, at), (f, seen, was)): (&(Entity, ClothWindZone, Isometry3d), &(Entity, ClothWindZone, Isometry3d))| {
+                e == f && zone == seen && stays(at, was)
+            };
         if blows().count() != self.zones.len() || !blows().zip(&self.zones).all(same) {
             self.zones.clear();
             self.zones.extend(blows().copied());
@@ -244,10 +251,10 @@ pub(super) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
 }
 
 /// Whether a zone may reach into a box `[m]`.
-pub(super) fn reaches(zone: &WindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
+pub(super) fn reaches(zone: &ClothWindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
     let radius = match zone.shape {
-        WindZoneShape::Box { half_size } => half_size.length(),
-        WindZoneShape::Sphere { radius } => radius,
+        ClothWindZoneShape::Box { half_size } => half_size.length(),
+        ClothWindZoneShape::Sphere { radius } => radius,
     };
     let center = Vec3::from(at.translation);
     !(center.clamp(low, high).distance(center) > radius)

@@ -3,7 +3,9 @@
 use bevy::prelude::*;
 
 use crate::components::checked::Checked;
-use crate::components::{Cloth, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothReport, ClothTouch};
+use crate::components::{
+    Cloth, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothReport, ClothTouch,
+};
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
@@ -24,14 +26,15 @@ pub(crate) fn touches(
             &ClothParticles,
             &ClothScratch,
             &ClothReport,
-            &mut ClothContactEvents,
+            &ClothContactEvents,
+            &mut ClothContacts,
         ),
         With<Cloth>,
     >,
     mut now: Local<Vec<ClothTouch>>,
     mut checked: Local<Checked>,
 ) {
-    for (entity, name, rest, inputs, particles, scratch, report, mut events) in &mut cloths {
+    for (entity, name, rest, inputs, particles, scratch, report, events, mut contacts) in &mut cloths {
         // Nothing begins or ends while it sleeps or is carried along.
         if inputs.asleep || inputs.carried || !inputs.active {
             continue;
@@ -48,7 +51,7 @@ pub(crate) fn touches(
         }
         now.sort_unstable_by_key(|touch| touch.other);
         let touching = now.len();
-        for old in &events.touches {
+        for old in &contacts.touches {
             // What is added below stands behind them.
             if now[..touching].binary_search_by_key(&old.other, |touch| touch.other).is_err() {
                 let since = old.since + time.delta_secs();
@@ -61,11 +64,18 @@ pub(crate) fn touches(
         }
         now.sort_unstable_by_key(|touch| touch.other);
         for touch in &*now {
-            if events.touches.binary_search_by_key(&touch.other, |old| old.other).is_err() {
+            if contacts.touches.binary_search_by_key(&touch.other, |old| old.other).is_err() {
                 commands.trigger(ClothContactStarted { entity, touch: *touch });
             }
         }
-        events.touches.clone_from(&now);
+        contacts.touches.clone_from(&now);
+    }
+}
+
+/// Takes the list away from a cloth that no longer asks for it.
+pub(crate) fn on_remove_events(removed: On<Remove, ClothContactEvents>, mut commands: Commands) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<ClothContacts>();
     }
 }
 

@@ -58,7 +58,7 @@ fn a_cloth_is_tangled_on_purpose_with_itself_and_comes_apart() {
     app.insert_resource(ClothGravity(Vec3::ZERO));
     let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.0, 2.0, 0.0));
     let other = spawn(&mut app, sheet(8), Transform::from_xyz(9.0, 2.0, 0.0));
-    app.world_mut().entity_mut(cloth).insert(Untangle { iterations: 0, ..default() });
+    app.world_mut().entity_mut(cloth).insert(ClothUntangling { iterations: 0, ..default() });
     run(&mut app, 5);
     let mut panel = Panel::over(app, cloth, other);
     panel.click("fold through itself");
@@ -66,7 +66,7 @@ fn a_cloth_is_tangled_on_purpose_with_itself_and_comes_apart() {
     let tangled = report(panel.app(), cloth).clone();
     assert!(tangled.crossings > 0 && tangled.restores == 0 && tangled.resets == 0, "{tangled:?}");
     assert_eq!(report(panel.app(), other).crossings, 0);
-    panel.app().world_mut().entity_mut(cloth).insert(Untangle::default());
+    panel.app().world_mut().entity_mut(cloth).insert(ClothUntangling::default());
     run(panel.app(), 240);
     let after = report(panel.app(), cloth).clone();
     assert_eq!(after.crossings, 0, "{} crossings before", tangled.crossings);
@@ -81,7 +81,7 @@ fn a_cloth_is_pushed_through_the_nearest_other_pinned_or_not() {
     for pins in [ClothPins::NONE, border()] {
         let mut app = app_with_panel();
         app.insert_resource(ClothGravity(Vec3::ZERO));
-        let idle = Untangle { iterations: 0, ..default() };
+        let idle = ClothUntangling { iterations: 0, ..default() };
         let cloth = spawn(&mut app, sheet(16), (Transform::from_xyz(0.1, 2.3, 0.05), pins.clone(), idle));
         let near = spawn(&mut app, sheet(16), (Transform::from_xyz(0.0, 2.0, 0.0), idle));
         let far = spawn(&mut app, sheet(16), (Transform::from_xyz(0.0, 4.0, 0.0), idle));
@@ -276,9 +276,12 @@ fn the_line_of_a_clean_cloth_tells_of_crossings_elsewhere() {
     app.insert_resource(ClothGravity(Vec3::ZERO));
     let cloth = spawn(&mut app, sheet(8), Transform::from_xyz(0.0, 2.0, 0.0));
     let far = Transform::from_xyz(9.0, 2.0, 0.0);
-    let one = spawn(&mut app, sheet(8), (far, Untangle { iterations: 0, ..default() }));
-    let other =
-        spawn(&mut app, sheet(8), (far.with_rotation(Quat::from_rotation_x(1.3)), Untangle { iterations: 0, ..default() }));
+    let one = spawn(&mut app, sheet(8), (far, ClothUntangling { iterations: 0, ..default() }));
+    let other = spawn(
+        &mut app,
+        sheet(8),
+        (far.with_rotation(Quat::from_rotation_x(1.3)), ClothUntangling { iterations: 0, ..default() }),
+    );
     run(&mut app, 3);
     assert!(report(&app, one).crossings > 0, "they do not cross");
     // Each of them counts what crosses; in all it is counted once.

@@ -87,7 +87,7 @@ fn a_long_list_of_what_differs_leaves_room_and_goes_when_a_and_b_are_cleared() {
     panel.click("keep as A");
     let cloth = panel.cloth;
     let solver = ClothSolver { substep_rate: 720.0, max_frame: 0.2, gravity_scale: 0.5, time_scale: 0.5, ..Default::default() };
-    let wind = ClothWind(GlobalWind::default());
+    let wind = ClothWind(ClothGlobalWind::default());
     panel.app().world_mut().entity_mut(cloth).insert((ClothMaterial::LEATHER, solver, wind));
     panel.steps(2);
     panel.click("keep as B");
@@ -113,9 +113,9 @@ fn what_is_saved_is_read_by_the_loader_and_comes_back_in_another_cloth() {
     panel.app().world_mut().entity_mut(cloth).insert((
         ClothMaterial { thickness: 0.002, strain_limit: f32::INFINITY, ..ClothMaterial::LEATHER },
         ClothSolver { substep_rate: 720.0, ..Default::default() },
-        ClothCollision { layer: 3, contact: false, ..Default::default() },
-        Untangle { iterations: 9, ..Default::default() },
-        SkipFrame { policy: SkipPolicy::UntilClean { max: 3 }, ..Default::default() },
+        ClothCollision { garment_layer: 3, contact: false, ..Default::default() },
+        ClothUntangling { iterations: 9, ..Default::default() },
+        ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..Default::default() },
         ClothWind::new(bevy::math::Vec3::X),
     ));
     panel.steps(2);

@@ -137,7 +137,7 @@ fn the_new_stiffness_is_reached() {
 fn with_the_panel_drawn_in_every_frame_and_without_the_cloth_has_the_same_bits() {
     let start = |mut app: App| {
         let cloth = spawn(&mut app, sheet(16), (border(), Transform::from_xyz(0.0, 2.0, 0.0)));
-        app.insert_resource(GlobalWind::new(Vec3::new(3.0, 0.0, 1.0)));
+        app.insert_resource(ClothGlobalWind::new(Vec3::new(3.0, 0.0, 1.0)));
         (app, cloth)
     };
     let bits = |app: &App, cloth| app.world().get::<ClothParticles>(cloth).expect("a bound cloth").state().clone();

@@ -65,8 +65,8 @@ fn bodies(app: &App, cloth: Entity) -> u32 {
     report(app, cloth).bodies
 }
 
-fn impulse(app: &App, body: Entity) -> ClothImpulse {
-    *app.world().get::<ClothImpulse>(body).expect("a two-way body")
+fn impulse(app: &App, body: Entity) -> ClothReaction {
+    *app.world().get::<ClothReaction>(body).expect("a two-way body")
 }
 
 /// Until cloth holds a ball that fell into it, and may bounce.
@@ -121,7 +121,7 @@ fn avian_a_ball_and_a_free_sheet_keep_their_momentum() {
     for mass in [0.05, 1.0, 20.0] {
         let mut app = physics(FixedPostUpdate);
         app.insert_resource(Gravity(Vec3::ZERO)).insert_resource(ClothGravity(Vec3::ZERO));
-        app.insert_resource(GlobalWind { air_density: 0.0, ..default() });
+        app.insert_resource(ClothGlobalWind { air_density: 0.0, ..default() });
         let still = ClothMaterial { density: 0.3, drag: 0.0, damping: 0.0, ..default() };
         let alone = ClothCollision { self_collision: false, ..default() };
         let cloth = spawn(&mut app, sheet(20), (still, alone));
@@ -203,7 +203,7 @@ fn avian_a_sheet_drapes_over_children_and_scaled_colliders() {
 #[test]
 fn avian_layers_sensors_and_what_is_disabled_are_ignored() {
     let mut app = physics(FixedPostUpdate);
-    let cloth = spawn(&mut app, sheet(5), (border(), ClothLayers::new(0b01, 0b01)));
+    let cloth = spawn(&mut app, sheet(5), (border(), ClothCollisionLayers::new(0b01, 0b01)));
     let far = Transform::from_xyz(0.0, -5.0, 0.0);
     let mut with = |extra: &mut dyn FnMut(&mut EntityWorldMut)| {
         let mut entity = app.world_mut().spawn((RigidBody::Static, Collider::sphere(0.1), far));
@@ -218,7 +218,7 @@ fn avian_layers_sensors_and_what_is_disabled_are_ignored() {
         e.insert(CollisionLayers::from_bits(0b01, 0b10));
     });
     with(&mut |e| {
-        e.insert((CollisionLayers::from_bits(0b10, 0), ClothLayers::DEFAULT));
+        e.insert((CollisionLayers::from_bits(0b10, 0), ClothCollisionLayers::DEFAULT));
     });
     with(&mut |e| {
         e.insert(Sensor);
@@ -355,7 +355,7 @@ fn avian_locked_axes_paused_physics_and_disabled_coupling_hold() {
 
     app.world_mut().entity_mut(body).remove::<ClothCoupling>();
     run(&mut app, 5);
-    assert!(app.world().get::<ClothImpulse>(body).is_none());
+    assert!(app.world().get::<ClothReaction>(body).is_none());
     assert!(finite(&app, cloth));
 }
 
@@ -369,7 +369,7 @@ fn avian_physics_of_your_own_is_told_of_impulses() {
     let mut speed = Vec3::ZERO;
     for _ in 0..900 {
         let world = app.world_mut();
-        let given = *world.get::<ClothImpulse>(ball).expect("a two-way body");
+        let given = *world.get::<ClothReaction>(ball).expect("a two-way body");
         let mut transform = world.get_mut::<Transform>(ball).expect("a body");
         transform.translation += given.displacement;
         speed += given.linear;

@@ -145,7 +145,7 @@ fn all() -> Vec<(String, u64)> {
         })
     });
     let mut lod = app();
-    let level = ClothLod { full_within: 10.0, still_beyond: 100.0, ..ClothLod::ON };
+    let level = ClothLod { full_within: 10.0, still_beyond: 100.0, ..default() };
     let camera = lod.world_mut().spawn((Camera3d::default(), Transform::from_xyz(5.0, 0.0, 0.0))).id();
     spawn(&mut lod, sheet(12), (border(), level));
     note("app: level of detail", {

@@ -55,7 +55,7 @@ fn piles_apart_from_each_other_each_remember_their_contacts() {
 #[test]
 fn without_contact_cloths_pass_through_each_other() {
     let mut app = app();
-    let alone = || (ClothCollision { contact: false, ..default() }, Untangle { enabled: false, ..default() });
+    let alone = || (ClothCollision { contact: false, ..default() }, ClothUntanglingDisabled);
     let cloths = pile(&mut app, 12, alone());
     run(&mut app, 60);
     assert!(cloths.iter().all(|&c| report(&app, c).contacts == 0));
@@ -114,7 +114,7 @@ fn what_is_not_a_number_in_one_cloth_stays_there() {
 #[test]
 fn cloths_that_are_not_untangled_still_rest_on_each_other() {
     let mut app = app();
-    let cloths = pile(&mut app, 16, Untangle { enabled: false, ..default() });
+    let cloths = pile(&mut app, 16, ClothUntanglingDisabled);
     run(&mut app, 60);
     assert!(cloths.iter().all(|&c| report(&app, c).contacts > 10 || report(&app, c).crossings == 0));
     let lowest_over_ball = |cloth: Entity| {
@@ -128,20 +128,24 @@ fn cloths_that_are_not_untangled_still_rest_on_each_other() {
 fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its_contacts() {
     let drags: [(&str, f32, fn(&mut EntityWorldMut, f32)); 6] = [
         ("thickness", 0.012, |cloth, share| cloth.get_mut::<ClothMaterial>().expect("one").thickness = 0.01 + 0.004 * share),
-        ("layer", 0.002, |cloth, share| cloth.get_mut::<ClothCollision>().expect("one").layer = (8.0 * share) as i32),
+        ("layer", 0.002, |cloth, share| cloth.get_mut::<ClothCollision>().expect("one").garment_layer = (8.0 * share) as i32),
         ("friction", 0.002, |cloth, share| cloth.get_mut::<ClothMaterial>().expect("one").static_friction = 0.4 + 0.4 * share),
         ("stretch", 0.01, |cloth, share| {
             cloth.get_mut::<ClothMaterial>().expect("one").stretch_stiffness = 8000.0 + 4000.0 * share;
         }),
-        ("iterations", 0.002, |cloth, share| cloth.get_mut::<Untangle>().expect("one").iterations = 4 + (4.0 * share) as u32),
-        ("patience", 0.002, |cloth, share| cloth.get_mut::<Untangle>().expect("one").patience = 8 + (8.0 * share) as u32),
+        ("iterations", 0.002, |cloth, share| {
+            cloth.get_mut::<ClothUntangling>().expect("one").iterations = 4 + (4.0 * share) as u32
+        }),
+        ("patience", 0.002, |cloth, share| {
+            cloth.get_mut::<ClothUntangling>().expect("one").patience = 8 + (8.0 * share) as u32
+        }),
     ];
     for (name, bound, drag) in drags {
         let mut app = app();
         app.world_mut().spawn(ClothCollider::ground());
         let material = ClothMaterial { thickness: 0.01, ..default() };
         let cloths = [0.01, 0.03]
-            .map(|y| spawn(&mut app, sheet(12), (material.clone(), Transform::from_xyz(0.0, y, 0.0), ClothSleep::OFF)));
+            .map(|y| spawn(&mut app, sheet(12), (material.clone(), Transform::from_xyz(0.0, y, 0.0), ClothSleepDisabled)));
         run(&mut app, 180);
         let builds = app.world().resource::<ClothIslands>().builds();
         let contacts = report(&app, cloths[1]).contacts;

@@ -17,14 +17,14 @@ fn scene(debug: ClothDebug) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin, GizmoPlugin));
     app.add_plugins((ClothDebugPlugin, ClothPlugin::default()));
-    app.insert_resource(debug).insert_resource(GlobalWind::new(Vec3::X));
+    app.insert_resource(debug).insert_resource(ClothGlobalWind::new(Vec3::X));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(FRAME)));
     app.finish();
     app.cleanup();
     app.update();
     // They stay as they are.
     let still = (
-        Untangle { iterations: 0, ..default() },
+        ClothUntangling { iterations: 0, ..default() },
         ClothCollision { contact: false, ..default() },
         ClothSolver { gravity_scale: 0.0, ..default() },
     );
@@ -108,7 +108,7 @@ fn the_border_of_a_cloth_that_comes_to_rest_goes_through_the_colours_of_the_lege
     others.into_iter().for_each(|cloth| {
         app.world_mut().despawn(cloth);
     });
-    app.insert_resource(GlobalWind::new(Vec3::ZERO));
+    app.insert_resource(ClothGlobalWind::new(Vec3::ZERO));
     app.world_mut().spawn((Transform::from_xyz(0.0, -0.5, 0.0), ClothCollider::ground()));
     let cloth = spawn(&mut app, sheet(9), Transform::from_xyz(0.0, -0.3, 0.0));
     run(&mut app, 5);
@@ -136,7 +136,7 @@ fn the_border_of_a_cloth_that_comes_to_rest_goes_through_the_colours_of_the_lege
     run(&mut app, 2);
     assert_eq!(meaning(&mut app).0, labels[0], "{:?}", report(&app, cloth));
     let camera = app.world_mut().spawn((Camera::default(), Transform::default())).id();
-    app.world_mut().entity_mut(cloth).insert(ClothLod::ON);
+    app.world_mut().entity_mut(cloth).insert(ClothLod::default());
     for (distance, label) in [(20.0, &labels[4]), (50.0, &labels[5]), (500.0, &labels[6])] {
         app.world_mut().get_mut::<Transform>(camera).expect("a camera").translation.y = distance;
         run(&mut app, 2);

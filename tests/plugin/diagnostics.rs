@@ -31,8 +31,8 @@ fn value(app: &App, path: &bevy::diagnostic::DiagnosticPath) -> f64 {
 
 /// Two sheets that stick in each other, and one far off; the first two are 9 x 9, the third is 5 x 5.
 fn crowd(app: &mut App) {
-    let skip = SkipFrame::default();
-    let still = Untangle { iterations: 0, ..default() };
+    let skip = ClothSkipFrame::default();
+    let still = ClothUntangling { iterations: 0, ..default() };
     spawn(app, sheet(9), (skip, still));
     let upright = Transform::from_rotation(Quat::from_rotation_x(1.5)).with_translation(Vec3::new(0.03, 0.0, 0.02));
     spawn(app, sheet(9), (upright, skip, still));
@@ -79,7 +79,7 @@ fn cloths_that_sleep_are_counted_until_they_wake() {
     let mut app = measured(ClothPlugin::default());
     app.world_mut().spawn(ClothCollider::ground());
     let lying = [0.0, 5.0].map(|x| spawn(&mut app, sheet(6), Transform::from_xyz(x, 0.006, 0.0)));
-    let swinging = spawn(&mut app, sheet(6), (border(), Transform::from_xyz(10.0, 2.0, 0.0), ClothSleep::OFF));
+    let swinging = spawn(&mut app, sheet(6), (border(), Transform::from_xyz(10.0, 2.0, 0.0), ClothSleepDisabled));
     run(&mut app, 2);
     assert_eq!(value(&app, &ClothDiagnosticsPlugin::SLEEPING), 0.0);
     run(&mut app, 240);

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::{
-    ClothError, ClothErrorKind, ClothFailed, ClothParticles, ClothRecovered, ClothTeleported, RecoveryCause, RecoveryLevel,
-    TeleportMode,
+    ClothError, ClothErrorKind, ClothFailed, ClothParticles, ClothRecovered, ClothTeleportMode, ClothTeleported, RecoveryCause,
+    RecoveryLevel,
 };
 
 use crate::common::*;
@@ -138,7 +138,7 @@ fn a_quick_turn_counts_as_a_teleport_and_slow_motion_does_not() {
 #[test]
 fn a_teleport_can_reset_the_cloth() {
     let mut app = app();
-    let solver = ClothSolver { teleport: TeleportMode::Reset, ..default() };
+    let solver = ClothSolver { teleport: ClothTeleportMode::Reset, ..default() };
     let cloth = spawn(&mut app, sheet(8), (border(), solver));
     run(&mut app, 120);
     assert!(lowest(&world_positions(&app, cloth)) < -0.8);
@@ -229,8 +229,8 @@ fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
         let wind = ClothWind::new(Vec3::new(bad, 1.0, bad));
         let cloth = spawn(&mut app, sheet(6), (border(), material, solver, wind));
         app.insert_resource(ClothGravity(Vec3::new(0.0, bad, 0.0)));
-        app.insert_resource(GlobalWind { turbulence: bad, air_density: bad, ..GlobalWind::new(Vec3::splat(bad)) });
-        app.world_mut().spawn(WindZone::sphere(bad, Vec3::splat(bad)));
+        app.insert_resource(ClothGlobalWind { turbulence: bad, air_density: bad, ..ClothGlobalWind::new(Vec3::splat(bad)) });
+        app.world_mut().spawn(ClothWindZone::sphere(bad, Vec3::splat(bad)));
         app.world_mut()
             .spawn((Transform::from_xyz(bad, bad, bad), ClothCollider::ball(bad).with_friction(bad).with_margin(bad)));
         frame_length(&mut app, 0.002);
@@ -266,7 +266,7 @@ fn a_transform_that_is_not_a_number_waits_and_comes_back() {
 fn ten_kilometres_from_the_origin_it_moves_as_at_the_origin() {
     let fly = |at: Vec3| {
         let mut app = app();
-        app.insert_resource(GlobalWind { turbulence: 0.0, ..GlobalWind::new(Vec3::new(3.0, 0.0, 1.0)) });
+        app.insert_resource(ClothGlobalWind { turbulence: 0.0, ..ClothGlobalWind::new(Vec3::new(3.0, 0.0, 1.0)) });
         let cloth = spawn(&mut app, sheet(12), (border(), Transform::from_translation(at)));
         app.world_mut().spawn((Transform::from_translation(at + Vec3::new(0.0, -0.625, 0.25)), ClothCollider::ball(0.25)));
         run(&mut app, 300);
@@ -284,7 +284,7 @@ fn a_long_fall_keeps_its_precision() {
     let mut app = app();
     let mut material = ClothMaterial::COTTON;
     material.drag = 0.0;
-    app.insert_resource(GlobalWind { air_density: 0.0, ..default() });
+    app.insert_resource(ClothGlobalWind { air_density: 0.0, ..default() });
     let cloth = spawn(&mut app, sheet(5), material);
     run(&mut app, 600);
     let fell = -lowest(&particles(&app, cloth));

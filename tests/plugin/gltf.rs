@@ -147,7 +147,7 @@ fn a_curtain_and_its_weather_come_out_of_the_file() {
     }
     let [curtain, rug, free, ball] = ["Curtain", "Rug", "Free", "Ball"].map(|n| primitive(&mut app, n));
     assert_eq!(app.world().resource::<ClothGravity>().0, Vec3::new(0.0, -1.62, 0.0));
-    assert_eq!(app.world().resource::<GlobalWind>().velocity, Vec3::new(1.0, 0.0, 2.0));
+    assert_eq!(app.world().resource::<ClothGlobalWind>().velocity, Vec3::new(1.0, 0.0, 2.0));
     let material = |e| app.world().get::<ClothMaterial>(e).expect("a material");
     assert_eq!(*material(curtain), ClothMaterial::SILK);
     assert_eq!(*material(rug), ClothMaterial { density: 0.9, bend_stiffness: 1.0e-3, thickness: 0.02, ..default() });

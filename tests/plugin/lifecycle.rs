@@ -116,6 +116,59 @@ fn a_clone_made_and_its_original_despawned_in_one_frame_still_binds() {
 }
 
 #[test]
+fn a_cloth_that_is_switched_off_stays_as_it_is_and_goes_on_with_its_speed() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(6), Transform::from_xyz(0.0, 2.0, 0.0));
+    run(&mut app, 30);
+    let height = |app: &App| particles(app, cloth).iter().map(|p| p.y).sum::<f32>() / 36.0;
+    let speed = |app: &mut App| {
+        let before = height(app);
+        run(app, 1);
+        (height(app) - before) / FRAME
+    };
+    for _ in 0..2 {
+        let before = speed(&mut app);
+        let (at, shown, time) = (particles(&app, cloth), positions(&app, cloth), report(&app, cloth).time);
+        app.world_mut().entity_mut(cloth).insert(ClothDisabled);
+        run(&mut app, 30);
+        assert!(particles(&app, cloth) == at && positions(&app, cloth) == shown, "it moved");
+        let off = report(&app, cloth);
+        assert_eq!((off.time, off.substeps, off.integrate_ms + off.detect_ms + off.evaluate_ms), (time, 0, 0.0), "{off:?}");
+        app.world_mut().entity_mut(cloth).remove::<ClothDisabled>();
+        let after = speed(&mut app);
+        assert!(before < -0.5 && (after / before - 1.0).abs() < 0.2, "{before} m/s, then {after} m/s");
+    }
+}
+
+#[test]
+fn a_cloth_that_is_switched_off_from_the_start_is_drawn_as_it_was_authored() {
+    let mut app = app();
+    let source = add(&mut app, sheet(6));
+    let cloth = app.world_mut().spawn((Mesh3d(source.clone()), Cloth, ClothDisabled)).id();
+    run(&mut app, 10);
+    assert_eq!(status(&app, cloth), ClothStatus::New);
+    assert_eq!(app.world().get::<Mesh3d>(cloth).map(|m| m.0.id()), Some(source.id()));
+    app.world_mut().entity_mut(cloth).remove::<ClothDisabled>();
+    run(&mut app, 10);
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+    assert!(lowest(&particles(&app, cloth)) < -0.01, "it falls");
+}
+
+#[test]
+fn what_lies_on_a_cloth_that_is_switched_off_wakes_and_falls() {
+    let mut app = app();
+    let rim = ClothPins::where_position(|p| p.x.abs().max(p.z.abs()) > 0.499);
+    let table = spawn(&mut app, sheet(12), rim);
+    let napkin = spawn(&mut app, sheet(7), Transform::from_xyz(0.0, 0.03, 0.0).with_scale(Vec3::splat(0.4)));
+    run(&mut app, 300);
+    let lies = lowest(&particles(&app, napkin));
+    app.world_mut().entity_mut(table).insert(ClothDisabled);
+    run(&mut app, 60);
+    let fallen = lowest(&particles(&app, napkin));
+    assert!(lies > -0.3 && fallen < lies - 0.1 && !report(&app, napkin).asleep, "from {lies} m to {fallen} m");
+}
+
+#[test]
 fn cloth_before_its_mesh_waits() {
     let mut app = app();
     let cloth = app.world_mut().spawn(Cloth).id();
@@ -163,14 +216,14 @@ fn what_is_removed_from_one_of_two_cloths_that_touch_stops_nothing() {
         run(&mut app, 30);
         assert!(report(&app, other).time > 0.3 && finite(&app, other), "{}", core::any::type_name::<C>());
     }
-    without::<Untangle>();
+    without::<ClothUntangling>();
     without::<ClothCollision>();
     without::<ClothRest>();
     without::<ClothMaterial>();
     without::<ClothSolver>();
     without::<ClothPins>();
     without::<ClothSleep>();
-    without::<SkipFrame>();
+    without::<ClothSkipFrame>();
     without::<ClothReport>();
     without::<ClothStatus>();
     without::<ClothParticles>();

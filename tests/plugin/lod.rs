@@ -9,17 +9,17 @@ use bevy_drape::prelude::*;
 use crate::common::*;
 
 /// With levels at 10, 20 and 100 m.
-const LOD: ClothLod = ClothLod { full_within: 10.0, still_beyond: 100.0, ..ClothLod::ON };
+const LOD: ClothLod = ClothLod { full_within: 10.0, still_beyond: 100.0, unseen: ClothDetail::Quarter };
 
 fn camera(app: &mut App, at: Vec3) -> Entity {
     app.world_mut().spawn((Camera3d::default(), Transform::from_translation(at))).id()
 }
 
 /// A sheet that hangs at the origin, and a camera `distance` [m] from its box.
-fn watched(distance: f32, lod: ClothLod) -> (App, Entity, Entity) {
+fn watched(distance: f32, lod: impl Bundle) -> (App, Entity, Entity) {
     let mut app = app();
     let camera = camera(&mut app, Vec3::new(0.5 + distance, 0.0, 0.0));
-    let cloth = spawn(&mut app, sheet(8), (border(), lod, ClothSleep::OFF));
+    let cloth = spawn(&mut app, sheet(8), (border(), lod, ClothSleepDisabled));
     run(&mut app, 5);
     (app, cloth, camera)
 }
@@ -51,17 +51,38 @@ fn substeps_follow_the_distance_from_the_nearest_active_camera() {
 }
 
 #[test]
-fn off_and_near_it_changes_no_bit() {
-    let run_with = |lod: ClothLod, distance: f32| {
-        let (mut app, cloth, _) = watched(distance, lod);
+fn without_it_and_near_it_changes_no_bit() {
+    let run_with = |lod: Option<ClothLod>, distance: f32| {
+        let (mut app, cloth, _) = watched(distance, ());
+        assert!(app.world().get::<ClothLod>(cloth).is_none(), "a cloth has one by default");
+        if let Some(lod) = lod {
+            app.world_mut().entity_mut(cloth).insert(lod);
+        }
         run(&mut app, 60);
         bits(&app, cloth)
     };
-    let without = run_with(ClothLod::default(), 1.0);
-    assert!(!ClothLod::default().enabled);
-    assert!(run_with(ClothLod::default(), 500.0) == without, "off");
-    assert!(run_with(LOD, 1.0) == without, "near");
-    assert!(run_with(LOD, 12.0) != without, "it made no difference far away");
+    let without = run_with(None, 1.0);
+    assert!(run_with(None, 500.0) == without, "without");
+    assert!(run_with(Some(LOD), 1.0) == without, "near");
+    assert!(run_with(Some(LOD), 12.0) != without, "it made no difference far away");
+}
+
+#[test]
+fn a_level_of_detail_is_put_on_and_taken_off_while_it_runs() {
+    let (mut app, cloth, _) = watched(200.0, ());
+    for _ in 0..3 {
+        run(&mut app, 1);
+        assert_eq!((report(&app, cloth).detail, report(&app, cloth).substeps), (ClothDetail::Full, 6), "without");
+        app.world_mut().entity_mut(cloth).insert(LOD);
+        run(&mut app, 1);
+        assert_eq!(report(&app, cloth).detail, ClothDetail::Still, "with");
+        app.world_mut().entity_mut(cloth).insert(ClothLod { still_beyond: 1.0e6, ..LOD });
+        run(&mut app, 1);
+        assert_eq!((report(&app, cloth).detail, report(&app, cloth).substeps), (ClothDetail::Quarter, 2), "nearer");
+        app.world_mut().entity_mut(cloth).remove::<ClothLod>();
+    }
+    run(&mut app, 1);
+    assert!(report(&app, cloth).detail == ClothDetail::Full && finite(&app, cloth));
 }
 
 #[test]
@@ -181,7 +202,7 @@ fn cloth_that_two_way_bodies_hang_on_or_are_near_is_simulated_in_full() {
     let place = Transform::from_xyz(0.0, 5.0, 10.0);
     let ball = app.world_mut().spawn((ClothCollider::ball(0.2), ClothCoupling::TwoWay, place)).id();
     run(&mut app, 30);
-    let pull = app.world().get::<ClothImpulse>(mast).expect("a mast").linear.y;
+    let pull = app.world().get::<ClothReaction>(mast).expect("a mast").linear.y;
     assert!(report(&app, flag).detail == ClothDetail::Full && pull < 0.0, "{:?}, {pull} N s", report(&app, flag));
     assert_eq!(report(&app, net).detail, ClothDetail::Still);
     self::place(&mut app, ball, Transform::from_xyz(0.0, 0.1, 10.0));

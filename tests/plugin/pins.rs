@@ -41,7 +41,7 @@ fn pins_by_index_place_colour_and_attribute_hold_the_same_corners() {
         ClothPins::vertices(held.clone()),
         ClothPins::weights(held.iter().map(|&i| (i, 1.0))),
         ClothPins::where_position(move |p| corner(&p)),
-        ClothPins::color(ColorChannel::G),
+        ClothPins::color(ClothColorChannel::G),
         ClothPins::attribute("_PIN"),
         ClothPins::attribute("pin"),
     ] {
@@ -60,7 +60,7 @@ fn pins_by_index_place_colour_and_attribute_hold_the_same_corners() {
 
 #[test]
 fn pins_that_name_what_the_mesh_does_not_have_say_so() {
-    for pins in [ClothPins::color(ColorChannel::R), ClothPins::attribute("_NOWHERE")] {
+    for pins in [ClothPins::color(ClothColorChannel::R), ClothPins::attribute("_NOWHERE")] {
         let mut app = app();
         let cloth = spawn(&mut app, sheet(5), pins);
         run(&mut app, 3);
@@ -148,7 +148,7 @@ fn a_target_turns_and_scales_what_it_holds() {
 /// F18
 #[test]
 fn a_target_that_is_gone_holds_releases_or_despawns() {
-    for reaction in [OnTargetLost::Hold, OnTargetLost::Release, OnTargetLost::Despawn] {
+    for reaction in [ClothOnTargetLost::Hold, ClothOnTargetLost::Release, ClothOnTargetLost::Despawn] {
         let mut app = app();
         record::<ClothTargetLost>(&mut app);
         let hand = app.world_mut().spawn(Transform::default()).id();
@@ -158,11 +158,11 @@ fn a_target_that_is_gone_holds_releases_or_despawns() {
         run(&mut app, 60);
         assert_eq!(seen::<ClothTargetLost>(&app).len(), 1, "{reaction:?}: told once");
         let alive = app.world().get_entity(cloth).is_ok();
-        assert_eq!(alive, reaction != OnTargetLost::Despawn, "{reaction:?}");
+        assert_eq!(alive, reaction != ClothOnTargetLost::Despawn, "{reaction:?}");
         if alive {
-            assert_eq!(pinned(&app, cloth), if reaction == OnTargetLost::Hold { 6 } else { 0 }, "{reaction:?}");
+            assert_eq!(pinned(&app, cloth), if reaction == ClothOnTargetLost::Hold { 6 } else { 0 }, "{reaction:?}");
             let top = world_positions(&app, cloth).iter().map(|p| p.y).fold(f32::NEG_INFINITY, f32::max);
-            assert_eq!(top > -0.01, reaction == OnTargetLost::Hold, "{reaction:?}: highest at {top}");
+            assert_eq!(top > -0.01, reaction == ClothOnTargetLost::Hold, "{reaction:?}: highest at {top}");
             assert!(finite(&app, cloth));
         }
     }

@@ -75,9 +75,9 @@ fn a_cloth_takes_over_what_its_file_holds_and_again_when_the_file_changes() {
     app.update();
     let world = app.world();
     assert_eq!(world.get::<ClothSolver>(cloth).map(|s| s.substep_rate), Some(500.0));
-    assert_eq!(world.get::<ClothCollision>(cloth), Some(&ClothCollision { layer: 3, ..default() }));
-    assert_eq!(world.get::<Untangle>(cloth).map(|u| u.iterations), Some(9));
-    assert_eq!(world.get::<SkipFrame>(cloth).map(|s| s.max_held_frames), Some(5));
+    assert_eq!(world.get::<ClothCollision>(cloth), Some(&ClothCollision { garment_layer: 3, ..default() }));
+    assert_eq!(world.get::<ClothUntangling>(cloth).map(|u| u.iterations), Some(9));
+    assert_eq!(world.get::<ClothSkipFrame>(cloth).map(|s| s.max_held_frames), Some(5));
     assert_eq!(world.get::<ClothWind>(cloth).map(|w| w.0.velocity), Some(Vec3::new(0.0, 0.0, 2.0)));
     // A file without solver leaves it alone, and the state goes on.
     run(&mut app, 20);

@@ -116,7 +116,7 @@ fn every_public_resource_with_settings_is_registered() {
     let app = inspected();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let ours = ours(&registry);
-    for name in ["ClothDebug", "ClothGravity", "ClothPickingSettings", "GlobalWind"] {
+    for name in ["ClothDebug", "ClothGravity", "ClothGlobalWind", "ClothPickingSettings"] {
         assert!(deriving("Resource").iter().any(|n| n == name), "{name}");
         let registration = ours.get(name).unwrap_or_else(|| panic!("{name} is not registered"));
         assert!(registration.data::<ReflectResource>().is_some(), "{name}");
@@ -157,7 +157,7 @@ fn the_inspector_shows_every_public_component() {
     let registry = registry.read();
     let ours = ours(&registry);
     let names = deriving("Component").into_iter().filter(|name| !KEPT.contains(&name.as_str()));
-    for name in names.chain(["ClothDebug", "ClothGravity", "ClothPickingSettings", "GlobalWind"].map(str::to_owned)) {
+    for name in names.chain(["ClothDebug", "ClothGravity", "ClothGlobalWind", "ClothPickingSettings"].map(str::to_owned)) {
         let mut value = ours[&name].data::<ReflectDefault>().expect("a default").default();
         let world = app.world_mut();
         let text = words(|ui| {
@@ -180,7 +180,7 @@ fn the_inspector_shows_every_public_component() {
 #[test]
 fn the_inspector_shows_a_world_with_a_simulated_cloth() {
     let mut app = inspected();
-    spawn(&mut app, sheet(5), (Name::new("curtain"), border(), ClothLayers::DEFAULT));
+    spawn(&mut app, sheet(5), (Name::new("curtain"), border(), ClothCollisionLayers::DEFAULT));
     app.world_mut().spawn((Name::new("ball"), ClothCollider::ball(0.2)));
     run(&mut app, 3);
     let world = app.world_mut();
@@ -202,19 +202,20 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             ClothPins::vertices([1, 2])
                 .to(hand)
                 .and(ClothPins::weights([(3, 0.5)]))
-                .and(ClothPins::color(ColorChannel::G))
+                .and(ClothPins::color(ClothColorChannel::G))
                 .and(ClothPins::attribute("_PIN").weighted(0.25)),
-            ClothSolver { substep_rate: 480.0, teleport: TeleportMode::Reset, ..default() },
+            ClothSolver { substep_rate: 480.0, teleport: ClothTeleportMode::Reset, ..default() },
             (
                 ClothSleep { delay: 2.0, ..default() },
-                ClothLod { unseen: ClothDetail::Still, ..ClothLod::ON },
-                ClothContactEvents { patience: 0.5, ..default() },
+                ClothLod { unseen: ClothDetail::Still, ..default() },
+                ClothContactEvents { patience: 0.5 },
+                (ClothDisabled, ClothSleepDisabled, ClothUntanglingDisabled),
                 ClothDraggable { radius: 0.2, ..default() },
             ),
-            ClothCollision { layer: -2, contact: false, ..default() },
-            ClothLayers::new(0b110, 0b011),
-            Untangle { iterations: 11, ..default() }.with_method(UntangleMethod::LocalGradient),
-            SkipFrame { policy: SkipPolicy::UntilClean { max: 7 }, ..default() },
+            ClothCollision { garment_layer: -2, contact: false, ..default() },
+            ClothCollisionLayers::new(0b110, 0b011),
+            ClothUntangling { iterations: 11, ..default() }.with_method(ClothUntanglingMethod::LocalGradient),
+            ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 7 }, ..default() },
             ClothWind::new(Vec3::new(1.0, 0.0, -2.0)),
             ClothPresetHandle(server.load("fabric.cloth.ron")),
             ClothStatus::Waiting(WaitingFor::Asset),
@@ -225,13 +226,13 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             ),
         ))
         .id();
-    let parts = [(Vec3::X, Quat::IDENTITY, ColliderShape::Cone { radius: 0.1, height: 0.3 })];
+    let parts = [(Vec3::X, Quat::IDENTITY, ClothColliderShape::Cone { radius: 0.1, height: 0.3 })];
     let body = world
         .spawn((
             Name::new("body"),
-            ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01),
-            WindZone::cuboid(Vec3::ONE, Vec3::Y),
-            (ClothCoupling::TwoWay, NoClothCollision, ClothImpulse { linear: Vec3::Y, ..default() }),
+            (ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01), ClothColliderDisabled),
+            ClothWindZone::cuboid(Vec3::ONE, Vec3::Y),
+            (ClothCoupling::TwoWay, NoClothCollision, ClothReaction { linear: Vec3::Y, ..default() }),
             ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },
         ))
         .id();
@@ -252,13 +253,13 @@ fn components(world: &World, registry: &TypeRegistry, entity: Entity) -> BTreeMa
 fn a_scene_with_every_component_is_saved_and_loaded_equal() {
     let mut app = inspected();
     app.world_mut().insert_resource(ClothGravity(Vec3::new(0.0, -1.62, 0.0)));
-    app.world_mut().insert_resource(GlobalWind { seed: 7, ..GlobalWind::new(Vec3::Z) });
+    app.world_mut().insert_resource(ClothGlobalWind { seed: 7, ..ClothGlobalWind::new(Vec3::Z) });
     let spawned = furnish(app.world_mut());
     let registry = app.world().resource::<AppTypeRegistry>().clone();
     let registry = registry.read();
     let text = DynamicWorldBuilder::from_world(app.world(), &registry)
         .allow_resource::<ClothGravity>()
-        .allow_resource::<GlobalWind>()
+        .allow_resource::<ClothGlobalWind>()
         .extract_entities(spawned.into_iter())
         .extract_resources()
         .build()
@@ -301,7 +302,7 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
     let path = |app: &App, e| app.world().get::<ClothPresetHandle>(e).and_then(|h| h.0.path().map(ToString::to_string));
     assert_eq!(path(&other, cloth), path(&app, spawned[1]));
     assert_eq!(other.world().resource::<ClothGravity>(), app.world().resource::<ClothGravity>());
-    assert_eq!(other.world().resource::<GlobalWind>(), app.world().resource::<GlobalWind>());
+    assert_eq!(other.world().resource::<ClothGlobalWind>(), app.world().resource::<ClothGlobalWind>());
 }
 
 #[test]
@@ -343,15 +344,15 @@ fn components_are_written_in_bsn() {
         #Curtain
         Cloth
         ClothMaterial { density: 0.3, thickness: 0.004 }
-        ClothSolver { substep_rate: 480.0, teleport: {TeleportMode::Reset} }
-        ClothCollision { layer: 2 }
-        ClothLayers { memberships: 2 }
-        Untangle { iterations: 6 }
-        SkipFrame { max_held_frames: 1 }
+        ClothSolver { substep_rate: 480.0, teleport: {ClothTeleportMode::Reset} }
+        ClothCollision { garment_layer: 2 }
+        ClothCollisionLayers { memberships: 2 }
+        ClothUntangling { iterations: 6 }
+        ClothSkipFrame { max_held_frames: 1 }
         ClothPins { sets: {ClothPins::vertices([0, 4]).sets} }
         ClothPresetHandle("fabric.cloth.ron")
         Children [
-            (ClothCollider { shape: {ColliderShape::Ball { radius: 0.25 }}, margin: 0.01 } WindZone { velocity: {Vec3::X} }),
+            (ClothCollider { shape: {ClothColliderShape::Ball { radius: 0.25 }}, margin: 0.01 } ClothWindZone { velocity: {Vec3::X} }),
         ]
     };
     let entity = app.world_mut().spawn_scene(scene).expect("a scene that can be spawned").id();
@@ -359,19 +360,19 @@ fn components_are_written_in_bsn() {
     assert_eq!(world.get::<ClothMaterial>(entity), Some(&ClothMaterial { density: 0.3, thickness: 0.004, ..default() }));
     assert_eq!(
         world.get::<ClothSolver>(entity),
-        Some(&ClothSolver { substep_rate: 480.0, teleport: TeleportMode::Reset, ..default() })
+        Some(&ClothSolver { substep_rate: 480.0, teleport: ClothTeleportMode::Reset, ..default() })
     );
-    assert_eq!(world.get::<ClothCollision>(entity).map(|c| c.layer), Some(2));
-    assert_eq!(world.get::<ClothLayers>(entity), Some(&ClothLayers::new(2, u32::MAX)));
-    assert_eq!(world.get::<Untangle>(entity).map(|u| (u.iterations, u.patience)), Some((6, 10)));
-    assert_eq!(world.get::<SkipFrame>(entity).map(|s| s.max_held_frames), Some(1));
+    assert_eq!(world.get::<ClothCollision>(entity).map(|c| c.garment_layer), Some(2));
+    assert_eq!(world.get::<ClothCollisionLayers>(entity), Some(&ClothCollisionLayers::new(2, u32::MAX)));
+    assert_eq!(world.get::<ClothUntangling>(entity).map(|u| (u.iterations, u.patience)), Some((6, 10)));
+    assert_eq!(world.get::<ClothSkipFrame>(entity).map(|s| s.max_held_frames), Some(1));
     assert_eq!(world.get::<ClothPins>(entity), Some(&ClothPins::vertices([0, 4])));
     let path = world.get::<ClothPresetHandle>(entity).and_then(|h| h.0.path().map(ToString::to_string));
     assert_eq!(path.as_deref(), Some("fabric.cloth.ron"));
     assert!(world.get::<ClothReport>(entity).is_some(), "what a cloth requires comes with it");
     let child = world.get::<Children>(entity).and_then(|c| c.first().copied()).expect("a child");
     assert_eq!(world.get::<ClothCollider>(child), Some(&ClothCollider::ball(0.25).with_margin(0.01)));
-    assert_eq!(world.get::<WindZone>(child).map(|z| z.velocity), Some(Vec3::X));
+    assert_eq!(world.get::<ClothWindZone>(child).map(|z| z.velocity), Some(Vec3::X));
     // And it is simulated.
     let mesh = add(&mut app, sheet(5));
     app.world_mut().entity_mut(entity).insert(Mesh3d(mesh));

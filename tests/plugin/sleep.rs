@@ -85,16 +85,34 @@ fn a_sheet_on_a_sheet_on_a_ball_falls_asleep() {
 fn a_cloth_that_may_not_sleep_does_not() {
     let mut app = app();
     app.world_mut().spawn(ClothCollider::ground());
-    let cloths =
-        [ClothSleep::OFF, ClothSleep { threshold: 0.0, ..default() }, ClothSleep { delay: 60.0, ..default() }].map(|sleep| {
-            spawn(
-                &mut app,
-                sheet(6),
-                (Transform::from_xyz(0.0, 0.01, 0.0), ClothCollision { contact: false, ..default() }, sleep),
-            )
-        });
+    let sleeps = [ClothSleep::default(), ClothSleep { threshold: 0.0, ..default() }, ClothSleep { delay: 60.0, ..default() }];
+    let cloths = sleeps.map(|sleep| {
+        let alone = ClothCollision { contact: false, ..default() };
+        spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.01, 0.0), alone, sleep))
+    });
+    app.world_mut().entity_mut(cloths[0]).insert(ClothSleepDisabled);
     run(&mut app, 180);
     assert!(cloths.iter().all(|&c| !report(&app, c).asleep));
+}
+
+#[test]
+fn a_cloth_is_kept_awake_for_as_long_as_the_marker_is_on_it() {
+    let mut app = app();
+    record::<ClothSlept>(&mut app);
+    record::<ClothWoke>(&mut app);
+    let cloth = sleeping(&mut app, ());
+    for times in 1..=2 {
+        app.world_mut().entity_mut(cloth).insert(ClothSleepDisabled);
+        run(&mut app, 1);
+        assert!(!report(&app, cloth).asleep && seen::<ClothWoke>(&app).len() == times);
+        run(&mut app, 120);
+        assert!(!report(&app, cloth).asleep, "asleep after 2 s");
+        app.world_mut().entity_mut(cloth).remove::<ClothSleepDisabled>();
+        run(&mut app, 20);
+        assert!(!report(&app, cloth).asleep, "its rest begins anew");
+        until_asleep(&mut app, cloth);
+        assert_eq!(seen::<ClothSlept>(&app).len(), times + 1);
+    }
 }
 
 #[test]
@@ -109,16 +127,16 @@ fn a_swinging_cloth_does_not_sleep() {
 
 #[test]
 fn wind_that_rises_wakes_it_and_gusts_keep_it_awake() {
-    assert!(wakes(|app, _| app.world_mut().resource_mut::<GlobalWind>().velocity = Vec3::X));
+    assert!(wakes(|app, _| app.world_mut().resource_mut::<ClothGlobalWind>().velocity = Vec3::X));
     assert!(wakes(|app, cloth| {
         app.world_mut().entity_mut(cloth).insert(ClothWind::new(Vec3::X));
     }));
     assert!(wakes(|app, _| {
-        app.world_mut().spawn(WindZone::sphere(1.0, Vec3::Y));
+        app.world_mut().spawn(ClothWindZone::sphere(1.0, Vec3::Y));
     }));
     let mut app = app();
     app.world_mut().spawn(ClothCollider::ground());
-    app.insert_resource(GlobalWind { turbulence: 0.5, ..GlobalWind::new(Vec3::X * 0.1) });
+    app.insert_resource(ClothGlobalWind { turbulence: 0.5, ..ClothGlobalWind::new(Vec3::X * 0.1) });
     let cloth = spawn(&mut app, sheet(6), Transform::from_xyz(0.0, 0.01, 0.0));
     run(&mut app, 180);
     assert!(!report(&app, cloth).asleep);
@@ -135,13 +153,16 @@ fn a_body_that_comes_moves_goes_or_changes_wakes_it_and_one_far_away_does_not() 
         app.world_mut().spawn(ball(3.0, 0.1));
         run(app, 1);
     }));
-    for change in [0, 1, 2] {
+    for change in 0..4 {
         let mut app = app();
         let body = app.world_mut().spawn(ball(0.0, 0.115)).id();
         let cloth = sleeping(&mut app, ());
         match change {
             0 => set::<Transform>(&mut app, body, |t| t.translation.x += 0.01),
-            1 => set::<ClothCollider>(&mut app, body, |c| c.enabled = false),
+            1 => set::<ClothCollider>(&mut app, body, |c| c.static_friction = 0.9),
+            2 => {
+                app.world_mut().entity_mut(body).insert(ClothColliderDisabled);
+            }
             _ => {
                 app.world_mut().despawn(body);
             }
@@ -156,7 +177,13 @@ fn settings_gravity_and_pins_wake_it() {
     assert!(wakes(|app, _| app.insert_resource(ClothGravity(Vec3::X)).update()));
     assert!(wakes(|app, cloth| set::<ClothMaterial>(app, cloth, |m| m.density = 1.0)));
     assert!(wakes(|app, cloth| set::<ClothSolver>(app, cloth, |s| s.substep_rate = 720.0)));
-    assert!(wakes(|app, cloth| set::<ClothSleep>(app, cloth, |s| s.enabled = false)));
+    assert!(wakes(|app, cloth| set::<ClothSleep>(app, cloth, |s| s.delay = 2.0)));
+    assert!(wakes(|app, cloth| {
+        app.world_mut().entity_mut(cloth).insert(ClothSleepDisabled);
+    }));
+    assert!(wakes(|app, cloth| {
+        app.world_mut().entity_mut(cloth).insert(ClothUntanglingDisabled);
+    }));
     assert!(wakes(|app, cloth| set::<ClothPins>(app, cloth, |pins| *pins = border())));
 }
 
@@ -244,7 +271,7 @@ fn a_sail_goes_on_pulling_at_its_mast_and_sleeps_when_the_mast_no_longer_takes_i
     let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
     let sail = spawn(&mut app, sheet(8), (border().to(mast), ClothMaterial { drag: 5.0, damping: 5.0, ..default() }));
     run(&mut app, 900);
-    let pull = app.world().get::<ClothImpulse>(mast).expect("a two-way body").linear.y;
+    let pull = app.world().get::<ClothReaction>(mast).expect("a two-way body").linear.y;
     assert!(pull < 0.0, "the mast bears {pull} N s");
     assert!(seen::<ClothSlept>(&app).is_empty() && !report(&app, sail).asleep, "{:?}", report(&app, sail));
     set::<ClothCoupling>(&mut app, mast, |coupling| *coupling = ClothCoupling::OneWay);
@@ -252,7 +279,7 @@ fn a_sail_goes_on_pulling_at_its_mast_and_sleeps_when_the_mast_no_longer_takes_i
     // It wakes to pull again.
     set::<ClothCoupling>(&mut app, mast, |coupling| *coupling = ClothCoupling::TwoWay);
     run(&mut app, 3);
-    let pull = app.world().get::<ClothImpulse>(mast).expect("a two-way body").linear.y;
+    let pull = app.world().get::<ClothReaction>(mast).expect("a two-way body").linear.y;
     assert!(pull < 0.0 && !report(&app, sail).asleep, "the mast bears {pull} N s");
 }
 
@@ -261,7 +288,7 @@ fn a_sheet_on_a_body_that_takes_its_weight_stays_awake_and_a_body_that_begins_to
     let mut app = app();
     let table = app.world_mut().spawn((ClothCollider::ground(), ClothCoupling::TwoWay)).id();
     let cloth = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.006, 0.0));
-    let given = |app: &App| app.world().get::<ClothImpulse>(table).expect("a two-way body").linear.y;
+    let given = |app: &App| app.world().get::<ClothReaction>(table).expect("a two-way body").linear.y;
     run(&mut app, 400);
     assert!(given(&app) < 0.0 && !report(&app, cloth).asleep, "the table bears {} N s", given(&app));
     set::<ClothCoupling>(&mut app, table, |coupling| *coupling = ClothCoupling::OneWay);

@@ -83,7 +83,7 @@ fn played() -> Vec<(&'static str, Played)> {
     spawn(&mut over_ball, sheet(16), Transform::from_xyz(0.0, 0.4, 0.0));
     spawn(&mut over_ball, sheet(12), Transform::from_xyz(0.0, 0.5, 0.0));
     let mut windy = app();
-    windy.insert_resource(GlobalWind { velocity: Vec3::X * 8.0, turbulence: 0.5, ..default() });
+    windy.insert_resource(ClothGlobalWind { velocity: Vec3::X * 8.0, turbulence: 0.5, ..default() });
     spawn(&mut windy, sheet(14), border());
     spawn(&mut windy, sheet(12), (border(), Transform::from_xyz(0.3, 0.0, 3.0)));
     let mut net = app();

@@ -27,7 +27,7 @@ fn a_sheet_that_lands_touches_the_ball_and_then_the_ground_each_once() {
     let touch = first.touch;
     assert!(touch.contacts >= 1 && touch.impulse > 0.0 && touch.since == 0.0, "{touch:?}");
     assert!(touch.normal.y > 0.9 && touch.point.distance(Vec3::new(0.0, 0.4, 0.0)) < 0.1, "{touch:?}");
-    let touches = app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.clone();
+    let touches = app.world().get::<ClothContacts>(cloth).expect("asked for").touches.clone();
     assert_eq!(touches.len(), 2, "{touches:?}");
     // The weight of 0.2 kg over a frame, at most.
     let most = touches.iter().map(|t| t.impulse * t.contacts as f32).sum::<f32>();
@@ -45,7 +45,7 @@ fn a_body_that_goes_has_ended_once() {
     run(&mut app, 60);
     let ended: Vec<(Entity, Entity)> = seen::<ClothContactEnded>(&app).iter().map(|e| (e.entity, e.other)).collect();
     assert_eq!(ended, [(cloth, ball)]);
-    assert!(app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.is_empty());
+    assert!(app.world().get::<ClothContacts>(cloth).expect("asked for").touches.is_empty());
 }
 
 #[test]
@@ -72,15 +72,37 @@ fn nobody_is_told_who_does_not_ask() {
 }
 
 #[test]
+fn the_list_of_what_touches_comes_and_goes_with_the_asking() {
+    let mut app = recorded();
+    app.world_mut().spawn(ClothCollider::ground());
+    let awake = ClothSleep { threshold: 0.0, ..default() };
+    let cloth = spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.02, 0.0), awake));
+    run(&mut app, 60);
+    assert!(app.world().get::<ClothContacts>(cloth).is_none(), "nobody asked");
+    for times in 1..=2 {
+        app.world_mut().entity_mut(cloth).insert(ClothContactEvents::default());
+        assert_eq!(app.world().get::<ClothContacts>(cloth), Some(&ClothContacts::default()));
+        // Other settings leave the list alone.
+        run(&mut app, 30);
+        app.world_mut().entity_mut(cloth).insert(ClothContactEvents { patience: 0.2 });
+        run(&mut app, 5);
+        let touches = &app.world().get::<ClothContacts>(cloth).expect("asked for").touches;
+        assert_eq!((touches.len(), seen::<ClothContactStarted>(&app).len()), (1, times), "{touches:?}");
+        app.world_mut().entity_mut(cloth).remove::<ClothContactEvents>();
+        run(&mut app, 5);
+        assert!(app.world().get::<ClothContacts>(cloth).is_none(), "nobody asks any more");
+    }
+}
+
+#[test]
 fn a_cloth_that_falls_asleep_goes_on_touching() {
     let mut app = recorded();
     app.world_mut().spawn(ClothCollider::ground());
-    let cloth =
-        spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.05, 0.0), ClothContactEvents { patience: 0.0, ..default() }));
+    let cloth = spawn(&mut app, sheet(6), (Transform::from_xyz(0.0, 0.05, 0.0), ClothContactEvents { patience: 0.0 }));
     run(&mut app, 300);
     assert!(report(&app, cloth).asleep, "{:?}", report(&app, cloth));
     assert!(seen::<ClothContactEnded>(&app).is_empty());
-    assert_eq!(app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.len(), 1);
+    assert_eq!(app.world().get::<ClothContacts>(cloth).expect("asked for").touches.len(), 1);
 }
 
 #[test]
@@ -92,7 +114,7 @@ fn a_body_that_leaves_does_not_double_the_ones_that_stay() {
     let cloth = spawn(&mut app, sheet(14), (Transform::from_xyz(0.0, 0.01, 0.0), border(), ClothContactEvents::default()));
     run(&mut app, 20);
     let touching = |app: &App| -> Vec<Entity> {
-        app.world().get::<ClothContactEvents>(cloth).expect("asked for").touches.iter().map(|touch| touch.other).collect()
+        app.world().get::<ClothContacts>(cloth).expect("asked for").touches.iter().map(|touch| touch.other).collect()
     };
     assert_eq!(touching(&app), balls);
     app.world_mut().despawn(balls[0]);

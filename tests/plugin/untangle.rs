@@ -3,7 +3,7 @@
 use bevy::app::{TaskPoolOptions, TaskPoolPlugin};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothHeld, ClothLastResort, ClothParticles, ClothTangled, ClothUntangled};
+use bevy_drape::{ClothHeld, ClothParticles, ClothTangled, ClothUntangled, ClothUntanglingEscalated};
 use drape_scenes::Tangle;
 
 use crate::common::*;
@@ -29,7 +29,7 @@ fn two_sheets_spawned_tangled_come_apart_within_two_seconds_and_say_so() {
     // One frame is enough for this one: it may only look at first.
     let only = |app: &mut App, iterations: u32| {
         for cloth in cloths {
-            app.world_mut().entity_mut(cloth).insert(Untangle { iterations, ..default() });
+            app.world_mut().entity_mut(cloth).insert(ClothUntangling { iterations, ..default() });
         }
     };
     only(&mut app, 0);
@@ -38,7 +38,7 @@ fn two_sheets_spawned_tangled_come_apart_within_two_seconds_and_say_so() {
     assert!(first.crossings > 0 && first.contours == 1 && first.contour_length > 0.1, "{first:?}");
     assert!(!first.held, "there is no clean shape to hold");
     assert_eq!(seen::<ClothTangled>(&app).len(), 2);
-    only(&mut app, Untangle::default().iterations);
+    only(&mut app, ClothUntangling::default().iterations);
     run(&mut app, TWO_SECONDS);
     assert_eq!(crossings(&app, &cloths), 0, "{:?}", report(&app, cloths[0]));
     // Without contacts they may touch again on their way apart.
@@ -51,7 +51,7 @@ fn a_cloth_that_takes_no_part_is_left_alone_and_the_other_gets_off_it() {
     let mut app = app();
     let cloths = tangled(&mut app, Tangle::Dent, 13, Vec3::Y);
     // Without contact, too, which would push it when they touch.
-    let alone = (Untangle { enabled: false, ..default() }, ClothCollision { contact: false, ..default() });
+    let alone = (ClothUntanglingDisabled, ClothCollision { contact: false, ..default() });
     app.world_mut().entity_mut(cloths[0]).insert(alone);
     run(&mut app, 1);
     let before = particles(&app, cloths[0]);
@@ -62,13 +62,70 @@ fn a_cloth_that_takes_no_part_is_left_alone_and_the_other_gets_off_it() {
 }
 
 #[test]
+fn untangling_is_switched_off_and_on_while_cloths_cross() {
+    let mut app = app();
+    let cloths = tangled(&mut app, Tangle::StripStab, 13, Vec3::Y);
+    let off = |app: &mut App, off: bool| {
+        for cloth in cloths {
+            let mut cloth = app.world_mut().entity_mut(cloth);
+            if off {
+                cloth.insert(ClothUntanglingDisabled);
+            } else {
+                cloth.remove::<ClothUntanglingDisabled>();
+            }
+        }
+    };
+    off(&mut app, true);
+    run(&mut app, 2);
+    assert!(crossings(&app, &cloths) > 0 && report(&app, cloths[0]).iterations == 0, "off: {:?}", report(&app, cloths[0]));
+    off(&mut app, false);
+    run(&mut app, 1);
+    assert!(report(&app, cloths[0]).iterations > 0, "on: {:?}", report(&app, cloths[0]));
+    off(&mut app, true);
+    run(&mut app, 1);
+    assert_eq!(report(&app, cloths[0]).iterations, 0, "off again");
+    off(&mut app, false);
+    run(&mut app, TWO_SECONDS);
+    assert_eq!(crossings(&app, &cloths), 0, "{:?}", report(&app, cloths[0]));
+}
+
+#[test]
+fn cloths_that_are_switched_off_while_they_cross_tell_of_it_once() {
+    let mut app = app();
+    record::<ClothTangled>(&mut app);
+    let cloths = tangled(&mut app, Tangle::StripStab, 13, Vec3::Y);
+    for cloth in cloths {
+        app.world_mut().entity_mut(cloth).insert(ClothUntangling { iterations: 0, ..default() });
+    }
+    for _ in 0..3 {
+        if seen::<ClothTangled>(&app).is_empty() {
+            run(&mut app, 1);
+        }
+    }
+    assert_eq!(seen::<ClothTangled>(&app).len(), 2);
+    for cloth in cloths {
+        app.world_mut().entity_mut(cloth).insert(ClothDisabled);
+    }
+    run(&mut app, 10);
+    assert_eq!(seen::<ClothTangled>(&app).len(), 2, "it is told again and again");
+    for cloth in cloths {
+        app.world_mut().entity_mut(cloth).insert(ClothUntangling::default()).remove::<ClothDisabled>();
+    }
+    run(&mut app, TWO_SECONDS);
+    assert_eq!(crossings(&app, &cloths), 0);
+}
+
+#[test]
 fn clean_cloths_have_the_same_bits_with_and_without_untangling() {
     let run_with = |enabled: bool| {
         let mut app = app();
-        let untangle = Untangle { enabled, ..default() };
         let cloths = [0.0, 0.2].map(|z| {
             let place = Transform::from_xyz(0.01, 2.0 + 0.5 * z, z);
-            spawn(&mut app, sheet(16), (border(), place, untangle))
+            let cloth = spawn(&mut app, sheet(16), (border(), place));
+            if !enabled {
+                app.world_mut().entity_mut(cloth).insert(ClothUntanglingDisabled);
+            }
+            cloth
         });
         for frame in 0..90 {
             run(&mut app, 1);
@@ -81,7 +138,7 @@ fn clean_cloths_have_the_same_bits_with_and_without_untangling() {
 }
 
 /// Which of `frames` frames held each of two cloths, while one hanging sheet is driven through the other back and forth.
-fn driven(app: &mut App, skip: SkipFrame, frames: usize) -> Vec<[bool; 2]> {
+fn driven(app: &mut App, skip: ClothSkipFrame, frames: usize) -> Vec<[bool; 2]> {
     // With contacts they would not cross.
     let through = ClothCollision { contact: false, ..default() };
     let wall = spawn(app, sheet(14), (border(), Transform::from_xyz(0.0, 2.0, 0.0), skip, through));
@@ -103,7 +160,7 @@ fn at_most_two_frames_in_a_row_and_a_tenth_of_any_second_are_held() {
     let mut app = app();
     record::<ClothHeld>(&mut app);
     record::<ClothTangled>(&mut app);
-    let held = driven(&mut app, SkipFrame::default(), 300);
+    let held = driven(&mut app, ClothSkipFrame::default(), 300);
     let any = held.iter().filter(|h| h.contains(&true)).count();
     assert!(!seen::<ClothTangled>(&app).is_empty() && any > 0, "{any} frames held");
     assert!(!seen::<ClothHeld>(&app).is_empty());
@@ -116,7 +173,7 @@ fn at_most_two_frames_in_a_row_and_a_tenth_of_any_second_are_held() {
         assert!(most <= 6, "cloth {cloth}: {most} of 60 frames");
     }
     let mut app = app_with(ClothPlugin::default());
-    assert!(driven(&mut app, SkipFrame::OFF, 120).iter().all(|h| !h.contains(&true)));
+    assert!(driven(&mut app, ClothSkipFrame::OFF, 120).iter().all(|h| !h.contains(&true)));
 }
 
 #[test]
@@ -202,7 +259,7 @@ fn cloths_that_start_tangled_are_apart_when_first_shown_if_asked() {
         let mut app = app();
         record::<ClothTangled>(&mut app);
         app.insert_resource(ClothGravity(Vec3::ZERO));
-        let ask = Untangle { at_load: true, ..default() };
+        let ask = ClothUntangling { at_load: true, ..default() };
         let cloths = tangle.meshes(13).map(|mesh| spawn(&mut app, mesh_of(&mesh), (Transform::default(), ask)));
         run(&mut app, 5);
         assert_eq!((crossings(&app, &cloths), seen::<ClothTangled>(&app).len()), (0, 0), "{tangle:?}");
@@ -212,13 +269,13 @@ fn cloths_that_start_tangled_are_apart_when_first_shown_if_asked() {
 #[test]
 fn of_equal_settings_those_of_the_cloth_that_was_spawned_first_hold() {
     for (methods, is_clean) in [
-        ([UntangleMethod::ByEndType, UntangleMethod::History], true),
-        ([UntangleMethod::History, UntangleMethod::ByEndType], false),
+        ([ClothUntanglingMethod::ByEndType, ClothUntanglingMethod::History], true),
+        ([ClothUntanglingMethod::History, ClothUntanglingMethod::ByEndType], false),
     ] {
         let mut app = app();
         app.insert_resource(ClothGravity(Vec3::ZERO));
         let [first, second] = Tangle::FullCut.meshes(13).map(|mesh| mesh_of(&mesh));
-        let ask = |method| (Transform::default(), Untangle { method, ..default() });
+        let ask = |method| (Transform::default(), ClothUntangling { method, ..default() });
         let first = spawn(&mut app, first, ask(methods[0]));
         let second = spawn(&mut app, second, ask(methods[1]));
         run(&mut app, 50);
@@ -229,18 +286,18 @@ fn of_equal_settings_those_of_the_cloth_that_was_spawned_first_hold() {
 #[test]
 fn the_game_is_told_of_last_resorts() {
     let mut app = app();
-    record::<ClothLastResort>(&mut app);
+    record::<ClothUntanglingEscalated>(&mut app);
     app.insert_resource(ClothGravity(Vec3::ZERO));
-    let idle = Untangle { iterations: 0, ..default() };
+    let idle = ClothUntangling { iterations: 0, ..default() };
     let cloths = Tangle::DeepDent.meshes(13).map(|mesh| spawn(&mut app, mesh_of(&mesh), (Transform::default(), idle)));
-    let off = Untangle { enabled: false, ..default() };
+    let off = ClothUntanglingDisabled;
     for mesh in Tangle::DeepDent.meshes(13) {
         spawn(&mut app, mesh_of(&mesh), (Transform::from_xyz(10.0, 0.0, 0.0), off));
     }
     run(&mut app, 50);
-    assert!(seen::<ClothLastResort>(&app).is_empty(), "not before a second");
+    assert!(seen::<ClothUntanglingEscalated>(&app).is_empty(), "not before a second");
     run(&mut app, 20);
-    let told: Vec<Entity> = seen::<ClothLastResort>(&app).iter().map(|e| e.entity).collect();
+    let told: Vec<Entity> = seen::<ClothUntanglingEscalated>(&app).iter().map(|e| e.entity).collect();
     assert!(cloths.iter().all(|c| told.contains(c)) && told.len() == 2, "{told:?}");
 }
 
@@ -248,7 +305,7 @@ fn the_game_is_told_of_last_resorts() {
 #[test]
 fn crossings_of_cloths_that_are_not_untangled_are_counted_and_left_alone() {
     let mut app = app();
-    let off = Untangle { enabled: false, ..default() };
+    let off = ClothUntanglingDisabled;
     let turn = |angle: f32| Transform::from_rotation(Quat::from_rotation_y(angle));
     let cloths = [0.0, 0.5].map(|angle| {
         let stands = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);

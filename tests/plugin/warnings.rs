@@ -156,9 +156,9 @@ fn bodies_with_masses_that_are_none_and_places_that_are_nowhere_are_named_with_a
 fn a_collider_whose_mesh_never_comes_is_one_warning_after_five_seconds() {
     let lines = |frames| {
         warnings(app(), |app| {
-            app.world_mut().spawn((ClothCollider::fit_mesh(MeshFit::Cuboid), Name::new("rock")));
+            app.world_mut().spawn((ClothCollider::fit_mesh(ClothMeshFit::Cuboid), Name::new("rock")));
             let wrong = add(app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
-            app.world_mut().spawn((Mesh3d(wrong), ClothCollider::fit_mesh(MeshFit::Cuboid), Name::new("wire")));
+            app.world_mut().spawn((Mesh3d(wrong), ClothCollider::fit_mesh(ClothMeshFit::Cuboid), Name::new("wire")));
             run(app, frames);
         })
         .into_iter()
@@ -180,7 +180,7 @@ fn limits_of_teleports_and_weights_of_pins_that_are_out_of_range_are_named() {
             let pins = border().and(ClothPins::vertices([24]).weighted(bad));
             let cloth = spawn(app, sheet(5), (pins, solver, Name::new("loose")));
             run(app, 20);
-            assert_eq!(report(app, cloth).clamped, ["teleport_distance", "teleport_angle", "PinSet::weight"], "{bad}");
+            assert_eq!(report(app, cloth).clamped, ["teleport_distance", "teleport_angle", "ClothPinSet::weight"], "{bad}");
             assert!(finite(app, cloth));
         });
         assert_eq!(lines.iter().filter(|line| line.contains("`loose`")).count(), 3, "{lines:#?}");
@@ -221,8 +221,12 @@ fn pins_that_hold_nothing_are_named_once() {
 fn layers_in_another_order_than_pins_are_named_once() {
     let lines = warnings(app(), |app| {
         for (name, layer, z) in [("coat", 1, 0.0), ("shirt", 0, 0.02)] {
-            let collision = ClothCollision { layer, ..default() };
-            spawn(app, sheet(9), (border(), collision, Transform::from_xyz(0.0, 0.0, z), Untangle::default(), Name::new(name)));
+            let collision = ClothCollision { garment_layer: layer, ..default() };
+            spawn(
+                app,
+                sheet(9),
+                (border(), collision, Transform::from_xyz(0.0, 0.0, z), ClothUntangling::default(), Name::new(name)),
+            );
         }
         run(app, 60);
     });

@@ -45,9 +45,9 @@ fn every_public_component_works_in_scenes_and_inspectors() {
         "ClothPins",
         "ClothCollider",
         "ClothCollision",
-        "ClothLayers",
+        "ClothCollisionLayers",
         "ClothWind",
-        "WindZone",
+        "ClothWindZone",
         "ClothStatus",
         "ClothReport",
         "ClothBuildReport",
@@ -89,7 +89,7 @@ fn one_thread_and_many_give_the_same_bits() {
                 schedule.set_executor(SingleThreadedExecutor::new());
             });
         }
-        app.insert_resource(GlobalWind::new(Vec3::new(4.0, 0.0, 1.0)));
+        app.insert_resource(ClothGlobalWind::new(Vec3::new(4.0, 0.0, 1.0)));
         app.world_mut().spawn((Transform::from_xyz(0.0, -0.5, 0.3), ClothCollider::ball(0.2)));
         let cloths: Vec<Entity> =
             (0..6).map(|i| spawn(&mut app, sheet(6 + i), (border(), Transform::from_xyz(0.1 * i as f32, 0.0, 0.0)))).collect();

@@ -1,6 +1,6 @@
-//! `GlobalWind`, `ClothWind` and `ClothGravity`.
+//! `ClothGlobalWind`, `ClothWind` and `ClothGravity`.
 
-use crate::components::GlobalWind;
+use crate::components::ClothGlobalWind;
 use crate::inspector::setting::{Field, Kind, Part, Scale, Setting};
 
 /// Wind that can be felt, from calm to a hurricane `[m/s]`.
@@ -68,7 +68,7 @@ pub(super) const WIND: [Setting; 8] = rows(
     |s| Some(&mut s.wind.air_density),
 );
 
-fn own(settings: &mut crate::inspector::settings::ClothSettings) -> Option<&mut GlobalWind> {
+fn own(settings: &mut crate::inspector::settings::ClothSettings) -> Option<&mut ClothGlobalWind> {
     settings.own_wind.as_mut().map(|wind| &mut wind.0)
 }
 

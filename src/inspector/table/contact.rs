@@ -1,6 +1,6 @@
-//! `ClothCollision`, `Untangle` and `SkipFrame`.
+//! `ClothCollision`, `ClothUntangling` and `ClothSkipFrame`.
 
-use crate::components::{SkipPolicy, UntangleMethod};
+use crate::components::{ClothSkipPolicy, ClothUntanglingMethod};
 use crate::inspector::setting::{Kind, Part, Scale, Setting};
 
 pub(super) const COLLISION: [Setting; 3] = [
@@ -8,7 +8,7 @@ pub(super) const COLLISION: [Setting; 3] = [
         Part::Collision,
         "self_collision",
         "",
-        Kind::Switch(|s| Some(&mut s.collision.self_collision)),
+        Kind::Switch { get: |s| s.collision.self_collision, set: |s, on| s.collision.self_collision = on },
         [
             "Whether it meets itself: folds on itself and is untangled from itself.",
             "Off: goes through itself, and costs less.",
@@ -19,7 +19,7 @@ pub(super) const COLLISION: [Setting; 3] = [
         Part::Collision,
         "contact",
         "",
-        Kind::Switch(|s| Some(&mut s.collision.contact)),
+        Kind::Switch { get: |s| s.collision.contact, set: |s, on| s.collision.contact = on },
         [
             "Whether it rests on other cloths and on itself, one thickness apart and with friction.",
             "Off: passes through and is taken apart afterwards.",
@@ -28,9 +28,9 @@ pub(super) const COLLISION: [Setting; 3] = [
     ),
     Setting::new(
         Part::Collision,
-        "layer",
+        "garment_layer",
         "",
-        Kind::Layer(Scale::whole(i32::MIN as f64, i32::MAX as f64).slider(-5.0, 5.0), |s| Some(&mut s.collision.layer)),
+        Kind::Layer(Scale::whole(i32::MIN as f64, i32::MAX as f64).slider(-5.0, 5.0), |s| Some(&mut s.collision.garment_layer)),
         [
             "Order of clothing: of two that cross, the higher is brought outside; equal ones have no order.",
             "Worn below, as a shirt.",
@@ -44,7 +44,7 @@ pub(super) const UNTANGLE: [Setting; 9] = [
         Part::Untangle,
         "enabled",
         "",
-        Kind::Switch(|s| Some(&mut s.untangle.enabled)),
+        Kind::Switch { get: |s| !s.untangling_disabled, set: |s, on| s.untangling_disabled = !on },
         [
             "Whether it is moved to come apart.",
             "Off: left as it is, and others get off it.",
@@ -57,8 +57,8 @@ pub(super) const UNTANGLE: [Setting; 9] = [
         "",
         Kind::Choice {
             options: &["History", "LocalGradient", "GlobalGradient", "ByEndType"],
-            get: |s| UntangleMethod::ALL.iter().position(|m| *m == s.untangle.method),
-            set: |s, i| s.untangle.method = UntangleMethod::ALL.get(i).copied().unwrap_or_default(),
+            get: |s| ClothUntanglingMethod::ALL.iter().position(|m| *m == s.untangle.method),
+            set: |s, i| s.untangle.method = ClothUntanglingMethod::ALL.get(i).copied().unwrap_or_default(),
         },
         [
             "How crossings are taken apart: by sides remembered (1995), per crossing (2006), per contour (2009), or per contour by how it ends.",
@@ -128,7 +128,7 @@ pub(super) const UNTANGLE: [Setting; 9] = [
         Part::Untangle,
         "at_load",
         "",
-        Kind::Switch(|s| Some(&mut s.untangle.at_load)),
+        Kind::Switch { get: |s| s.untangle.at_load, set: |s, on| s.untangle.at_load = on },
         [
             "Whether a cloth that is tangled in its first frame is taken apart before it is shown. Matters for cloths still to be bound.",
             "Off: comes apart before the eyes of the player.",
@@ -138,7 +138,7 @@ pub(super) const UNTANGLE: [Setting; 9] = [
 ];
 
 const POLICIES: &[&str] = &["Ladder", "UntilClean", "Off"];
-/// Frames that [`SkipPolicy::UntilClean`] starts with in the panel.
+/// Frames that [`ClothSkipPolicy::UntilClean`] starts with in the panel.
 const UNTIL_CLEAN: u32 = 30;
 
 pub(super) const SKIP: [Setting; 5] = [
@@ -150,17 +150,17 @@ pub(super) const SKIP: [Setting; 5] = [
             options: POLICIES,
             get: |s| {
                 Some(match s.skip.policy {
-                    SkipPolicy::Ladder => 0,
-                    SkipPolicy::UntilClean { .. } => 1,
-                    SkipPolicy::Off => 2,
+                    ClothSkipPolicy::Ladder => 0,
+                    ClothSkipPolicy::UntilClean { .. } => 1,
+                    ClothSkipPolicy::Off => 2,
                 })
             },
             set: |s, i| {
                 s.skip.policy = match (i, s.skip.policy) {
-                    (0, _) => SkipPolicy::Ladder,
-                    (1, before @ SkipPolicy::UntilClean { .. }) => before,
-                    (1, _) => SkipPolicy::UntilClean { max: UNTIL_CLEAN },
-                    _ => SkipPolicy::Off,
+                    (0, _) => ClothSkipPolicy::Ladder,
+                    (1, before @ ClothSkipPolicy::UntilClean { .. }) => before,
+                    (1, _) => ClothSkipPolicy::UntilClean { max: UNTIL_CLEAN },
+                    _ => ClothSkipPolicy::Off,
                 }
             },
         },
@@ -175,8 +175,8 @@ pub(super) const SKIP: [Setting; 5] = [
         "max",
         "frames",
         Kind::Count(Scale::whole(0.0, u32::MAX as f64).slider(1.0, 600.0).log(), |s| match &mut s.skip.policy {
-            SkipPolicy::UntilClean { max } => Some(max),
-            SkipPolicy::Ladder | SkipPolicy::Off => None,
+            ClothSkipPolicy::UntilClean { max } => Some(max),
+            ClothSkipPolicy::Ladder | ClothSkipPolicy::Off => None,
         }),
         ["Most frames held in a row until clean.", "Crossings are seen sooner.", "The cloth sticks for as long."],
     )

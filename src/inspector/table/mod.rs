@@ -40,7 +40,7 @@ mod tests {
 
     use super::*;
     use crate::components::checked::Checked;
-    use crate::components::{ClothGravity, ClothWind, SkipPolicy};
+    use crate::components::{ClothGravity, ClothLod, ClothSkipPolicy, ClothWind};
     use crate::inspector::setting::{Kind, Scale};
     use crate::inspector::settings::ClothSettings;
 
@@ -56,7 +56,9 @@ mod tests {
         settings.untangle.settings(&mut checked);
         settings.skip.settings(&mut checked);
         settings.sleep.checked(&mut checked);
-        settings.lod.checked(&mut checked);
+        if let Some(lod) = &settings.lod {
+            lod.checked(&mut checked);
+        }
         settings.wind.checked(&mut checked);
         if let Some(ClothWind(wind)) = &settings.own_wind {
             wind.checked(&mut checked);
@@ -67,9 +69,18 @@ mod tests {
 
     /// Every row exists, and vectors are 0: the limits of one are those of its length.
     fn all() -> ClothSettings {
-        let mut all = ClothSettings { own_wind: Some(ClothWind::default()), gravity: ClothGravity(Vec3::ZERO), ..default() };
-        all.skip.policy = SkipPolicy::UntilClean { max: 30 };
+        let (own_wind, lod) = (Some(ClothWind::default()), Some(ClothLod::default()));
+        let mut all = ClothSettings { own_wind, lod, gravity: ClothGravity(Vec3::ZERO), ..default() };
+        all.skip.policy = ClothSkipPolicy::UntilClean { max: 30 };
         all
+    }
+
+    #[test]
+    fn a_level_of_detail_begins_with_its_defaults() {
+        let mut with = ClothSettings { lod: Some(ClothLod::default()), ..default() };
+        for setting in &lod::LOD[1..] {
+            assert_eq!(setting.default_value(), setting.get(&mut with), "{}", setting.label());
+        }
     }
 
     /// The numbers beside the limits that the field can hold.
@@ -84,7 +95,7 @@ mod tests {
                 let held = f64::from(i32::MIN)..=f64::from(i32::MAX);
                 [low - 1.0, high + 1.0].into_iter().filter(|v| held.contains(v)).collect()
             }
-            Kind::Switch(_) | Kind::Choice { .. } => Vec::new(),
+            Kind::Switch { .. } | Kind::Choice { .. } => Vec::new(),
         }
     }
 

@@ -7,7 +7,7 @@ pub(super) const SLEEP: [Setting; 3] = [
         Part::Sleep,
         "enabled",
         "",
-        Kind::Switch(|s| Some(&mut s.sleep.enabled)),
+        Kind::Switch { get: |s| !s.sleep_disabled, set: |s, on| s.sleep_disabled = !on },
         [
             "Whether it may fall asleep at rest: it is then neither stepped nor written until something wakes it.",
             "Off: it costs as much at rest as in motion.",

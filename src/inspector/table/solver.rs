@@ -1,6 +1,6 @@
 //! `ClothSolver`.
 
-use crate::components::{ClothMembrane, TeleportMode};
+use crate::components::{ClothMembrane, ClothTeleportMode};
 use crate::inspector::setting::{Field, Kind, Part, Scale, Setting};
 
 const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<f32>, tips: [&'static str; 3]) -> Setting {
@@ -8,7 +8,7 @@ const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<
 }
 
 const MEMBRANES: [ClothMembrane; 3] = [ClothMembrane::Auto, ClothMembrane::Springs, ClothMembrane::Triangles];
-const MODES: [TeleportMode; 3] = [TeleportMode::None, TeleportMode::Keep, TeleportMode::Reset];
+const MODES: [ClothTeleportMode; 3] = [ClothTeleportMode::None, ClothTeleportMode::Keep, ClothTeleportMode::Reset];
 
 pub(super) const SOLVER: [Setting; 11] = [
     row(
