@@ -35,9 +35,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose;
 use parry3d::shape::{Shape, SharedShape, TypedShape};
 
-use super::Body;
 use super::advance::{first_touch, longest_way};
-use super::contacts::Touch;
 use super::creases::{self, Crease, Creases};
 use super::distance::Sample;
 use super::geometry::{self, Geometry};
@@ -47,6 +45,7 @@ use super::nearest::{Convex, Face, Near, at, to_point};
 use super::respond::{BAND, Friction, Plane, RECOVERY_SPEED, respond};
 use super::room::Rooms;
 use super::sweep::{SLIDES, plane_at};
+use super::{Body, Touch};
 use crate::solver::couple::Coupling;
 use crate::solver::rest::Topology;
 
