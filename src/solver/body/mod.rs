@@ -29,16 +29,18 @@ pub mod shape;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod touch;
 
 use glam::Vec3;
 
-pub use contacts::{Approach, BodyContacts, Touch};
+pub use contacts::{Approach, BodyContacts};
 pub use faces::{FaceContacts, Sheet};
 pub use laid::{Grounds, Laid};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 pub use shape::ShapeError;
+pub use touch::Touch;
 
 /// A rigid body as one cloth sees it in one frame.
 ///

@@ -1,0 +1,111 @@
+//! Which particles may meet which body in this frame, and their contacts in each substep.
+
+mod gather;
+mod meet;
+mod memory;
+mod part;
+mod project;
+
+use glam::{Vec3, Vec4};
+use parry3d::math::Pose;
+
+pub use gather::Approach;
+
+use super::respond::Plane;
+use super::room::Rooms;
+
+/// One particle that may meet one part of a body in this frame.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    particle: u32,
+    /// Running mean of the push per substep `[m]`; 0 out of contact.
+    load: f32,
+    /// The plane on which it was put when it last touched, in the space of the part.
+    plane: Plane,
+    /// A point of body space and a radius without any surface around it `[m]`: no query while the path stays inside.
+    clear_at: Vec3,
+    clear: f32,
+    /// Whether it is pinned to a body, and so touches none.
+    left_out: bool,
+}
+
+/// One simple shape of a body, with its candidates.
+#[derive(Clone, Debug)]
+struct Part {
+    body: u32,
+    index: u32,
+    local: Pose,
+    planes: (u32, u32),
+    candidates: (u32, u32),
+    /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side by.
+    places: Option<u32>,
+    /// Farthest point of the part from its own origin `[m]`; infinite for a half-space.
+    radius: f32,
+}
+
+/// Contacts of one cloth with all bodies. Buffers are reused: nothing is allocated once they are warm.
+#[derive(Clone, Debug, Default)]
+pub struct BodyContacts {
+    parts: Vec<Part>,
+    planes: Vec<Vec4>,
+    candidates: Vec<Candidate>,
+    /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
+    parts_before: Vec<Part>,
+    candidates_before: Vec<Candidate>,
+    /// Where candidates of surfaces were when last projected, in the surface's own space `[m]`; not a number: not known.
+    places: Vec<Vec3>,
+    places_before: Vec<Vec3>,
+    rooms: Rooms,
+    /// Length of the frame `[s]`.
+    dt: f32,
+    /// How far a particle can get in it by itself `[m]`.
+    way: f32,
+}
+
+impl BodyContacts {
+    /// Number of pairs of a particle and a part of a body that are tested in each substep of this frame.
+    #[must_use]
+    pub fn candidates(&self) -> usize {
+        self.candidates.len()
+    }
+
+    /// Particles that touched a body when last projected, by part of a body.
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+        self.candidates.iter().filter(|c| c.load > 0.0).map(|c| c.particle)
+    }
+
+    /// Number of the body, particle and mean push per substep `[m]` of every contact when last projected, by body.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.parts.iter().flat_map(|part| {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
+            candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.particle, c.load))
+        })
+    }
+
+    /// Whether particles could have met a body in the last frame.
+    pub(crate) fn is_near(&self, body: usize) -> bool {
+        self.parts.iter().any(|part| part.body as usize == body)
+    }
+
+    /// Bound on how far a particle can get in this frame by itself `[m]`, as of the last [`Self::gather`] that had bodies.
+    pub(crate) fn way(&self) -> f32 {
+        self.way
+    }
+
+    #[cfg(test)]
+    pub(super) fn capacities(&self) -> [usize; 3] {
+        [self.parts.capacity(), self.planes.capacity(), self.candidates.capacity()]
+    }
+
+    /// Takes out particles that are pinned to bodies, in ascending order.
+    pub(crate) fn leave_out(&mut self, particles: &[u32]) {
+        if particles.is_empty() {
+            return;
+        }
+        for candidate in &mut self.candidates {
+            if particles.binary_search(&candidate.particle).is_ok() {
+                (candidate.left_out, candidate.load) = (true, 0.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! One face against one part in one substep: passed over, stopped, brought back or pushed.
+
+use glam::Vec3A;
+
+use super::Candidate;
+use super::memory::normal;
+use super::pass::Pass;
+use super::setting::{Setting, State};
+use crate::solver::body::geometry::Geometry;
+use crate::solver::body::nearest::{Face, Near};
+use crate::solver::body::respond::BAND;
+use crate::solver::body::room::Rooms;
+use crate::solver::body::sweep::plane_at;
+
+impl Setting<'_> {
+    /// Whether the face touched.
+    pub(super) fn meet(&self, state: &mut State<'_, '_>, rooms: &mut Rooms) -> bool {
+        let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
+        let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
+            Pass::By(normal, height) => {
+                state.candidate.pass_by(normal, height - self.keep, &way.to);
+                return false;
+            }
+            Pass::Near(near) => (Some(near), near.sample.normal),
+            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
+        };
+        let nearest = |face: &Face| self.part.nearest(face, towards);
+        let outside = |near: &Near| near.sample.distance > 0.0;
+        let clear = end.filter(outside).is_some_and(|near| {
+            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
+            way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
+        });
+        let keep = end.map_or(self.keep, |Near { sample, .. }| {
+            let normal = self.motion.rotation1 * sample.normal;
+            rooms.keep(state.candidate.piece.place(state.candidate.face), self.number, normal, sample.distance, self.keep)
+        });
+        if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
+            if let Some(touched) = self.stop(&nearest, keep, &mut way, state) {
+                return touched;
+            }
+        } else if !clear {
+            // What went into it within goes out through it, however it lies now.
+            let Candidate { side, over, .. } = *state.candidate;
+            let within = end.is_none() && over != 0.0;
+            let side = if within { normal(&way.to) * over } else { Vec3A::from(side) };
+            let known = side != Vec3A::ZERO;
+            // Where the nearest point lies on its own side it is pushed out from there, and from round parts wherever it lies.
+            let is_round = matches!(self.part.geometry, Geometry::Ball { .. } | Geometry::Capsule { .. });
+            if known && end.is_none_or(|near| !is_round && near.sample.normal.dot(side) <= 0.0) {
+                return self.bring_back(&nearest, side, &way, state);
+            }
+        }
+        let Some(near) = end else { return false };
+        if near.sample.distance > 0.0 {
+            state.candidate.lies(&near, &way.to);
+        }
+        let gap = near.sample.distance - keep;
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
+        touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
+    }
+}

@@ -1,0 +1,152 @@
+//! Faces of cloth against bodies that are finer than the mesh: a needle between particles, a corner, a ball smaller than a face.
+//!
+//! ```text
+//!      o-----------o      particles at the distance kept: enough while the sagitta e² / 8 R of an edge e over a radius R is small
+//!     /     .-.     \
+//!    /    .'   '.    \    n: normal of the part at the point p = Σ wᵢ xᵢ of the face that is nearest to it, d: distance there
+//!   o----/-------\----o
+//!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
+//! ```
+//!
+//! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
+//! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
+//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and creases meet whole faces, where it is no
+//! better, and so does what is thinner than an edge of cloth: it might slip between them **`[measured: needles did]`**.
+//!
+//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
+//! distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the
+//! middle: a convex part lies behind its tangent plane, and a face that begins and ends in front of that never met it.
+//!
+//! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed
+//! ([`first_touch`](super::advance::first_touch)); it starts each substep outside, hence stays there. *A side is kept.* Where other causes
+//! moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken apart), the normal it last had tells where it belongs: it
+//! is brought back along that, at the speed of particles that start inside. The shortest way out of a needle is sideways, and cloth with a
+//! needle in it cannot go there.
+//!
+//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`Creases`]), each as a convex
+//! part of its own.
+//!
+//! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
+//!
+//! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field collision".
+
+mod gather;
+mod list;
+mod meet;
+mod memory;
+mod pass;
+mod piece;
+mod project;
+mod push;
+mod setting;
+mod stop;
+
+use glam::{Vec3, Vec4};
+use parry3d::math::Pose;
+
+pub use list::Sheet;
+
+use super::creases::{Crease, Creases};
+use super::respond::Plane;
+use super::room::Rooms;
+use piece::Piece;
+
+/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more
+/// faces have to be asked for.
+const SHARE: f32 = 0.5;
+
+/// A face, or a piece of one, that may meet a part of a body in this frame.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    face: u32,
+    piece: Piece,
+    /// Which of the creases of a surface; of no meaning for a convex part.
+    crease: u32,
+    /// Corner nearest to the touch.
+    corner: u32,
+    particles: [u32; 3],
+    /// Running mean of the push per substep `[m]`; 0 out of contact.
+    load: f32,
+    /// What the push would be if that corner alone bore it (dimensionless).
+    share: f32,
+    /// The plane on which it was put when it last touched, in the space of the part, and weights of its point there.
+    plane: Plane,
+    weights: [f32; 3],
+    /// Normal of the part where the face was last outside, in its own space; zero: not known.
+    side: Vec3,
+    /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
+    over: f32,
+    /// Corners when a tangent plane was last found, in the part's own space `[m]`, and how far they may go until one has to be looked for again `[m]`.
+    corners: [Vec3; 3],
+    clear: f32,
+    /// Whether a corner is pinned to a body.
+    left_out: bool,
+}
+
+/// One convex shape or surface of a body, with the faces near it.
+#[derive(Clone, Debug)]
+struct Part {
+    body: u32,
+    index: u32,
+    local: Pose,
+    planes: (u32, u32),
+    candidates: (u32, u32),
+    radius: f32,
+    /// Whether it could go through a face, being smaller.
+    pierces: bool,
+}
+
+/// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
+#[derive(Clone, Debug, Default)]
+pub struct FaceContacts {
+    parts: Vec<Part>,
+    planes: Vec<Vec4>,
+    candidates: Vec<Candidate>,
+    /// Numbers of those that touched when last projected, in ascending order; nothing while nobody has asked.
+    touching: Vec<u32>,
+    is_listed: bool,
+    /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.
+    creases: Vec<Crease>,
+    finder: Creases,
+    parts_before: Vec<Part>,
+    candidates_before: Vec<Candidate>,
+    creases_before: Vec<Crease>,
+    /// Boxes around faces, [`list::BLOCK`] at a time.
+    blocks: Vec<(Vec3, Vec3)>,
+    rooms: Rooms,
+    dt: f32,
+}
+
+impl FaceContacts {
+    /// Number of pairs of a face, or an edge of one, and a part of a body that are looked at in each substep of this frame.
+    #[must_use]
+    pub fn candidates(&self) -> usize {
+        self.candidates.len()
+    }
+
+    /// Number of the body, particle and mean push per substep `[m]` of every touch when last projected, as if the nearest corner bore it alone.
+    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.parts.iter().flat_map(|part| {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
+            candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.corner, c.load * c.share))
+        })
+    }
+
+    /// Particles of faces that touched when last projected.
+    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+        self.candidates.iter().filter(|c| c.load > 0.0).flat_map(|c| c.particles)
+    }
+
+    /// Takes out the faces of particles that are pinned to bodies, in ascending order.
+    pub(crate) fn leave_out(&mut self, particles: &[u32]) {
+        if particles.is_empty() {
+            return;
+        }
+        self.is_listed = false;
+        for candidate in &mut self.candidates {
+            if candidate.particles.iter().any(|p| particles.binary_search(p).is_ok()) {
+                (candidate.left_out, candidate.load) = (true, 0.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Builds the tree: faces are split at the middle of the longest side of their box until they fit a leaf.
+
+use glam::{Vec3, Vec3A};
+
+use super::pack::Pack;
+use super::{Bounds, IS_LEAF, LEAF, MIXED, Node, Tree};
+use crate::solver::detect::Surface;
+use crate::solver::rest::NONE;
+
+impl Tree {
+    /// Builds the hierarchy over the rest shape.
+    #[must_use]
+    pub fn new(surface: &Surface) -> Self {
+        let mut tree = Self {
+            faces: (0..surface.topology.faces.len() as u32).collect(),
+            normals: vec![Vec3A::ZERO; surface.topology.faces.len()],
+            quarantined: vec![false; surface.parts.len()],
+            ..Self::default()
+        };
+        let centre: Vec<Vec3> =
+            surface.topology.faces.iter().map(|t| t.iter().map(|&v| surface.rest[v as usize]).sum::<Vec3>() / 3.0).collect();
+        if !surface.parts.is_empty() {
+            tree.split_parts(surface, &centre, 0, surface.parts.len());
+        }
+        tree.find_discs(surface);
+        tree.find_joints(surface);
+        tree.find_rings(surface);
+        tree.corners = tree.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
+        // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
+        tree.stack.reserve(256);
+        tree
+    }
+
+    fn split_parts(&mut self, surface: &Surface, centre: &[Vec3], first: usize, last: usize) {
+        if last - first == 1 {
+            let faces = &surface.parts[first].faces;
+            self.split_faces(first as u16, centre, faces.start as usize, faces.end as usize);
+            return;
+        }
+        let node = self.push(0, 0, MIXED);
+        let middle = usize::midpoint(first, last);
+        self.split_parts(surface, centre, first, middle);
+        self.nodes[node].right = self.nodes.len() as u32;
+        self.split_parts(surface, centre, middle, last);
+    }
+
+    fn split_faces(&mut self, part: u16, centre: &[Vec3], first: usize, last: usize) {
+        if last - first <= LEAF {
+            let node = self.push(IS_LEAF | first as u32, (last - first) as u16, part);
+            self.nodes[node].link = self.packs.len() as u32;
+            self.packs.push(Pack::EMPTY);
+            return;
+        }
+        let node = self.push(0, 0, part);
+        let run = &mut self.faces[first..last];
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &f in run.iter() {
+            low = low.min(centre[f as usize]);
+            high = high.max(centre[f as usize]);
+        }
+        let size = high - low;
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        // A multiple of the leaf size, so that leaves are full.
+        let middle = ((last - first).div_ceil(2 * LEAF) * LEAF).min(last - first - 1);
+        run.select_nth_unstable_by(middle, |&a, &b| {
+            centre[a as usize][axis].total_cmp(&centre[b as usize][axis]).then(a.cmp(&b))
+        });
+        self.split_faces(part, centre, first, first + middle);
+        self.nodes[node].right = self.nodes.len() as u32;
+        self.split_faces(part, centre, first + middle, last);
+    }
+
+    fn push(&mut self, right: u32, count: u16, part: u16) -> usize {
+        self.nodes.push(Node {
+            bounds: Bounds::EMPTY,
+            right,
+            count,
+            part,
+            disc: false,
+            smooth: false,
+            marked: 0,
+            folded: false,
+            link: NONE,
+            normals: Bounds::EMPTY,
+        });
+        self.nodes.len() - 1
+    }
+}

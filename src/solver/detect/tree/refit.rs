@@ -1,0 +1,85 @@
+//! Fits the boxes and the normals to where particles are now, bottom-up.
+
+use glam::{Vec3A, Vec4};
+
+use super::{Bounds, IS_LEAF, Leaf, Tree};
+use crate::solver::detect::Surface;
+use crate::solver::detect::surface::is_sane;
+
+impl Tree {
+    /// Fits the boxes to the positions `[m]` and finds the cloths to leave out.
+    ///
+    /// With `ahead` `[m]`, one per particle, boxes also hold where particles will be; normals do not.
+    pub fn refit(&mut self, surface: &Surface, positions: &[Vec4], ahead: Option<&[Vec3A]>) {
+        for (part, out) in surface.parts.iter().zip(&mut self.quarantined) {
+            let range = part.particles.start as usize..part.particles.end as usize;
+            *out = !positions[range].iter().all(|&p| is_sane(p));
+        }
+        let now = |v: u32| Vec3A::from_vec4(positions[v as usize]);
+        let point = |x: Vec3A| Bounds { min: x, max: x };
+        match ahead {
+            None => self.fit_leaves(now, |corners| Bounds::around(corners.map(now).into_iter())),
+            Some(ahead) => self.fit_leaves(now, |corners| {
+                let [a, b, c] = corners.map(|v| point(now(v)).union(point(ahead[v as usize])));
+                a.union(b).union(c)
+            }),
+        }
+        for i in (0..self.nodes.len()).rev() {
+            let right = self.nodes[i].right;
+            if right & IS_LEAF == 0 {
+                let (left, right) = (&self.nodes[i + 1], &self.nodes[right as usize]);
+                let (bounds, normals) = (left.bounds.union(right.bounds), left.normals.union(right.normals));
+                (self.nodes[i].bounds, self.nodes[i].normals) = (bounds, normals);
+            }
+        }
+        self.find_folds();
+    }
+
+    /// Fits the leaves and their faces to where particles are `now` `[m]`; `around` is the box of three of them.
+    #[inline]
+    fn fit_leaves(&mut self, now: impl Fn(u32) -> Vec3A, around: impl Fn([u32; 3]) -> Bounds) {
+        for leaf in &mut self.leaves {
+            let node = &mut self.nodes[leaf.node as usize];
+            let run = node.run();
+            (node.bounds, node.normals, leaf.axis) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
+            node.folded = false;
+            let pack = &mut self.packs[node.link as usize];
+            for ((lane, normal), &corners) in self.normals[run.clone()].iter_mut().enumerate().zip(&self.corners[run]) {
+                let [a, b, c] = corners.map(&now);
+                let own = around(corners);
+                pack.set(lane, &own);
+                *normal = (b - a).cross(c - a).normalize_or_zero();
+                node.bounds = node.bounds.union(own);
+                node.normals = Bounds { min: node.normals.min.min(*normal), max: node.normals.max.max(*normal) };
+                leaf.axis += *normal;
+            }
+            if self.quarantined[usize::from(node.part)] {
+                (node.bounds, node.normals) = (Bounds::EMPTY, Bounds::EMPTY);
+            }
+        }
+    }
+
+    /// Gives leaves over which the faces around them fold back all normals, and with them what they are part of.
+    fn find_folds(&mut self) {
+        let Self { nodes, normals, leaves, rings, quarantined, .. } = self;
+        let mut any = false;
+        for Leaf { node, cover, ring, axis } in leaves.iter() {
+            // Boxes take in more than the normals, and are quicker.
+            let leaf = &nodes[*node as usize];
+            if nodes[*cover as usize].normals.lies_before(*axis) || quarantined[usize::from(leaf.part)] {
+                continue;
+            }
+            let around = || rings[ring.start as usize..ring.end as usize].iter().map(|&i| normals[i as usize]);
+            if !Bounds::around(around()).lies_before(*axis) && around().any(|n| n.dot(*axis) <= 0.0) {
+                let node = &mut nodes[*node as usize];
+                (node.folded, node.normals) = (true, Bounds::ALL_NORMALS);
+                any = true;
+            }
+        }
+        for i in (0..nodes.len()).rev().filter(|_| any) {
+            if nodes[i].right & IS_LEAF == 0 {
+                nodes[i].normals = nodes[i + 1].normals.union(nodes[nodes[i].right as usize].normals);
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Walks the tree against itself: every pair of faces whose boxes meet.
+
+use glam::Vec3A;
+
+use super::pack::lanes;
+use super::{Bounds, FLAT, IS_LEAF, Joint, MIXED, Node, Tree};
+use crate::solver::detect::Surface;
+use crate::solver::rest::NONE;
+
+/// First of a pair on the stack whose second is a [`Joint`].
+const JOINT: u32 = NONE;
+
+impl Tree {
+    /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`; in a cloth that does not
+    /// collide with itself, only with faces of other cloths.
+    pub fn pairs(&mut self, surface: &Surface, margin: f32, found: impl FnMut(u32, u32)) {
+        self.traverse::<false>(surface, margin, found);
+    }
+
+    /// As [`Self::pairs`], only for pairs with a face that is `marked` (by face).
+    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], found: impl FnMut(u32, u32)) {
+        for i in (0..self.nodes.len()).rev() {
+            let node = self.nodes[i];
+            self.nodes[i].marked = if node.right & IS_LEAF == 0 {
+                u8::from((self.nodes[i + 1].marked | self.nodes[node.right as usize].marked) != 0)
+            } else {
+                let bit = |(lane, &f): (usize, &u32)| u8::from(marked[f as usize]) << lane;
+                self.faces[node.run()].iter().enumerate().map(bit).sum()
+            };
+        }
+        self.traverse::<true>(surface, margin, found);
+    }
+
+    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let margin = Vec3A::splat(margin);
+        let mut stack = core::mem::take(&mut self.stack);
+        stack.clear();
+        stack.push((0, 0));
+        while let Some((a, b)) = stack.pop() {
+            if a == JOINT {
+                if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
+                    self.descend::<MARKED>(b, margin, &mut stack, &mut found);
+                }
+                continue;
+            }
+            let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+            if MARKED && left.marked | right.marked == 0 {
+                continue;
+            }
+            let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
+            if a == b {
+                if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {
+                    continue;
+                }
+                if left.disc && left.normals.are_flat() {
+                    continue;
+                }
+                if leaf_a {
+                    if !(left.disc && self.hardly_bend([left])) {
+                        self.within::<MARKED>(left, margin, &mut found);
+                    }
+                } else {
+                    stack.push((left.right, left.right));
+                    stack.push((a + 1, a + 1));
+                    if left.link != NONE {
+                        stack.push((JOINT, left.link));
+                    } else if self.meet(a + 1, left.right, margin) {
+                        stack.push((a + 1, left.right));
+                    }
+                }
+            } else if leaf_a && leaf_b {
+                self.between::<MARKED>(left, right, margin, &mut found);
+            } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
+                for child in [left.right, a + 1] {
+                    if self.meet(child, b, margin) {
+                        stack.push((child, b));
+                    }
+                }
+            } else {
+                for child in [right.right, b + 1] {
+                    if self.meet(a, child, margin) {
+                        stack.push((a, child));
+                    }
+                }
+            }
+        }
+        self.stack = stack;
+    }
+
+    /// Takes two nodes that share particles apart, unless they are one piece that hardly bends.
+    #[inline]
+    fn descend<const MARKED: bool>(
+        &self,
+        joint: u32,
+        margin: Vec3A,
+        stack: &mut Vec<(u32, u32)>,
+        found: &mut impl FnMut(u32, u32),
+    ) {
+        let Joint { nodes: [a, b], first, count } = self.joints[joint as usize];
+        let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+        if left.smooth && right.smooth && left.normals.union(right.normals).are_flat() {
+            return;
+        }
+        if left.right & right.right & IS_LEAF != 0 {
+            if !(left.smooth && right.smooth && self.hardly_bend([left, right])) {
+                self.between::<MARKED>(left, right, margin, found);
+            }
+            return;
+        }
+        // The joints stand in the order of the pairs.
+        let mut joint = first;
+        for pair in self.below([a, b]) {
+            if joint < first + count && self.joints[joint as usize].nodes == pair {
+                stack.push((JOINT, joint));
+                joint += 1;
+            } else if self.meet(pair[0], pair[1], margin) {
+                stack.push((pair[0], pair[1]));
+            }
+        }
+    }
+
+    /// Whether all normals of some leaves lie within 60° of their sum. Their box, which is tested first, takes in more than the normals.
+    #[inline]
+    fn hardly_bend<const N: usize>(&self, leaves: [&Node; N]) -> bool {
+        let normals = || leaves.into_iter().flat_map(|leaf| &self.normals[leaf.run()]);
+        let axis: Vec3A = normals().sum();
+        let limit = FLAT * axis.length();
+        limit > 0.0 && !leaves.iter().any(|leaf| leaf.folded) && normals().all(|n| n.dot(axis) >= limit)
+    }
+
+    #[inline]
+    fn meet(&self, a: u32, b: u32, margin: Vec3A) -> bool {
+        self.nodes[a as usize].bounds.meets(&self.nodes[b as usize].bounds, margin)
+    }
+
+    fn within<const MARKED: bool>(&self, leaf: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+        if self.quarantined[usize::from(leaf.part)] {
+            return;
+        }
+        let (pack, faces, marked) = (&self.packs[leaf.link as usize], &self.faces[leaf.run()], u32::from(leaf.marked));
+        for (i, &face) in faces.iter().enumerate() {
+            let others = (!1 << i) & if !MARKED || marked & (1 << i) != 0 { u32::MAX } else { marked };
+            for j in lanes(others & pack.meets(&pack.get(i), margin)) {
+                found(face, faces[j]);
+            }
+        }
+    }
+
+    fn between<const MARKED: bool>(&self, a: &Node, b: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+        if self.quarantined[usize::from(a.part)] || self.quarantined[usize::from(b.part)] {
+            return;
+        }
+        let (left, right) = (&self.packs[a.link as usize], &self.packs[b.link as usize]);
+        let (faces, others) = (&self.faces[a.run()], &self.faces[b.run()]);
+        let (mine, theirs) = (u32::from(a.marked), u32::from(b.marked));
+        for i in lanes(left.meets(&b.bounds, margin)) {
+            let asked = if !MARKED || mine & (1 << i) != 0 { u32::MAX } else { theirs };
+            if asked == 0 {
+                continue;
+            }
+            for j in lanes(asked & right.meets(&left.get(i), margin)) {
+                found(faces[i], others[j]);
+            }
+        }
+    }
+}
+
+#[inline]
+fn extent(b: &Bounds) -> f32 {
+    (b.max - b.min).element_sum()
+}
