@@ -18,6 +18,7 @@ mod notices;
 #[cfg(feature = "picking")]
 mod picking;
 mod query;
+mod schedule;
 pub mod simulation;
 mod snapshot;
 mod systems;
@@ -45,10 +46,11 @@ pub use diagnostics::ClothDiagnosticsPlugin;
 pub use islands::ClothIslands;
 #[cfg(feature = "picking")]
 pub use picking::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
-pub use plugin::{ClothPlugin, ClothSystems};
+pub use plugin::ClothPlugin;
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};
 pub use query::{ClothHit, ClothQuery};
+pub use schedule::ClothSystems;
 pub use simulation::{ClothParticles, ClothRest};
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 

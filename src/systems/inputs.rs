@@ -13,7 +13,7 @@ use crate::components::{
     ClothWind, ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::plugin::ClothClock;
+use crate::schedule::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body::{Body, Pose};
 use crate::solver::state::ClothState;
