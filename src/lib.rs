@@ -33,7 +33,7 @@ pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape, ClothCollision,
     ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
     ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
-    ClothGravity, ClothHeld, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
+    ClothGravity, ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
     ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
     ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
     ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
@@ -49,7 +49,7 @@ pub use picking::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
 pub use plugin::ClothPlugin;
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};
-pub use query::{ClothHit, ClothQuery};
+pub use query::ClothQuery;
 pub use schedule::ClothSystems;
 pub use simulation::{ClothParticles, ClothRest};
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};

@@ -2,62 +2,13 @@
 
 use bevy::prelude::*;
 
-use super::bind::PATIENCE;
 use crate::bind::{ColliderError, Sources, shape_of};
+use crate::components::body::{ColliderBody, Stage};
 use crate::components::checked::Checked;
 use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
-use crate::notices::{Notices, label};
+use crate::notices::{Notices, PATIENCE, label};
 use crate::solver::body::{SharedShape, shape};
 use crate::solver::couple::Given;
-
-/// Shape of a collider as it was made, and where it was.
-#[derive(Component, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct ColliderBody {
-    stage: Stage,
-    shape: Option<SharedShape>,
-    unscaled: Option<SharedShape>,
-    scale: Vec3,
-    mesh: Option<AssetId<Mesh>>,
-    /// Where it was at the end of the last frame.
-    pub pose: Option<Isometry3d>,
-    reach: f32,
-}
-
-impl ColliderBody {
-    /// Whether this shape was made from that of another crate last.
-    #[cfg(feature = "avian")]
-    pub fn has_made(&self, shape: &SharedShape) -> bool {
-        self.shape.as_ref().is_some_and(|made| std::sync::Arc::ptr_eq(&made.0, &shape.0))
-    }
-
-    /// Takes a shape that was checked.
-    pub fn make(&mut self, shape: Option<SharedShape>) {
-        self.reach = shape.as_ref().map_or(0.0, |shape| shape.compute_local_bounding_sphere().radius);
-        self.shape = shape;
-    }
-
-    /// Radius of the ball around it `[m]`.
-    #[cfg(feature = "avian")]
-    pub fn reach(&self) -> f32 {
-        self.reach
-    }
-}
-
-/// How far a shape is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Stage {
-    /// Not tried yet.
-    #[default]
-    New,
-    /// Its mesh is not there; since that real time `[s]`.
-    Waiting {
-        since: f64,
-    },
-    /// It cannot be made until something changes.
-    Failed,
-    Made,
-}
 
 /// A body in the world in this frame.
 pub(crate) struct WorldBody {

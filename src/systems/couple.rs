@@ -3,20 +3,13 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::colliders::{ColliderBody, WorldBodies, WorldRigid};
+use super::colliders::{WorldBodies, WorldRigid};
 use super::release::forget;
+use crate::components::body::{ColliderBody, CoupledBody};
 use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::couple::{Given, Rigid};
-
-/// Where a body that takes part was at the end of the last frame, and how many cloths gave it something.
-#[derive(Component, Clone, Copy, Debug, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct CoupledBody {
-    pose: Option<Isometry3d>,
-    givers: u32,
-}
 
 /// Finds the entity that takes what is done to another: itself or the nearest ancestor that says so.
 #[derive(SystemParam)]
