@@ -23,8 +23,8 @@ use bevy::prelude::*;
 use crate::components::body::ColliderBody;
 use crate::components::{ClothCollider, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 use crate::notices::{Notices, label};
+use crate::simulation::{WorldBodies, WorldBody, jumped};
 use crate::solver::body::shape;
-use crate::systems::colliders::{WorldBodies, WorldBody, jumped};
 use crate::time::ClothTime;
 
 impl From<CollisionLayers> for ClothCollisionLayers {

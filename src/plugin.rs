@@ -28,8 +28,7 @@ use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
-use crate::systems::colliders::WorldBodies;
-use crate::systems::inputs::WorldAir;
+use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
     bind, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep, sources, sync,
     touch,

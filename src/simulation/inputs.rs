@@ -3,6 +3,8 @@
 use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
+use super::coupling::Coupled;
+use super::slumber::Slumber;
 use crate::bind::{AnchorSets, Placement, Skin};
 use crate::components::checked::Checked;
 use crate::components::{ClothDetail, ClothLod, ClothPins};
@@ -16,8 +18,6 @@ use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::slew::Slew;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
-use crate::systems::couple::Coupled;
-use crate::systems::sleep::Slumber;
 
 /// Inputs: everything the solver is given in a frame.
 #[derive(Component, Clone)]

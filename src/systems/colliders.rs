@@ -4,56 +4,10 @@ use bevy::prelude::*;
 
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::body::{ColliderBody, Stage};
-use crate::components::checked::Checked;
 use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
 use crate::notices::{Notices, PATIENCE, label};
-use crate::solver::body::{SharedShape, shape};
-use crate::solver::couple::Given;
-
-/// A body in the world in this frame.
-pub(crate) struct WorldBody {
-    pub entity: Entity,
-    pub shape: SharedShape,
-    pub from: Isometry3d,
-    pub to: Isometry3d,
-    pub layers: ClothCollisionLayers,
-    pub margin: f32,
-    pub static_friction: f32,
-    pub dynamic_friction: f32,
-    /// Place in [`WorldBodies::rigids`] of the body that takes what cloth does to it.
-    pub rigid: Option<u32>,
-}
-
-/// A body in the world that takes what cloth does to it.
-pub(crate) struct WorldRigid {
-    pub entity: Entity,
-    /// Centre of mass at both ends of the frame `[m]`.
-    pub from: Vec3,
-    pub to: Vec3,
-    pub velocity: Option<Vec3>,
-    pub inverse_mass: Vec3,
-    pub inverse_inertia: Mat3,
-    /// Cloths that gave it something in the last frame, and what and how many do in this one.
-    pub givers: u32,
-    pub given: Given,
-    pub gave: u32,
-}
-
-/// Every body, in the order of entities.
-#[derive(Resource, Default)]
-pub(crate) struct WorldBodies {
-    pub bodies: Vec<WorldBody>,
-    /// In the order of entities, too.
-    pub rigids: Vec<WorldRigid>,
-    pub checked: Checked,
-}
-
-impl WorldBodies {
-    /// The body that takes what cloth does to `body`.
-    pub fn taker(&self, body: &WorldBody) -> Option<Entity> {
-        self.rigids.get(body.rigid? as usize).map(|rigid| rigid.entity)
-    }
-}
+use crate::simulation::{WorldBodies, WorldBody, jumped};
+use crate::solver::body::shape;
 
 /// Makes shapes of new colliders, and of those whose data, scale or mesh changed.
 pub(crate) fn shapes(
@@ -178,13 +132,4 @@ pub(crate) fn poses(
         bodies.push(WorldBody { entity, shape, from, to, layers, margin, static_friction, dynamic_friction, rigid: None });
     }
     bodies.sort_unstable_by_key(|body| body.entity);
-}
-
-/// Jumps shorter than this are motion `[m]`.
-pub(super) const LEAST_JUMP: f32 = 2.0;
-
-/// A body that jumps further than cloth teleports sweeps nothing on its way.
-pub(crate) fn jumped(from: &Isometry3d, to: &Isometry3d, reach: f32) -> bool {
-    let limit = if reach.is_finite() { (3.0 * reach).max(LEAST_JUMP) } else { f32::INFINITY };
-    !(from.translation.distance(to.translation) <= limit)
 }
