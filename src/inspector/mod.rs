@@ -38,6 +38,7 @@ mod specimen;
 mod state;
 mod table;
 mod tangle;
+mod widgets;
 
 pub use actions::STEP;
 pub use compare::{differences, load, save};
