@@ -6,8 +6,9 @@ use bevy_egui::egui::{CollapsingHeader, Color32, Grid, RichText, ScrollArea, Tex
 
 use super::entry::show;
 use super::export::{as_ron, as_rust, from_ron};
+use super::part::Part;
 use super::row;
-use super::setting::{Kind, Part, Setting};
+use super::setting::{Kind, Setting};
 use super::settings::{ClothSettings, Edit, OWN};
 use super::state::ClothInspector;
 use super::table::settings_of;

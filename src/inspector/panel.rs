@@ -6,8 +6,9 @@ use bevy_egui::egui::{Button, CollapsingHeader, ScrollArea, Ui, vec2};
 use super::compare::{self, Ask};
 #[cfg(feature = "debug")]
 use super::drawing;
+use super::part::Part;
 use super::row::{self, Row};
-use super::setting::{Part, Scale};
+use super::setting::Scale;
 use super::settings::{ClothSettings, Edit};
 use super::state::{Action, ClothInspector};
 use super::table::settings_of;
