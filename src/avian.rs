@@ -20,10 +20,11 @@ use avian3d::prelude::{
 };
 use bevy::prelude::*;
 
+use crate::components::body::ColliderBody;
 use crate::components::{ClothCollider, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 use crate::notices::{Notices, label};
+use crate::simulation::{WorldBodies, WorldBody, jumped};
 use crate::solver::body::shape;
-use crate::systems::colliders::{ColliderBody, WorldBodies, WorldBody, jumped};
 use crate::time::ClothTime;
 
 impl From<CollisionLayers> for ClothCollisionLayers {
@@ -144,7 +145,7 @@ pub(crate) fn colliders(
             continue;
         }
         let to = Isometry3d::new(translation, rotation.normalize());
-        let from = body.pose.filter(|from| !jumped(from, &to, body.reach())).unwrap_or(to);
+        let from = body.pose.filter(|from| !jumped(from, &to, body.reach)).unwrap_or(to);
         body.pose = Some(to);
         let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
         world.bodies.push(WorldBody {

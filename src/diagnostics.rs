@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothReport};
 use crate::islands::ClothIslands;
-use crate::plugin;
+use crate::schedule;
 use crate::simulation::{ClothParticles, ClothRest};
 
 /// Measures all cloths together, once for every frame that is shown.
@@ -75,7 +75,7 @@ impl Plugin for ClothDiagnosticsPlugin {
     }
 
     fn finish(&self, app: &mut App) {
-        plugin::after_sync(app, measure);
+        schedule::after_sync(app, measure);
     }
 }
 

@@ -18,6 +18,7 @@ mod notices;
 #[cfg(feature = "picking")]
 mod picking;
 mod query;
+mod schedule;
 pub mod simulation;
 mod snapshot;
 mod systems;
@@ -32,7 +33,7 @@ pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape, ClothCollision,
     ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
     ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
-    ClothGravity, ClothHeld, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
+    ClothGravity, ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
     ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
     ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
     ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
@@ -45,10 +46,11 @@ pub use diagnostics::ClothDiagnosticsPlugin;
 pub use islands::ClothIslands;
 #[cfg(feature = "picking")]
 pub use picking::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
-pub use plugin::{ClothPlugin, ClothSystems};
+pub use plugin::ClothPlugin;
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};
-pub use query::{ClothHit, ClothQuery};
+pub use query::ClothQuery;
+pub use schedule::ClothSystems;
 pub use simulation::{ClothParticles, ClothRest};
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 

@@ -7,6 +7,9 @@ use bevy::prelude::*;
 
 use crate::components::checked::{Checked, Values};
 
+/// Silence before what waits is mentioned `[s]`.
+pub(crate) const PATIENCE: f64 = 5.0;
+
 /// Warnings per entity: one for each kind or field.
 #[derive(Resource, Default)]
 pub(crate) struct Notices {

@@ -1,4 +1,4 @@
-//! The plugin. The only file that orders anything.
+//! The plugin. The only file that orders the frame.
 //!
 //! ```text
 //! PostUpdate (or the schedule that was asked for)
@@ -13,8 +13,7 @@ use bevy::app::{
 use bevy::asset::AssetEventSystems;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::intern::Interned;
-use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleLabel};
-use bevy::ecs::system::ScheduleSystem;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy::transform::systems::{
@@ -27,8 +26,9 @@ use crate::bind::{RestCache, Sources};
 use crate::components::{ClothGlobalWind, ClothGravity};
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
-use crate::systems::colliders::WorldBodies;
-use crate::systems::inputs::WorldAir;
+use crate::schedule::ClothClock;
+pub use crate::schedule::ClothSystems;
+use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
     bind, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep, sources, sync,
     touch,
@@ -58,37 +58,6 @@ impl ClothPlugin {
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }
-}
-
-/// The stages of a frame, chained in this order.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ClothSystems {
-    /// Binds meshes; gathers settings, anchors, bodies and wind.
-    Prepare,
-    /// Steps every cloth by a frame.
-    Integrate,
-    /// Looks for crossings and closeness.
-    Detect,
-    /// Untangles.
-    Resolve,
-    /// Judges the result; tells of recoveries.
-    Evaluate,
-    /// Answers contacts; feeds the next frame. Lets cloth sleep that is at rest.
-    Respond,
-    /// Writes meshes and bounds. In `PostUpdate` when the other stages run in a fixed schedule.
-    Sync,
-}
-
-/// How the schedule of the cloths relates to what is shown.
-#[derive(Resource, Clone, Copy, Debug)]
-pub(crate) struct ClothClock {
-    /// Whether shown positions lie between the last two frames of a fixed clock.
-    pub interpolates: bool,
-    /// Where all stages run but Sync.
-    #[cfg(feature = "debug")]
-    schedule: Interned<dyn ScheduleLabel>,
-    /// Where Sync runs.
-    shows: Interned<dyn ScheduleLabel>,
 }
 
 impl Plugin for ClothPlugin {
@@ -241,24 +210,4 @@ fn order(app: &mut App, schedule: Interned<dyn ScheduleLabel>) {
             .before(AssetEventSystems)
             .before(VisibilitySystems::CalculateBounds),
     );
-}
-
-/// Adds systems that look at what Integrate left, before Detect looks for what the next frame needs. For plugins that are finished.
-#[cfg(feature = "debug")]
-pub(crate) fn after_integrate<M>(app: &mut App, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
-    let schedule = clock(app).schedule;
-    app.add_systems(schedule, systems.after(ClothSystems::Integrate).before(ClothSystems::Detect));
-}
-
-/// Adds systems that look at a whole frame, once for every one that is shown. For plugins that are finished.
-pub(crate) fn after_sync<M>(app: &mut App, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
-    let shows = clock(app).shows;
-    app.add_systems(shows, systems.after(ClothSystems::Sync));
-}
-
-fn clock(app: &App) -> ClothClock {
-    match app.world().get_resource::<ClothClock>() {
-        Some(clock) => *clock,
-        None => panic!("there is nothing to look at without ClothPlugin. Add it: `app.add_plugins(ClothPlugin::default())`."),
-    }
 }

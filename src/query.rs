@@ -3,7 +3,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use crate::components::Cloth;
+use crate::components::{Cloth, ClothHit};
 use crate::simulation::{ClothRest, ClothShown};
 use crate::solver::pick::{self, Pick};
 
@@ -13,25 +13,6 @@ use crate::solver::pick::{self, Pick};
 #[derive(SystemParam)]
 pub struct ClothQuery<'w, 's> {
     cloths: Query<'w, 's, (Entity, &'static ClothRest, &'static ClothShown), With<Cloth>>,
-}
-
-/// A point of a cloth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClothHit {
-    /// The cloth.
-    pub entity: Entity,
-    /// Number of the simulated triangle, see [`ClothRest::shape`].
-    pub triangle: u32,
-    /// Its particles.
-    pub particles: [u32; 3],
-    /// Weights of its particles; they add up to one.
-    pub barycentric: Vec3,
-    /// The point in the world `[m]`.
-    pub point: Vec3,
-    /// Unit normal of the triangle; zero for one without area.
-    pub normal: Vec3,
-    /// Distance from the origin of the ray, or from the point that was asked for `[m]`.
-    pub distance: f32,
 }
 
 impl ClothQuery<'_, '_> {

@@ -4,15 +4,12 @@ use bevy::ecs::world::WorldId;
 use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
+use crate::components::body::{ColliderBody, CoupledBody};
+use crate::components::grip::Grip;
 use crate::components::{ClothContacts, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus};
 use crate::islands::{ClothIsland, ClothIslands};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, WaitingSince};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, WaitingSince, WorldAir};
 use crate::solver::wind::Wind;
-use crate::systems::colliders::ColliderBody;
-use crate::systems::couple::CoupledBody;
-use crate::systems::grab::Grip;
-use crate::systems::inputs::WorldAir;
-use crate::systems::sleep::Slumber;
 use crate::time::ClothTime;
 
 /// The state of cloth between two frames: captured, kept, and gone back to as often as wanted. For rollback in a networked game, for a replay, to try

@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use parry3d::shape::SharedShape;
 
+use super::body::ColliderBody;
 use super::checked::Checked;
 use super::shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit, ParryShape};
-use crate::systems::colliders::ColliderBody;
 
 /// Pushes cloth away from its entity.
 ///

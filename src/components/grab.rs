@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 
 use super::checked::Checked;
-use crate::query::ClothHit;
-use crate::systems::grab::Grip;
+use super::grip::Grip;
+use super::hit::ClothHit;
 
 /// Holds a point of a cloth near `target`, on an entity of its own: spawn it to grab, move `target` to drag, despawn it to let go. The
 /// cloth keeps the velocity it has then.

@@ -1,12 +1,15 @@
-//! What users spawn and read: one file per concern.
+//! What users spawn and read, one file per concern; `body` and `grip` come along with it and are not theirs.
 
+pub(crate) mod body;
 pub(crate) mod checked;
+pub(crate) mod grip;
 
 mod cloth;
 mod collider;
 mod collision;
-mod grab;
 mod coupling;
+mod grab;
+mod hit;
 mod layers;
 mod lod;
 mod material;
@@ -27,6 +30,7 @@ pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
 pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 pub use grab::ClothGrab;
+pub use hit::ClothHit;
 pub use layers::ClothCollisionLayers;
 pub use lod::{ClothDetail, ClothLod};
 pub use material::ClothMaterial;

@@ -43,7 +43,7 @@ use bevy::gizmos::config::GizmoLineConfig;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::plugin;
+use crate::schedule;
 use crate::solver::rest::{NONE, RestShape};
 
 /// Draws what the solver sees, as [`ClothDebug`] says. Without it nothing is kept for drawing and nothing is spent on it.
@@ -192,8 +192,8 @@ impl Plugin for ClothDebugPlugin {
             app.world().contains_resource::<Assets<GizmoAsset>>(),
             "ClothDebugPlugin needs gizmos. Add `DefaultPlugins`, or for a headless app `app.add_plugins(GizmoPlugin)`."
         );
-        plugin::after_integrate(app, contacts::remember.run_if(|debug: Res<ClothDebug>| debug.contacts));
-        plugin::after_sync(
+        schedule::after_integrate(app, contacts::remember.run_if(|debug: Res<ClothDebug>| debug.contacts));
+        schedule::after_sync(
             app,
             (
                 pins::draw.run_if(|debug: Res<ClothDebug>| debug.pins),

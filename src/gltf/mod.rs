@@ -42,8 +42,8 @@ use crate::components::{
     Cloth, ClothCollider, ClothColliderShape, ClothCollision, ClothGlobalWind, ClothGravity, ClothMaterial, ClothMeshFit,
     ClothPinSelect, ClothPins, ClothSolver,
 };
-use crate::plugin::ClothSystems;
 use crate::presets::{ClothPresetHandle, PresetOverrides};
+use crate::schedule::ClothSystems;
 use extras::{ClothExtras, MaterialExtras, Problem};
 
 /// The systems, for `plugin.rs` to order: before anything is bound.

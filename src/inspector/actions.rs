@@ -5,7 +5,7 @@ use core::time::Duration;
 use bevy::math::Vec3;
 use bevy::prelude::*;
 
-use super::state::ClothInspector;
+use super::state::{Action, ClothInspector};
 use super::tangle;
 use crate::components::{Cloth, ClothError};
 use crate::islands::ClothIslands;
@@ -13,19 +13,6 @@ use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest,
 
 /// Length of the frame that is stepped while time stands still `[s]`.
 pub const STEP: f64 = 1.0 / 60.0;
-
-/// What was asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Action {
-    /// One frame.
-    Step,
-    /// Back to the pose at rest, without speed.
-    Reset(Entity),
-    /// Folded through itself.
-    Fold(Entity),
-    /// Pushed through the nearest other cloth.
-    Push(Entity),
-}
 
 /// Does what was asked for since the last frame.
 pub(super) fn act(world: &mut World) {

@@ -2,15 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy_egui::egui::{Button, CollapsingHeader, Color32, Grid, RichText, ScrollArea, TextEdit, Ui};
+use bevy_egui::egui::{CollapsingHeader, Color32, Grid, RichText, ScrollArea, TextEdit, Ui};
 
 use super::entry::show;
 use super::export::{as_ron, as_rust, from_ron};
+use super::part::Part;
 use super::row;
-use super::setting::{Kind, Part, Setting};
+use super::setting::{Kind, Setting};
 use super::settings::{ClothSettings, Edit, OWN};
 use super::state::ClothInspector;
 use super::table::settings_of;
+use super::widgets::button;
 use crate::components::{ClothMaterial, ClothWind};
 use crate::presets::ClothPreset;
 
@@ -85,18 +87,6 @@ pub(super) fn answer(ui: &Ui, ask: Ask, state: &mut ClothInspector, edit: &mut E
             edit.touch(Part::OwnWind);
         }
     }
-}
-
-/// A button with a name for screen readers and tests.
-pub(super) fn button(ui: &mut Ui, text: &str, label: &str, tip: &str) -> bool {
-    pressed(ui, Button::new(text), label, tip)
-}
-
-/// As [`button`], made elsewhere.
-pub(super) fn pressed(ui: &mut Ui, button: Button<'_>, label: &str, tip: &str) -> bool {
-    let response = ui.add(button);
-    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
-    response.on_hover_text(tip).clicked()
 }
 
 /// Buttons for the fabrics of the library.

@@ -27,6 +27,7 @@ mod history;
 #[cfg(feature = "debug")]
 mod mark;
 mod panel;
+mod part;
 mod pick;
 mod pins;
 mod plots;
@@ -38,6 +39,7 @@ mod specimen;
 mod state;
 mod table;
 mod tangle;
+mod widgets;
 
 pub use actions::STEP;
 pub use compare::{differences, load, save};
@@ -45,9 +47,10 @@ pub use entry::{parse, show};
 pub use export::{as_ron, as_rust, from_ron, material_as_rust};
 pub use history::{History, SPAN, STAGES, Sample, Verdict};
 pub use panel::cloth_inspector;
+pub use part::Part;
 pub use pick::pick;
 pub use plugin::ClothInspectorPlugin;
-pub use setting::{Field, Kind, Part, Scale, Setting};
+pub use setting::{Field, Kind, Scale, Setting};
 pub use settings::ClothSettings;
 pub use state::ClothInspector;
 pub use table::{settings, settings_of};

@@ -3,15 +3,16 @@
 use bevy::prelude::*;
 use bevy_egui::egui::{Button, CollapsingHeader, ScrollArea, Ui, vec2};
 
-use super::actions::Action;
-use super::compare::{self, Ask, button, pressed};
+use super::compare::{self, Ask};
 #[cfg(feature = "debug")]
 use super::drawing;
+use super::part::Part;
 use super::row::{self, Row};
-use super::setting::{Part, Scale};
+use super::setting::Scale;
 use super::settings::{ClothSettings, Edit};
-use super::state::ClothInspector;
+use super::state::{Action, ClothInspector};
 use super::table::settings_of;
+use super::widgets::{button, pressed};
 use super::{air, pins, plots};
 use crate::components::{Cloth, ClothBuildReport, ClothError, ClothMaterial, ClothReport, ClothStatus};
 use crate::islands::ClothIslands;

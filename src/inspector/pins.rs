@@ -3,8 +3,9 @@
 use bevy::prelude::*;
 use bevy_egui::egui::Ui;
 
+use super::part::Part;
 use super::row::{self, Row};
-use super::setting::{Part, Scale};
+use super::setting::Scale;
 use super::settings::Edit;
 use crate::components::{ClothBuildReport, ClothOnTargetLost, ClothPinSelect, ClothPinSet, ClothReport};
 

@@ -12,7 +12,7 @@ use super::panel::cloth_inspector;
 use super::pick::pick;
 use super::state::{ClothInspector, record};
 #[cfg(feature = "debug")]
-use crate::plugin::after_sync;
+use crate::schedule::after_sync;
 
 /// The panel in a window of its own.
 ///

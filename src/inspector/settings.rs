@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::setting::Part;
+use super::part::Part;
 use crate::components::{
     ClothCollision, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSkipFrame, ClothSleep,
     ClothSleepDisabled, ClothSolver, ClothUntangling, ClothUntanglingDisabled, ClothWind,

@@ -3,7 +3,7 @@
 use bevy::math::{Mat3, Vec3};
 use bevy_egui::egui::{Color32, Mesh, Painter, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
-use super::compare::button;
+use super::widgets::button;
 use crate::components::ClothMaterial;
 use crate::lab::drape::{self, DISK, Drape, Run, SPECIMEN};
 use crate::lab::{FRAME_RATE, SAMPLES, Settling};

@@ -2,7 +2,6 @@
 
 use bevy::prelude::*;
 
-use super::actions::Action;
 use super::history::{History, Sample};
 use super::plots::Curves;
 use super::settings::ClothSettings;
@@ -48,6 +47,19 @@ impl ClothInspector {
     pub(super) fn say(&mut self, note: Result<String, String>) {
         self.note = Some(note);
     }
+}
+
+/// What was asked for, until `actions` does it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Action {
+    /// One frame.
+    Step,
+    /// Back to the pose at rest, without speed.
+    Reset(Entity),
+    /// Folded through itself.
+    Fold(Entity),
+    /// Pushed through the nearest other cloth.
+    Push(Entity),
 }
 
 /// Keeps what the selected cloth did, while the panel is open or drawn and time flows.

@@ -20,7 +20,7 @@ use crate::components::{
     Cloth, ClothBuildReport, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPinSet, ClothPins,
     ClothReport, ClothSolver, ClothStatus, WaitingFor,
 };
-use crate::notices::{Notices, label};
+use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
     Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince,
 };
@@ -28,9 +28,6 @@ use crate::solver::island::Display;
 use crate::solver::recover::Recovery;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
-
-/// Silence before a cloth that waits is mentioned `[s]`.
-pub(crate) const PATIENCE: f64 = 5.0;
 
 /// A cloth, bound or not.
 #[derive(QueryData)]

@@ -2,107 +2,12 @@
 
 use bevy::prelude::*;
 
-use super::bind::PATIENCE;
 use crate::bind::{ColliderError, Sources, shape_of};
-use crate::components::checked::Checked;
+use crate::components::body::{ColliderBody, Stage};
 use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
-use crate::notices::{Notices, label};
-use crate::solver::body::{SharedShape, shape};
-use crate::solver::couple::Given;
-
-/// Shape of a collider as it was made, and where it was.
-#[derive(Component, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct ColliderBody {
-    stage: Stage,
-    shape: Option<SharedShape>,
-    unscaled: Option<SharedShape>,
-    scale: Vec3,
-    mesh: Option<AssetId<Mesh>>,
-    /// Where it was at the end of the last frame.
-    pub pose: Option<Isometry3d>,
-    reach: f32,
-}
-
-impl ColliderBody {
-    /// Whether this shape was made from that of another crate last.
-    #[cfg(feature = "avian")]
-    pub fn has_made(&self, shape: &SharedShape) -> bool {
-        self.shape.as_ref().is_some_and(|made| std::sync::Arc::ptr_eq(&made.0, &shape.0))
-    }
-
-    /// Takes a shape that was checked.
-    pub fn make(&mut self, shape: Option<SharedShape>) {
-        self.reach = shape.as_ref().map_or(0.0, |shape| shape.compute_local_bounding_sphere().radius);
-        self.shape = shape;
-    }
-
-    /// Radius of the ball around it `[m]`.
-    #[cfg(feature = "avian")]
-    pub fn reach(&self) -> f32 {
-        self.reach
-    }
-}
-
-/// How far a shape is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Stage {
-    /// Not tried yet.
-    #[default]
-    New,
-    /// Its mesh is not there; since that real time `[s]`.
-    Waiting {
-        since: f64,
-    },
-    /// It cannot be made until something changes.
-    Failed,
-    Made,
-}
-
-/// A body in the world in this frame.
-pub(crate) struct WorldBody {
-    pub entity: Entity,
-    pub shape: SharedShape,
-    pub from: Isometry3d,
-    pub to: Isometry3d,
-    pub layers: ClothCollisionLayers,
-    pub margin: f32,
-    pub static_friction: f32,
-    pub dynamic_friction: f32,
-    /// Place in [`WorldBodies::rigids`] of the body that takes what cloth does to it.
-    pub rigid: Option<u32>,
-}
-
-/// A body in the world that takes what cloth does to it.
-pub(crate) struct WorldRigid {
-    pub entity: Entity,
-    /// Centre of mass at both ends of the frame `[m]`.
-    pub from: Vec3,
-    pub to: Vec3,
-    pub velocity: Option<Vec3>,
-    pub inverse_mass: Vec3,
-    pub inverse_inertia: Mat3,
-    /// Cloths that gave it something in the last frame, and what and how many do in this one.
-    pub givers: u32,
-    pub given: Given,
-    pub gave: u32,
-}
-
-/// Every body, in the order of entities.
-#[derive(Resource, Default)]
-pub(crate) struct WorldBodies {
-    pub bodies: Vec<WorldBody>,
-    /// In the order of entities, too.
-    pub rigids: Vec<WorldRigid>,
-    pub checked: Checked,
-}
-
-impl WorldBodies {
-    /// The body that takes what cloth does to `body`.
-    pub fn taker(&self, body: &WorldBody) -> Option<Entity> {
-        self.rigids.get(body.rigid? as usize).map(|rigid| rigid.entity)
-    }
-}
+use crate::notices::{Notices, PATIENCE, label};
+use crate::simulation::{WorldBodies, WorldBody, jumped};
+use crate::solver::body::shape;
 
 /// Makes shapes of new colliders, and of those whose data, scale or mesh changed.
 pub(crate) fn shapes(
@@ -227,13 +132,4 @@ pub(crate) fn poses(
         bodies.push(WorldBody { entity, shape, from, to, layers, margin, static_friction, dynamic_friction, rigid: None });
     }
     bodies.sort_unstable_by_key(|body| body.entity);
-}
-
-/// Jumps shorter than this are motion `[m]`.
-pub(super) const LEAST_JUMP: f32 = 2.0;
-
-/// A body that jumps further than cloth teleports sweeps nothing on its way.
-pub(crate) fn jumped(from: &Isometry3d, to: &Isometry3d, reach: f32) -> bool {
-    let limit = if reach.is_finite() { (3.0 * reach).max(LEAST_JUMP) } else { f32::INFINITY };
-    !(from.translation.distance(to.translation) <= limit)
 }

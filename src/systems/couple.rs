@@ -3,20 +3,12 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::colliders::{ColliderBody, WorldBodies, WorldRigid};
 use super::release::forget;
+use crate::components::body::{ColliderBody, CoupledBody};
 use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, LEAST_JUMP, WorldBodies, WorldRigid};
 use crate::solver::couple::{Given, Rigid};
-
-/// Where a body that takes part was at the end of the last frame, and how many cloths gave it something.
-#[derive(Component, Clone, Copy, Debug, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct CoupledBody {
-    pose: Option<Isometry3d>,
-    givers: u32,
-}
 
 /// Finds the entity that takes what is done to another: itself or the nearest ancestor that says so.
 #[derive(SystemParam)]
@@ -64,7 +56,7 @@ pub(crate) fn bodies(
             continue;
         }
         let to = Isometry3d::new(translation, rotation.normalize());
-        let known = body.pose.filter(|from| from.translation.distance(to.translation) <= super::colliders::LEAST_JUMP);
+        let known = body.pose.filter(|from| from.translation.distance(to.translation) <= LEAST_JUMP);
         let from = known.unwrap_or(to);
         body.pose = Some(to);
         checked.clear();
@@ -207,77 +199,6 @@ pub(crate) fn give(
                 *to = center + rigid.given.shift + rigid.given.turn * (*to - center);
             }
         }
-    }
-}
-
-impl WorldRigid {
-    /// Whether cloth moved it in this frame.
-    fn is_moved(&self) -> bool {
-        self.given.shift != Vec3::ZERO || self.given.turn != Quat::IDENTITY
-    }
-
-    /// A pose that goes with the body, moved as cloth moved it.
-    fn moved(&self, pose: Isometry3d) -> Isometry3d {
-        let Given { shift, turn, .. } = self.given;
-        let translation = self.to + shift + turn * (Vec3::from(pose.translation) - self.to);
-        Isometry3d::new(translation, (turn * pose.rotation).normalize())
-    }
-}
-
-/// The bodies that take what one cloth gives, by slot of the solver. Buffers are reused.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Coupled {
-    /// Place of each body in the world's list.
-    rigids: Vec<u32>,
-    /// How many cloths share each.
-    shares: Vec<f32>,
-    /// Pin sets on bodies: number of the set and slot.
-    pinned: Vec<(u32, u32)>,
-    /// Bodies that this cloth gave something to: in the last frame until [`couple`] has asked, in this one from [`give`] on.
-    gave: Vec<Entity>,
-    /// Pin sets on movable bodies and the inverse masses of those, when the solver was prepared.
-    weighed: Vec<(u32, Vec3)>,
-}
-
-impl Coupled {
-    fn begin(&mut self) {
-        self.rigids.clear();
-        self.shares.clear();
-        self.pinned.clear();
-    }
-
-    /// Whether the cloth gave a body something in this frame. Asked after [`give`].
-    pub fn gives(&self) -> bool {
-        !self.gave.is_empty()
-    }
-
-    /// Whether it is pinned to a body that takes what it gives. Asked before [`couple`]: as of the last frame.
-    pub fn is_pinned(&self) -> bool {
-        !self.pinned.is_empty()
-    }
-
-    /// The slot of a body of the world's list.
-    fn slot_of(&mut self, index: u32) -> u32 {
-        let known = self.rigids.iter().position(|&rigid| rigid == index);
-        known.unwrap_or_else(|| {
-            self.rigids.push(index);
-            self.rigids.len() - 1
-        }) as u32
-    }
-
-    /// Whether pins lie on other bodies, or on lighter or heavier ones, than when this was last asked.
-    fn pins_changed(&mut self, rigids: &[WorldRigid]) -> bool {
-        let Self { rigids: own, shares, pinned, weighed, .. } = self;
-        let now = pinned.iter().map(|&(set, slot)| {
-            let slot = slot as usize;
-            (set, rigids[own[slot] as usize].inverse_mass * shares[slot])
-        });
-        if now.clone().eq(weighed.iter().copied()) {
-            return false;
-        }
-        weighed.clear();
-        weighed.extend(now);
-        true
     }
 }
 

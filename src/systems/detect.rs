@@ -3,10 +3,9 @@
 use bevy::prelude::*;
 
 use super::islands::{Cloths, is_awake, run};
-use super::sleep::Slumber;
 use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling, ClothUntanglingDisabled};
 use crate::islands::{ClothIslands, Member};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, Slumber};
 use crate::time::ClothTime;
 
 /// Takes cloths out of their islands from which a component was removed that meeting others takes.

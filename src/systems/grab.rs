@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::components::checked::Checked;
+use crate::components::grip::Grip;
 use crate::components::{Cloth, ClothGrab};
 use crate::notices::Notices;
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
@@ -11,18 +12,6 @@ use crate::solver::integrate::pull::Pull;
 /// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth: beyond it, springs that are solved once
 /// a substep give way.
 const MOST_ACCELERATION: f32 = 20.0 * 9.81;
-
-/// What a grip holds, found once.
-#[derive(Component, Clone, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct Grip {
-    /// Particles and their shares, which add up to one.
-    shares: Vec<(u32, f32)>,
-    /// From what the shares were found: cloth, particles, weights, radius, and number of particles.
-    of: Option<(Entity, [u32; 3], Vec3, f32, usize)>,
-    /// Target of the last frame in the world `[m]`.
-    target: Option<Vec3>,
-}
 
 /// Reads every grip. A cloth that is grabbed does not sleep.
 pub(crate) fn grabs(

@@ -3,18 +3,15 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::colliders::{WorldBodies, WorldBody};
-use super::sleep::reaches;
 use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
-use crate::components::checked::Checked;
 use crate::components::{
     Cloth, ClothBuildReport, ClothCollisionLayers, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost,
     ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothUntangling,
     ClothWind, ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::plugin::ClothClock;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
+use crate::schedule::ClothClock;
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
 use crate::solver::body::{Body, Pose};
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
@@ -23,16 +20,6 @@ use crate::time::ClothTime;
 /// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
 /// units in the last place, at 16 m only 22.
 const REBASE: f32 = 2.0;
-
-/// The weather in the world: shared by every cloth without a wind of its own.
-#[derive(Resource, Default)]
-pub(crate) struct WorldAir {
-    pub wind: Wind,
-    gravity: Vec3,
-    /// In the order of entities.
-    pub zones: Vec<(Entity, ClothWindZone, Isometry3d)>,
-    checked: Checked,
-}
 
 /// Reads global wind, gravity and zones, and lets the gusts travel.
 pub(crate) fn air(

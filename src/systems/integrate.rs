@@ -10,7 +10,7 @@ use super::islands::{Cloths, run};
 use super::stopwatch;
 use crate::components::{Cloth, ClothReport, RecoveryCause, RecoveryLevel};
 use crate::islands::{ClothIsland, ClothIslands, Member};
-use crate::plugin::ClothClock;
+use crate::schedule::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::spring;
 use crate::solver::recover::{Cause, Level};

@@ -3,10 +3,8 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::colliders::{WorldBodies, WorldBody};
-use super::sleep::{NEAR, is_near};
 use crate::components::{Cloth, ClothCollisionLayers, ClothDetail, ClothLod, ClothReport};
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, NEAR, WorldBodies, WorldBody, is_near};
 use crate::time::ClothTime;
 
 /// Share of a distance at which the next finer level begins, so that nothing flickers at the border.

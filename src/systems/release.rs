@@ -6,11 +6,12 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
+use crate::components::body::ColliderBody;
 use crate::components::{Cloth, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothReport, ClothStatus, ClothWindZone};
 use crate::notices::Notices;
-use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince};
-use crate::systems::colliders::ColliderBody;
-use crate::systems::sleep::Slumber;
+use crate::simulation::{
+    Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, TakenSkin, WaitingSince,
+};
 
 /// A cloth that stops being one, disabled or not.
 type Released = (

@@ -5,96 +5,24 @@
 //! Respond   doze    at rest for long enough, and so is its island ─► it sleeps
 //! ```
 
-use std::sync::Arc;
-
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use parry3d::bounding_volume::BoundingVolume;
 
-use super::colliders::{WorldBodies, WorldBody};
-use super::inputs::WorldAir;
 use crate::components::checked::Checked;
 use crate::components::{
     Cloth, ClothCollision, ClothCollisionLayers, ClothReport, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver,
-    ClothUntangling, ClothUntanglingDisabled, ClothWindZone, ClothWindZoneShape, ClothWoke,
+    ClothUntangling, ClothUntanglingDisabled, ClothWindZone, ClothWoke,
 };
 use crate::islands::{ClothIslands, Member};
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
-use crate::solver::body::{Pose, SharedShape};
-use crate::solver::wind::Turbulence;
+use crate::simulation::{
+    ClothInputs, ClothParticles, ClothScratch, NEAR, STILL, Seen, SeenBody, Slumber, WorldAir, WorldBodies, WorldBody, is_near,
+    reaches, stays,
+};
 use crate::time::ClothTime;
-
-/// Way of a pin or a body that counts as none `[m]`, and of the parts of its rotation.
-const STILL: f32 = 1.0e-4;
-/// Distance from the box of a cloth at which a body is near, on top of thickness and margin `[m]`.
-pub(super) const NEAR: f32 = 0.02;
-
-/// How long a cloth has been at rest, and under what.
-#[derive(Component, Clone, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct Slumber {
-    asleep: bool,
-    /// Whether it may not sleep, and is not untangled.
-    disabled: [bool; 2],
-    /// Another cloth came near.
-    pub roused: bool,
-    /// Time at rest `[s]`.
-    quiet_for: f32,
-    /// Whether it rested long enough.
-    ready: bool,
-    threshold: f32,
-    delay: f32,
-    /// Where the particles were when the rest began `[m]`.
-    marks: Vec<Vec3>,
-    seen: Seen,
-}
-
-/// What a cloth rests under.
-#[derive(Clone, Default)]
-struct Seen {
-    gravity: Vec3,
-    air: Option<(Vec3, f32, Turbulence)>,
-    anchors: Vec<Vec3>,
-    layers: ClothCollisionLayers,
-    bodies: Vec<SeenBody>,
-    zones: Vec<(Entity, ClothWindZone, Isometry3d)>,
-}
-
-/// A body near a cloth.
-#[derive(Clone)]
-struct SeenBody {
-    entity: Entity,
-    shape: SharedShape,
-    at: Isometry3d,
-    surface: [f32; 3],
-    /// The body that takes what cloth does to it.
-    taker: Option<Entity>,
-}
-
-impl SeenBody {
-    fn of(body: &WorldBody, taker: Option<Entity>) -> Self {
-        let surface = [body.margin, body.static_friction, body.dynamic_friction];
-        Self { entity: body.entity, shape: body.shape.clone(), at: body.to, surface, taker }
-    }
-
-    fn is(&self, body: &WorldBody, taker: Option<Entity>) -> bool {
-        (self.entity, self.taker) == (body.entity, taker)
-            && Arc::ptr_eq(&self.shape.0, &body.shape.0)
-            && self.surface == [body.margin, body.static_friction, body.dynamic_friction]
-            && stays(&self.at, &body.to)
-    }
-}
-
-/// Whether two places are one.
-fn stays(a: &Isometry3d, b: &Isometry3d) -> bool {
-    let (p, q) = (Vec4::from(a.rotation), Vec4::from(b.rotation));
-    let turn = (p - q).abs().max_element().min((p + q).abs().max_element());
-    a.translation.distance(b.translation) <= STILL && turn <= STILL
-}
 
 /// What there is in the world that may wake a cloth.
 #[derive(SystemParam)]
@@ -236,28 +164,6 @@ impl Seen {
         let windy = wind.velocity != Vec3::ZERO || self.zones.iter().any(|(_, zone, _)| zone.velocity != Vec3::ZERO);
         news || (windy && wind.density > 0.0 && wind.turbulence.intensity > 0.0)
     }
-}
-
-/// Whether a body is, or was at the start of the frame, or passed between, near a box `[m]`.
-pub(super) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
-    let pose = |at: &Isometry3d| Pose::from_parts(at.translation.into(), at.rotation);
-    let mut swept = body.shape.compute_aabb(&pose(&body.to));
-    if body.from != body.to {
-        swept.merge(&body.shape.compute_aabb(&pose(&body.from)));
-    }
-    let margin = Vec3::splat(body.margin);
-    // A box that is not finite is near.
-    !((swept.mins - margin).cmpgt(high).any() || (swept.maxs + margin).cmplt(low).any())
-}
-
-/// Whether a zone may reach into a box `[m]`.
-pub(super) fn reaches(zone: &ClothWindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
-    let radius = match zone.shape {
-        ClothWindZoneShape::Box { half_size } => half_size.length(),
-        ClothWindZoneShape::Sphere { radius } => radius,
-    };
-    let center = Vec3::from(at.translation);
-    !(center.clamp(low, high).distance(center) > radius)
 }
 
 /// Lets those sleep that have been at rest for long enough, islands as a whole.

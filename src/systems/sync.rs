@@ -10,7 +10,7 @@ use bevy::time::Fixed;
 use super::stopwatch;
 use crate::bind::seen_from;
 use crate::components::{Cloth, ClothReport};
-use crate::plugin::ClothClock;
+use crate::schedule::ClothClock;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown};
 use crate::solver::rest::RestShape;
 use crate::solver::surface;

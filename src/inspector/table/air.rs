@@ -1,7 +1,8 @@
 //! `ClothGlobalWind`, `ClothWind` and `ClothGravity`.
 
 use crate::components::ClothGlobalWind;
-use crate::inspector::setting::{Field, Kind, Part, Scale, Setting};
+use crate::inspector::part::Part;
+use crate::inspector::setting::{Field, Kind, Scale, Setting};
 
 /// Wind that can be felt, from calm to a hurricane `[m/s]`.
 const SPEED: Scale = Scale::real(-200.0, 200.0).slider(-30.0, 30.0);

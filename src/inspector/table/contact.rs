@@ -1,7 +1,8 @@
 //! `ClothCollision`, `ClothUntangling` and `ClothSkipFrame`.
 
 use crate::components::{ClothSkipPolicy, ClothUntanglingMethod};
-use crate::inspector::setting::{Kind, Part, Scale, Setting};
+use crate::inspector::part::Part;
+use crate::inspector::setting::{Kind, Scale, Setting};
 
 pub(super) const COLLISION: [Setting; 3] = [
     Setting::new(

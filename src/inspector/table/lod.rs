@@ -1,7 +1,8 @@
 //! `ClothLod`.
 
 use crate::components::ClothDetail;
-use crate::inspector::setting::{Kind, Part, Scale, Setting};
+use crate::inspector::part::Part;
+use crate::inspector::setting::{Kind, Scale, Setting};
 
 pub(super) const LOD: [Setting; 4] = [
     Setting::new(

@@ -7,7 +7,8 @@ mod material;
 mod sleep;
 mod solver;
 
-use super::setting::{Part, Setting};
+use super::part::Part;
+use super::setting::Setting;
 
 /// The settings of a part, in the order of its fields. Those of the pins depend on the cloth and are not in the table.
 #[must_use]

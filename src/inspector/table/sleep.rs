@@ -1,6 +1,7 @@
 //! `ClothSleep`.
 
-use crate::inspector::setting::{Kind, Part, Scale, Setting};
+use crate::inspector::part::Part;
+use crate::inspector::setting::{Kind, Scale, Setting};
 
 pub(super) const SLEEP: [Setting; 3] = [
     Setting::new(

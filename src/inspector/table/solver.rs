@@ -1,7 +1,8 @@
 //! `ClothSolver`.
 
 use crate::components::{ClothMembrane, ClothTeleportMode};
-use crate::inspector::setting::{Field, Kind, Part, Scale, Setting};
+use crate::inspector::part::Part;
+use crate::inspector::setting::{Field, Kind, Scale, Setting};
 
 const fn row(name: &'static str, unit: &'static str, scale: Scale, field: Field<f32>, tips: [&'static str; 3]) -> Setting {
     Setting::new(Part::Solver, name, unit, Kind::Number(scale, field), tips)

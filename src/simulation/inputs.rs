@@ -1,0 +1,188 @@
+//! Inputs: what the solver is given in a frame.
+
+use bevy::math::{Affine3A, DVec3};
+use bevy::prelude::*;
+
+use super::coupling::Coupled;
+use super::slumber::Slumber;
+use crate::bind::{AnchorSets, Placement, Skin};
+use crate::components::checked::Checked;
+use crate::components::{ClothDetail, ClothLod, ClothPins};
+use crate::solver::anchors::Anchors;
+use crate::solver::body::Body;
+use crate::solver::evaluate::EvaluateSettings;
+use crate::solver::island::UntangleSettings;
+use crate::solver::recover::Limits;
+use crate::solver::rest::RestShape;
+use crate::solver::settings::{Fabric, Stepping};
+use crate::solver::slew::Slew;
+use crate::solver::step::FrameInput;
+use crate::solver::wind::Wind;
+
+/// Inputs: everything the solver is given in a frame.
+#[derive(Component, Clone)]
+#[component(clone_behavior = Ignore)]
+#[require(Slumber)]
+pub(crate) struct ClothInputs {
+    /// Whether to simulate at all.
+    pub active: bool,
+    /// Whether it is left alone until something happens to it.
+    pub asleep: bool,
+    /// Fabric of this frame, on its way to the one that is wanted.
+    pub fabric: Fabric,
+    pub slew: Slew,
+    pub stepping: Stepping,
+    pub limits: Limits,
+    pub untangle: UntangleSettings,
+    pub evaluate: EvaluateSettings,
+    pub gravity: Vec3,
+    pub time_scale: f32,
+    /// Whether it stands still for being far away, and is carried along.
+    pub carried: bool,
+    /// Whether it was carried anywhere in this frame.
+    pub rode: bool,
+    /// Level of detail, if it has any.
+    pub lod: Option<ClothLod>,
+    /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
+    pub by_distance: ClothDetail,
+    pub unseen_for: f32,
+    /// Least jump `[m]` and turn `[rad]` of the carrier that count as a teleport.
+    pub teleport: (f32, f32),
+    /// The pins that anchors were made from.
+    pub pins: ClothPins,
+    pub anchors: Anchors,
+    pub sets: AnchorSets,
+    pub skin: Option<Skin>,
+    /// Skinning matrices in the frame of simulation.
+    pub joints: Vec<Affine3A>,
+    /// Where the cloth's own entity is.
+    pub placement: Placement,
+    /// Radius of the ball around the shape at rest `[m]`.
+    pub radius: f32,
+    pub bodies: Vec<Body>,
+    /// The entity of each body.
+    pub body_entities: Vec<Entity>,
+    /// The bodies that take what the cloth gives.
+    pub coupled: Coupled,
+    pub wind: Wind,
+    /// Whether fabric or anchors changed since the solver was prepared.
+    pub stale: bool,
+    /// Whether the fabric, or how firmly a pin holds, is on its way to what it is to be.
+    pub tuned: bool,
+    pub checked: Checked,
+}
+
+impl ClothInputs {
+    /// Inputs of a frame in which the clock of the schedule moves by `dt` `[s]`.
+    pub fn frame(&self, dt: f32) -> FrameInput<'_> {
+        FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind }
+    }
+
+    /// Defaults for everything that the frame fills in.
+    pub fn new(
+        placement: Placement,
+        radius: f32,
+        anchors: Anchors,
+        sets: AnchorSets,
+        skin: Option<Skin>,
+        joints: Vec<Affine3A>,
+    ) -> Self {
+        Self {
+            active: true,
+            asleep: false,
+            fabric: Fabric::default(),
+            slew: Slew::of_length(2.0 * radius),
+            stepping: Stepping::default(),
+            limits: Limits::default(),
+            untangle: UntangleSettings::default(),
+            evaluate: EvaluateSettings::default(),
+            gravity: Vec3::ZERO,
+            time_scale: 1.0,
+            carried: false,
+            rode: false,
+            lod: None,
+            by_distance: ClothDetail::Full,
+            unseen_for: 0.0,
+            teleport: (f32::INFINITY, f32::INFINITY),
+            pins: ClothPins::default(),
+            anchors,
+            sets,
+            skin,
+            joints,
+            placement,
+            radius,
+            bodies: Vec::new(),
+            body_entities: Vec::new(),
+            coupled: Coupled::default(),
+            wind: Wind::default(),
+            stale: true,
+            tuned: false,
+            checked: Checked::default(),
+        }
+    }
+
+    /// What carries the cloth as a whole: its entity or skin, or the first target if others hold it all.
+    pub fn carrier(&self) -> Isometry3d {
+        let sets = &self.sets.sets;
+        match sets.first() {
+            Some(first) if self.skin.is_none() && sets.iter().all(|s| s.target.is_some()) => {
+                let (_, rotation, translation) = first.at.to_scale_rotation_translation();
+                Isometry3d::new(translation, rotation.normalize())
+            }
+            _ => self.placement.isometry(),
+        }
+    }
+
+    /// Starts the anchors' frame where the last one ended, and ends it where their targets are now, as seen from `origin`.
+    pub fn aim(&mut self, origin: DVec3) {
+        let Anchors { particles, from, to, .. } = &mut self.anchors;
+        core::mem::swap(from, to);
+        let AnchorSets { sets, set_of, local, .. } = &self.sets;
+        let mut space = (u32::MAX, Affine3A::IDENTITY);
+        for (i, to) in to.iter_mut().enumerate() {
+            let Some(set) = sets.get(set_of[i] as usize) else { continue };
+            *to = match &self.skin {
+                Some(skin) if set.target.is_none() => skin.pose(&self.joints, particles[i] as usize),
+                _ => {
+                    if space.0 != set_of[i] {
+                        space = (set_of[i], set.space_from(origin));
+                    }
+                    space.1.transform_point3(local[i])
+                }
+            };
+        }
+    }
+
+    /// Puts the anchors where their targets are now, so that nothing is dragged there in the first frame.
+    pub fn settle(&mut self, origin: DVec3) {
+        self.aim(origin);
+        self.anchors.from.clone_from(&self.anchors.to);
+    }
+
+    /// Lets go of the anchors whose sets were released.
+    pub fn drop_released(&mut self) {
+        let sets = &self.sets.sets;
+        let keep: Vec<bool> = self.sets.set_of.iter().map(|&s| sets.get(s as usize).is_some_and(|set| !set.released)).collect();
+        fn filter<T>(list: &mut Vec<T>, keep: &[bool]) {
+            let mut at = keep.iter();
+            list.retain(|_| at.next().copied().unwrap_or(true));
+        }
+        filter(&mut self.anchors.particles, &keep);
+        filter(&mut self.anchors.weights, &keep);
+        filter(&mut self.anchors.from, &keep);
+        filter(&mut self.anchors.to, &keep);
+        filter(&mut self.sets.set_of, &keep);
+        filter(&mut self.sets.local, &keep);
+        filter(&mut self.sets.weights, &keep);
+        self.stale = true;
+    }
+
+    /// The pose at rest, or the animated one, in the frame of simulation `[m]`.
+    pub fn pose<'a>(&'a self, rest: &'a RestShape, origin: DVec3) -> impl Iterator<Item = Vec3> + 'a {
+        let place = self.placement.in_frame(origin);
+        rest.positions.iter().enumerate().map(move |(i, &p)| match &self.skin {
+            Some(skin) => skin.pose(&self.joints, i),
+            None => place.transform_point3(p),
+        })
+    }
+}

@@ -1,0 +1,25 @@
+//! What the simulation keeps: on a cloth's entity a component per kind of data (rest, state, inputs, scratch, shown), and what there is around
+//! all cloths (bodies, air).
+//!
+//! None of the components is cloned with the entity: the clone binds anew from the mesh that was authored.
+
+mod air;
+mod binding;
+mod bodies;
+mod coupling;
+mod inputs;
+mod particles;
+mod rest;
+mod scratch;
+mod shown;
+mod slumber;
+
+pub(crate) use air::{WorldAir, reaches};
+pub(crate) use binding::{Binding, Change, TakenSkin, WaitingSince};
+pub(crate) use bodies::{LEAST_JUMP, NEAR, WorldBodies, WorldBody, WorldRigid, is_near, jumped};
+pub(crate) use inputs::ClothInputs;
+pub use particles::ClothParticles;
+pub use rest::ClothRest;
+pub(crate) use scratch::ClothScratch;
+pub(crate) use shown::ClothShown;
+pub(crate) use slumber::{STILL, Seen, SeenBody, Slumber, stays};

@@ -1,0 +1,117 @@
+//! State: where the particles are, and how they may be moved from outside.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use crate::solver::island::Display;
+use crate::solver::kick;
+use crate::solver::recover::Recovery;
+use crate::solver::state::ClothState;
+
+/// State: the particles, in a frame with the axes of the world and its origin near the cloth.
+#[derive(Component, Clone, Debug)]
+#[component(clone_behavior = Ignore)]
+pub struct ClothParticles {
+    pub(crate) state: ClothState,
+    /// Origin of the frame of simulation in the world `[m]`.
+    pub(crate) origin: DVec3,
+    /// Positions at the start of the last frame `[m]`; only kept when shown positions are interpolated.
+    pub(crate) before: Vec<Vec3>,
+    pub(crate) recovery: Recovery,
+    /// What is shown instead of the live shape while it is tangled.
+    pub(crate) display: Display,
+    /// Where the carrier was in the last simulated frame.
+    pub(crate) carrier: Option<Isometry3d>,
+    /// Whether something other than a step moved it: it wakes.
+    pub(crate) disturbed: bool,
+}
+
+impl ClothParticles {
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.state.positions.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.state.positions.is_empty()
+    }
+
+    /// Simulated positions in the world `[m]`, one per particle: not in the order of the mesh's vertices, whose particles are
+    /// [`RestShape::particle_of_vertex`].
+    pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
+    }
+
+    /// Positions to show in the world `[m]`, one per particle: the simulated ones, except where a tangled cloth is held. With a fixed clock,
+    /// what is drawn lies between these and those of the frame before.
+    pub fn shown_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let held = self.display.held().filter(|held| held.len() == self.len());
+        let live = self.state.positions.iter().enumerate();
+        live.map(move |(i, x)| self.origin + held.map_or(x.truncate(), |held| held[i]).as_dvec3())
+    }
+
+    /// State of the solver, relative to [`Self::origin`].
+    #[must_use]
+    pub fn state(&self) -> &ClothState {
+        &self.state
+    }
+
+    /// State of the solver, to be changed at your own risk: lengths must stay, and the next frame judges the numbers.
+    #[must_use]
+    pub fn state_mut(&mut self) -> &mut ClothState {
+        self.disturbed = true;
+        &mut self.state
+    }
+
+    /// Gives an impulse `[N·s]` to the particles within `radius` `[m]` of a point in the world `[m]`, as one piece, fading towards the rim. Held
+    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite or
+    /// `radius` not above 0.
+    pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
+        let point = (point.as_dvec3() - self.origin).as_vec3();
+        kick::impulse(self.state_mut(), point, impulse, radius)
+    }
+
+    /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is what the whole cloth gets close by;
+    /// it fades to nothing at `radius`. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took
+    /// part; none when a number is not finite or `radius` not above 0.
+    pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
+        let center = (center.as_dvec3() - self.origin).as_vec3();
+        kick::explosion(self.state_mut(), center, impulse, radius)
+    }
+
+    /// Origin of the frame of simulation in the world `[m]`.
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Moves every position the particles remember.
+    pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
+        self.disturbed = true;
+        for x in self.state.positions.iter_mut().chain(&mut self.state.previous) {
+            *x = motion(x.truncate()).extend(x.w);
+        }
+        for x in &mut self.before {
+            *x = motion(*x);
+        }
+        self.display.carry(&motion);
+        self.recovery.carry(motion);
+    }
+
+    /// Puts every particle at `pose` `[m]`, without velocity.
+    pub(crate) fn place(&mut self, pose: impl Iterator<Item = Vec3>) {
+        self.disturbed = true;
+        let state = &mut self.state;
+        for ((x, old), at) in state.positions.iter_mut().zip(&mut state.previous).zip(pose) {
+            *x = at.extend(x.w);
+            *old = *x;
+        }
+        state.folds.clear();
+        self.before.clear();
+        self.display.reset();
+        self.recovery.start(&self.state);
+    }
+}
