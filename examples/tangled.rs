@@ -238,7 +238,7 @@ fn keys(
     for (_, shown) in shown.filter(|(key, _)| keys.just_pressed(*key)) {
         (choice.shown, again) = (shown, true);
     }
-    for (key, method) in [KeyH, KeyL, KeyG, KeyE].into_iter().zip(ClothUntanglingMethod::ALL) {
+    for (key, method) in [KeyH, KeyL, KeyG, KeyE].into_iter().zip(ClothUntanglingMethod::ALL.iter().copied()) {
         if keys.just_pressed(key) {
             (choice.method, again) = (method, true);
         }

@@ -150,7 +150,7 @@ fn keys(
 ) {
     let digits = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4];
     let mut again = keys.just_pressed(KeyCode::KeyR);
-    for (key, method) in digits.into_iter().zip(ClothUntanglingMethod::ALL) {
+    for (key, method) in digits.into_iter().zip(ClothUntanglingMethod::ALL.iter().copied()) {
         if keys.just_pressed(key) {
             (choice.method, again) = (method, true);
         }

@@ -31,6 +31,6 @@ fn one_line(error: &str) -> String {
 /// A method of untangling by its name, in any of the usual spellings.
 pub fn method(text: &str) -> Result<ClothUntanglingMethod, String> {
     let plain = |name: &str| name.to_lowercase().replace(['-', '_'], "");
-    let known = ClothUntanglingMethod::ALL.into_iter().find(|m| plain(&format!("{m:?}")) == plain(text));
+    let known = ClothUntanglingMethod::ALL.iter().copied().find(|m| plain(&format!("{m:?}")) == plain(text));
     known.ok_or_else(|| "must be history, local-gradient, global-gradient or by-end-type".into())
 }

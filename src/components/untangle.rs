@@ -47,17 +47,20 @@ pub struct ClothUntangling {
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothUntanglingDisabled;
 
-/// Methods of taking crossing surfaces apart.
+/// Methods of taking crossing surfaces apart. Those of others, to compare with, are there with the feature `research`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq, Hash)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothUntanglingMethod {
     /// The traditional method (1995): remember on which side of each other particles and faces were, and push them back there.
+    #[cfg(feature = "research")]
     History,
     /// Each crossing on its own follows the gradient of the contour's length (Volino and Magnenat-Thalmann 2006).
+    #[cfg(feature = "research")]
     LocalGradient,
     /// One summed gradient per contour (Wen et al. 2009).
+    #[cfg(feature = "research")]
     GlobalGradient,
     /// Per contour, by how it ends; another way when one makes no progress.
     #[default]
@@ -66,14 +69,25 @@ pub enum ClothUntanglingMethod {
 
 impl ClothUntanglingMethod {
     /// All methods, oldest first.
-    pub const ALL: [Self; 4] = [Self::History, Self::LocalGradient, Self::GlobalGradient, Self::ByEndType];
+    pub const ALL: &[Self] = &[
+        #[cfg(feature = "research")]
+        Self::History,
+        #[cfg(feature = "research")]
+        Self::LocalGradient,
+        #[cfg(feature = "research")]
+        Self::GlobalGradient,
+        Self::ByEndType,
+    ];
 }
 
 impl From<ClothUntanglingMethod> for Method {
     fn from(method: ClothUntanglingMethod) -> Self {
         match method {
+            #[cfg(feature = "research")]
             ClothUntanglingMethod::History => Self::History,
+            #[cfg(feature = "research")]
             ClothUntanglingMethod::LocalGradient => Self::LocalGradient,
+            #[cfg(feature = "research")]
             ClothUntanglingMethod::GlobalGradient => Self::GlobalGradient,
             ClothUntanglingMethod::ByEndType => Self::ByEndType,
         }

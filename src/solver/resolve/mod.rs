@@ -18,6 +18,7 @@
 
 pub mod contour;
 pub mod gradient;
+#[cfg(feature = "research")]
 pub mod history;
 pub mod latch;
 pub mod region;
@@ -43,6 +44,7 @@ use crate::solver::detect::{Crossing, Detector, Surface};
 use crate::solver::verdict::{Resort, Verdict};
 
 use gradient::Terms;
+#[cfg(feature = "research")]
 use history::{History, Push};
 use latch::Latches;
 use layers::Layers;
@@ -55,19 +57,33 @@ use shift::Shift;
 /// Crossings of a contour between two loop vertices from which on its sides are sheets, not creases.
 const LONG: u32 = 32;
 
-/// How crossing surfaces are taken apart.
+/// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
     /// The traditional method (1995): remember on which side of each other particles and faces were, and push them back there.
+    #[cfg(feature = "research")]
     History,
     /// Each crossing on its own follows the gradient of the contour's length (Volino and Magnenat-Thalmann 2006).
+    #[cfg(feature = "research")]
     LocalGradient,
     /// One summed gradient per contour (Wen et al. 2009).
+    #[cfg(feature = "research")]
     GlobalGradient,
     /// Per contour, by how it ends: the cheapest way apart, region push, summed gradient with the exact vertex gradient, or gradient along
     /// stretches; another of these when one makes no progress. Layers of clothing come into their order.
     #[default]
     ByEndType,
+}
+
+impl Method {
+    /// Whether it goes by sides that it remembers, not by crossings.
+    #[must_use]
+    pub const fn remembers_sides(self) -> bool {
+        #[cfg(feature = "research")]
+        return matches!(self, Self::History);
+        #[cfg(not(feature = "research"))]
+        false
+    }
 }
 
 /// Tunables of resolving.
@@ -121,7 +137,9 @@ pub struct Resolver {
     plans: Plans,
     probe: Probe,
     set: Vec<Member>,
+    #[cfg(feature = "research")]
     history: History,
+    #[cfg(feature = "research")]
     pushes: Vec<Push>,
 }
 
@@ -195,7 +213,8 @@ impl Resolver {
         }
         self.shift.of.resize(surface.len(), Vec4::ZERO);
         self.brake.of.resize(surface.len(), Vec4::ZERO);
-        if settings.method == Method::History {
+        #[cfg(feature = "research")]
+        if settings.method.remembers_sides() {
             self.remember(surface, detector, positions, settings.step);
             self.shift.apply(positions, previous);
             return true;
@@ -222,8 +241,11 @@ impl Resolver {
         for k in 0..self.graph.contours.len() {
             let step = settings.step * self.graph.contours[k].edge;
             match settings.method {
+                #[cfg(feature = "research")]
                 Method::History => {}
+                #[cfg(feature = "research")]
                 Method::LocalGradient => self.shrink_each(view, k, step),
+                #[cfg(feature = "research")]
                 Method::GlobalGradient => self.shrink(view, k, step, false, settings),
                 Method::ByEndType => self.undo(view, previous, k, step, settings),
             }
@@ -322,6 +344,7 @@ impl Resolver {
     }
 
     /// The traditional method.
+    #[cfg(feature = "research")]
     fn remember(&mut self, surface: &Surface, detector: &mut Detector, positions: &[Vec4], step: f32) {
         let thickness = surface.parts.iter().map(|p| p.thickness).fold(0.0, f32::max);
         let reach = thickness + 0.5 * surface.mean_edge;

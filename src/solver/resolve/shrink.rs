@@ -22,6 +22,7 @@ pub(super) fn saturate(g: DVec3, step: f32) -> Vec3 {
 
 impl Resolver {
     /// Every crossing for itself.
+    #[cfg(feature = "research")]
     pub(super) fn shrink_each(&mut self, view: View<'_>, contour: usize, step: f32) {
         for &i in self.graph.nodes_of(contour) {
             let c = &view.crossings[i as usize];
