@@ -15,6 +15,8 @@
 //!     cargo run --release --example stress -- --scene twist --size 28 --seed $seed --check --json
 //! done
 //! ```
+//!
+//! `--replay` steps a frame again that `ClothRecorderPlugin` wrote, and prints whether it had the same bits.
 #![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
 
 #[path = "../tests/detection/checker.rs"]
@@ -23,13 +25,16 @@ mod cli;
 #[path = "../tests/scenes/shown.rs"]
 mod shown;
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
+use bevy_drape::solver::recording::{Recording, RecordingError};
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::step::FrameInput;
 use clap::{Parser, ValueEnum};
@@ -133,6 +138,9 @@ struct Arguments {
     /// Counts what crosses in what every frame shows, warming up included, without the detector. Frames are a little slower for it.
     #[arg(long)]
     check: bool,
+    /// Steps this frame again, which `ClothRecorderPlugin` recorded, in place of a scene.
+    #[arg(long, value_name = "FILE", exclusive = true)]
+    replay: Option<PathBuf>,
     /// Prints one line of JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -140,6 +148,9 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments: Arguments = cli::parse("stress");
+    if let Some(path) = &arguments.replay {
+        return replay(path);
+    }
     let many = matches!(arguments.scene, SceneName::Hang | SceneName::Flags | SceneName::Layers | SceneName::Stack);
     if arguments.cloths.is_some_and(|k| k > 1) && !many {
         cli::complain("stress", "--cloths is for the scenes hang, flags, layers and stack");
@@ -188,6 +199,36 @@ fn main() -> ExitCode {
     let crossings = if scene.untangle.is_some() { Some(scene.crossings()) } else { look(&mut scene) };
     print(&arguments, &scene, &mut run, crossings);
     ExitCode::SUCCESS
+}
+
+/// Steps a recorded frame again; the exit code is 1 when a bit differs.
+fn replay(path: &Path) -> ExitCode {
+    let read = File::open(path).map_err(RecordingError::from).and_then(|file| Recording::read(BufReader::new(file)));
+    let mut recording = match read {
+        Ok(recording) => recording,
+        Err(error) => {
+            cli::complain("stress", &format!("{}: {error}", path.display()));
+            return ExitCode::from(2);
+        }
+    };
+    let start = Instant::now();
+    let replay = recording.replay();
+    let particles: usize = recording.cloths.iter().map(|cloth| cloth.after.len()).sum();
+    let line = serde_json::json!({
+        "reason": recording.reason,
+        "cloths": recording.cloths.iter().map(|cloth| &cloth.name).collect::<Vec<_>>(),
+        "particles": particles,
+        "frame_ms": start.elapsed().as_secs_f64() * 1.0e3,
+        "same_bits": replay.differ == 0,
+        "particles_that_differ": replay.differ,
+        "farthest": replay.farthest,
+        "crossings": replay.crossings,
+        "held": replay.held,
+        "recovered": replay.recovered,
+        "worst_edge": replay.worst_edge,
+    });
+    println!("{line}");
+    if replay.differ == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// The scene asked for.

@@ -50,6 +50,9 @@ pub(crate) struct ClothIsland {
     pub origin: DVec3,
     /// Time spent on detecting, resolving, evaluating, responding and stepping side by side `[ms]`.
     pub times: [f32; 5],
+    /// Whether it was built in this frame.
+    #[cfg(feature = "record")]
+    pub built: bool,
     /// Whether its members are stepped side by side in this frame.
     pub together: bool,
     /// What is borrowed from each member during a stage.
@@ -218,6 +221,10 @@ impl ClothIslands {
             }
             (island.settings, island.origin, island.times) = (best.settings, first.origin, [0.0; 5]);
             island.together = false;
+            #[cfg(feature = "record")]
+            {
+                island.built = !known;
+            }
             island.work.resize_with(island.members.len(), Work::default);
             island.asleep = island.members.iter().all(|m| m.asleep || (m.still && !m.rode));
             for (part, member) in island.members.iter().enumerate() {

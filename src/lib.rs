@@ -18,6 +18,8 @@ mod notices;
 #[cfg(feature = "picking")]
 mod picking;
 mod query;
+#[cfg(feature = "record")]
+mod recorder;
 mod schedule;
 pub mod simulation;
 mod snapshot;
@@ -50,6 +52,8 @@ pub use plugin::ClothPlugin;
 #[cfg(feature = "presets")]
 pub use presets::{ClothPreset, ClothPresetHandle};
 pub use query::ClothQuery;
+#[cfg(feature = "record")]
+pub use recorder::{ClothRecorder, ClothRecorderPlugin};
 pub use schedule::ClothSystems;
 pub use simulation::{ClothParticles, ClothRest};
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};
@@ -74,6 +78,8 @@ pub mod prelude {
     pub use crate::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
     #[cfg(feature = "presets")]
     pub use crate::{ClothPreset, ClothPresetHandle};
+    #[cfg(feature = "record")]
+    pub use crate::{ClothRecorder, ClothRecorderPlugin};
 }
 
 /// The code in the guide compiles, too.

@@ -80,7 +80,7 @@ impl Plugin for ClothPlugin {
 
         let clock = ClothClock {
             interpolates,
-            #[cfg(feature = "debug")]
+            #[cfg(any(feature = "debug", feature = "record"))]
             schedule: self.schedule,
             shows,
         };

@@ -30,7 +30,7 @@ pub(crate) struct ClothClock {
     /// Whether shown positions lie between the last two frames of a fixed clock.
     pub interpolates: bool,
     /// Where all stages run but Sync.
-    #[cfg(feature = "debug")]
+    #[cfg(any(feature = "debug", feature = "record"))]
     pub schedule: Interned<dyn ScheduleLabel>,
     /// Where Sync runs.
     pub shows: Interned<dyn ScheduleLabel>,
@@ -47,6 +47,12 @@ pub(crate) fn after_integrate<M>(app: &mut App, systems: impl IntoScheduleConfig
 pub(crate) fn after_sync<M>(app: &mut App, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
     let shows = clock(app).shows;
     app.add_systems(shows, systems.after(ClothSystems::Sync));
+}
+
+/// Where all stages run but Sync. For plugins that are finished.
+#[cfg(feature = "record")]
+pub(crate) fn of(app: &App) -> Interned<dyn ScheduleLabel> {
+    clock(app).schedule
 }
 
 fn clock(app: &App) -> ClothClock {

@@ -26,6 +26,8 @@ pub(super) fn act(world: &mut World) {
             Action::Reset(cloth) => reset(world, cloth),
             Action::Fold(cloth) => fold(world, cloth),
             Action::Push(cloth) => push(world, cloth),
+            #[cfg(feature = "record")]
+            Action::Record(cloth) => record(world, cloth),
         };
         if let (Err(reason), Some(mut inspector)) = (done, world.get_resource_mut::<ClothInspector>()) {
             inspector.say(Err(reason.into()));
@@ -86,6 +88,20 @@ fn push(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
     let gaps = others.map(|(entity, positions)| (least(&positions), entity, positions));
     let nearest = gaps.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).ok_or("there is no other cloth")?;
     displace(world, cloth, |positions| tangle::push(positions, &nearest.2))?.then_some(()).ok_or("there is nothing to push")
+}
+
+/// Asks for the next frame of a cloth to be written to a file.
+#[cfg(feature = "record")]
+fn record(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
+    let mut recorder = world.get_resource_mut::<crate::ClothRecorder>().ok_or("nothing records: add `ClothRecorderPlugin`")?;
+    if !recorder.next.contains(&cloth) {
+        recorder.next.push(cloth);
+    }
+    let folder = recorder.folder.display().to_string();
+    if let Some(mut inspector) = world.get_resource_mut::<ClothInspector>() {
+        inspector.say(Ok(format!("its next frame goes to {folder}")));
+    }
+    Ok(())
 }
 
 /// Moves particles to other places, without speed.

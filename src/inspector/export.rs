@@ -186,7 +186,7 @@ mod tests {
             ..default()
         };
         let expected = "ClothMaterial::default(),\nClothSolver {\n    substep_rate: 720.0,\n    teleport: ClothTeleportMode::Reset,\n    \
-                        ..default()\n},\nSkipFrame {\n    policy: ClothSkipPolicy::UntilClean { max: 3 },\n    ..default()\n},\n";
+                        ..default()\n},\nClothSkipFrame {\n    policy: ClothSkipPolicy::UntilClean { max: 3 },\n    ..default()\n},\n";
         assert_eq!(as_rust(&settings), expected);
     }
 

@@ -227,6 +227,12 @@ fn actions(ui: &mut Ui, state: &mut ClothInspector, cloth: Entity) {
             ("reset to rest", "Puts it at its pose at rest, without speed.", Action::Reset(cloth)),
             ("fold through itself", "Tangles it: one half is folded over the other and through it.", Action::Fold(cloth)),
             ("push through nearest", "Tangles it: it is pushed through the nearest other cloth.", Action::Push(cloth)),
+            #[cfg(feature = "record")]
+            (
+                "record frame",
+                "Writes its next frame to a file, which `stress --replay FILE` steps again.",
+                Action::Record(cloth),
+            ),
         ] {
             if button(ui, text, text, tip) {
                 state.note = None;

@@ -60,6 +60,9 @@ pub(super) enum Action {
     Fold(Entity),
     /// Pushed through the nearest other cloth.
     Push(Entity),
+    /// Its next frame written to a file.
+    #[cfg(feature = "record")]
+    Record(Entity),
 }
 
 /// Keeps what the selected cloth did, while the panel is open or drawn and time flows.

@@ -10,6 +10,7 @@ pub const RIGID: f32 = 0.999;
 /// Targets are in the frame of simulation and interpolated over the substeps of a frame. `from` and `to` are kept by the
 /// caller: each frame's `from` is the last frame's `to`.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Anchors {
     /// Held particles, sorted, each once.
     pub particles: Vec<u32>,

@@ -19,6 +19,7 @@ use crate::solver::verdict::{Resort, Verdict};
 
 /// What to do about frames that are still tangled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum SkipPolicy {
     /// Hold the tangled part for a few frames at most, then show the best there is.
     #[default]
@@ -34,6 +35,7 @@ pub enum SkipPolicy {
 
 /// Tunables of evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct EvaluateSettings {
     /// What to do about tangled frames.
     pub policy: SkipPolicy,
@@ -55,6 +57,7 @@ impl Default for EvaluateSettings {
 
 /// Pose of the frame a cloth hangs in: its anchor or body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pose {
     /// Translation `[m]`.
     pub translation: Vec3,
@@ -72,6 +75,7 @@ impl Pose {
 
 /// What a frame shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shown {
     /// The live shape, clean.
     #[default]
@@ -86,6 +90,7 @@ pub enum Shown {
 
 /// The decision for one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outcome {
     /// What the frame shows.
     pub shown: Shown,
@@ -115,6 +120,7 @@ const SNAPSHOTS: usize = 2;
 const LOG: usize = 32;
 
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Snapshot {
     positions: Vec<Vec3>,
     pose: Pose,
@@ -123,6 +129,7 @@ struct Snapshot {
 
 /// Decides, for one cloth, what each frame shows. Allocates only when the first clean shapes are kept.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Evaluator {
     ring: [Snapshot; SNAPSHOTS],
     newest: usize,

@@ -21,6 +21,8 @@ pub mod evaluate;
 pub mod respond;
 pub mod retreat;
 pub mod island;
+#[cfg(feature = "record")]
+pub mod recording;
 pub mod scene;
 pub mod fit;
 pub mod recover;

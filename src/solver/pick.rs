@@ -6,6 +6,7 @@ use glam::Vec3;
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pick {
     /// Which face.
     pub face: usize,

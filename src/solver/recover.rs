@@ -27,6 +27,7 @@ const RESETS: usize = 3;
 
 /// What a state may not exceed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// Edge length over rest length (dimensionless). Default 5.
     pub edge_ratio: f32,
@@ -42,6 +43,7 @@ impl Default for Limits {
 
 /// What is wrong with a state, worst first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum Cause {
     /// A position or velocity is not finite.
     NotFinite,
@@ -53,6 +55,7 @@ pub enum Cause {
 
 /// How far a state was taken back, mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum Level {
     /// To the last good state.
     LastGood,
@@ -64,6 +67,7 @@ pub enum Level {
 
 /// Remembers the last good state and how often it was needed.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Recovery {
     good: Vec<Vec3>,
     /// What [`ClothState::folds`] were with it.

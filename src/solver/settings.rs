@@ -2,6 +2,7 @@
 
 /// Mechanical properties of a fabric. All values are SI and independent of the mesh's resolution.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fabric {
     /// Areal density `[kg/m²]`. Default 0.2, range 0.01 to 10. Too low for the substep rate: springs look stiffer than they are.
     pub density: f32,
@@ -97,6 +98,7 @@ pub fn drape_rate(mean_edge: f32) -> f32 {
 
 /// How a frame is cut into substeps.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stepping {
     /// Substeps per second of simulated time `[Hz]`. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`, or up to eight
     /// times as many while a body that moves much faster than the pins is near.
@@ -112,6 +114,7 @@ pub struct Stepping {
 
 /// What holds a cloth together in its plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum MembraneModel {
     /// Springs where edges run along the threads, triangles where they do not and texture coordinates tell the threads.
     #[default]

@@ -43,6 +43,7 @@ const THIN: f32 = 1.0e-4;
 
 /// On the way to a fabric.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Slew {
     /// Length of the cloth `[m]`.
     length: f32,

@@ -7,6 +7,7 @@ use glam::{Vec3, Vec4};
 /// Velocities are implicit, `(position - previous) / substep`: a kernel that moves both arrays by the same vector moves
 /// the cloth without adding velocity.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ClothState {
     /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`; 0 = pinned. One per particle, in the order of `RestShape`.
     pub positions: Vec<Vec4>,

@@ -27,6 +27,7 @@ pub struct FrameInput<'a> {
 
 /// What one frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct StepReport {
     /// Substeps taken.
     pub substeps: u32,
@@ -46,6 +47,7 @@ pub struct StepReport {
 
 /// Reused buffers and what [`prepare`] derives for one cloth; no allocation once warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scratch {
     springs: spring::SpringFactors,
     /// Whether triangles hold it together in its plane, in place of springs.
@@ -329,6 +331,7 @@ pub struct Stepped<'a> {
 
 /// A frame under way.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Frame {
     dt: f32,
     /// Length of a substep `[s]`.

@@ -24,6 +24,7 @@ pub fn normals(faces: &[[u32; 3]], positions: &[Vec3], sums: &mut Vec<Vec3>, nor
 
 /// How a triangle's texture lies on it: `tangent = (b - a) * along.x + (c - a) * along.y`, weighted by its area in the texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureAxis {
     /// Render vertices of the triangle.
     pub corners: [u32; 3],

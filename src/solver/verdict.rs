@@ -2,6 +2,7 @@
 
 /// How tangled a surface is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verdict {
     /// Edges that cross faces.
     pub crossings: u32,
@@ -23,6 +24,7 @@ impl Verdict {
 
 /// Stronger and stronger means against a tangle that stays, in the order in which they are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum Resort {
     /// None: by end type.
     #[default]

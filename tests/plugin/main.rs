@@ -20,6 +20,7 @@ mod lod;
 mod picking;
 mod pins;
 mod query;
+mod record;
 mod rest;
 mod sleep;
 mod snapshot;

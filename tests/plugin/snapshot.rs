@@ -10,9 +10,9 @@ use drape_scenes::Tangle;
 use crate::common::*;
 
 /// An app and what the app itself does before each frame.
-struct Played {
-    app: App,
-    happen: fn(&mut App, u32),
+pub struct Played {
+    pub app: App,
+    pub happen: fn(&mut App, u32),
 }
 
 /// What the app has to restore by itself.
@@ -77,7 +77,8 @@ fn moving(app: &mut App, step: impl Fn(&mut Transform)) {
     }
 }
 
-fn played() -> Vec<(&'static str, Played)> {
+/// Apps with cloth that does what cloth does.
+pub fn played() -> Vec<(&'static str, Played)> {
     let mut over_ball = app();
     over_ball.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
     spawn(&mut over_ball, sheet(16), Transform::from_xyz(0.0, 0.4, 0.0));

@@ -23,6 +23,7 @@ const MOST: usize = 4096;
 
 /// A sharp edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Crease {
     pub(super) a: Vec3,
     pub(super) b: Vec3,
@@ -48,6 +49,7 @@ fn bits(p: Vec3) -> [u32; 3] {
 
 /// One side of an edge.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Half {
     crease: Crease,
     normal: Vec3,
@@ -57,6 +59,7 @@ struct Half {
 
 /// The sharp edges of a part of a shape in a box.
 #[derive(Clone)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Known {
     shape: SharedShape,
     /// Number of the body and of its part.
@@ -77,6 +80,7 @@ impl core::fmt::Debug for Known {
 
 /// Finds sharp edges, and knows those of shapes that stay. Buffers are reused.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Creases {
     halves: Vec<Half>,
     known: Vec<Known>,

@@ -28,6 +28,7 @@ const DEEPEST: f32 = 2.0;
 
 /// Where particles were before they were laid, and where to `[m]`.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Laid {
     moved: Vec<(u32, Vec4, Vec4)>,
 }

@@ -47,6 +47,7 @@ pub use touch::Touch;
 /// Whoever makes it has dropped sensors, disabled bodies and bodies that the cloth's layers do not meet, and has baked the scale into the shape
 /// ([`shape::scaled`]).
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Body {
     /// The shape, in the body's own space `[m]`.
     pub shape: SharedShape,

@@ -26,6 +26,7 @@ pub(super) type Face = [Vec3A; 3];
 
 /// The nearest point of a face.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Near {
     /// Share of each corner (dimensionless).
     pub(super) weights: [f32; 3],

@@ -35,6 +35,7 @@ pub(crate) const BAND: f32 = 0.02;
 
 /// Friction coefficients of one body and one fabric (dimensionless).
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Friction {
     pub(crate) fixed: f32,
     pub(crate) sliding: f32,
@@ -69,6 +70,7 @@ pub(crate) const IMPACT_SPEED: f32 = 0.25;
 
 /// The contact plane `n · q = c`; with a normal of zero nothing is below it.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
     pub(crate) normal: Vec3A,
     pub(crate) offset: f32,
@@ -84,6 +86,7 @@ impl Plane {
 
 /// Where the particle and its previous position go, in body space.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Response {
     pub(crate) end: Vec3A,
     pub(crate) shift: Vec3A,

@@ -15,6 +15,7 @@ const CLOSEST: f32 = 0.02;
 
 /// What something is close to.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Close {
     /// Number of the substep, from 1; 0: nothing.
     substep: u32,
@@ -27,6 +28,7 @@ struct Close {
 
 /// Which part each particle, or each face, was last close to.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Rooms {
     close: Vec<Close>,
     substep: u32,

@@ -20,6 +20,7 @@ pub(super) const SLIDES: u32 = 3;
 
 /// Where a path ends after sliding along what it met, and the last plane it met.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Swept {
     pub(super) end: Vec3A,
     pub(super) plane: Plane,

@@ -7,6 +7,7 @@ use crate::solver::settings::Fabric;
 
 /// The fabric's side of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Touch {
     /// Distance kept to every body `[m]`.
     pub thickness: f32,

@@ -35,6 +35,7 @@ use super::anchors::Anchors;
 
 /// A body that takes what cloth gives it, in the cloth's frame of simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rigid {
     /// Inverse mass along each axis `[1/kg]`; 0: cloth cannot move it that way.
     pub inverse_mass: Vec3,
@@ -64,6 +65,7 @@ impl Rigid {
 
 /// What cloth gave a body in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Given {
     /// Impulse `[N s]`.
     pub linear: Vec3,
@@ -83,6 +85,7 @@ impl Default for Given {
 
 /// How far a body is off the way that its engine has it go.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Deviation {
     shift: Vec3,
     turn: Quat,
@@ -100,6 +103,7 @@ impl Deviation {
 
 /// A body in the frame under way.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Slot {
     rigid: Rigid,
     movable: bool,
@@ -179,6 +183,7 @@ impl Slot {
 
 /// What a body gains in a substep, times its length.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Gain {
     /// `[kg m]`
     linear: Vec3,
@@ -208,6 +213,7 @@ impl Gain {
 
 /// The bodies that one cloth gives something to, and its pins on them. Buffers are reused: nothing is allocated once they are warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupling {
     slots: Vec<Slot>,
     pins: Pins,

@@ -20,6 +20,7 @@ use crate::solver::rest::RestShape;
 
 /// A pin on a body.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Pin {
     anchor: u32,
     slot: u32,
@@ -31,6 +32,7 @@ struct Pin {
 
 /// The pins of one cloth on bodies.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pins {
     pins: Vec<Pin>,
     /// Where each particle was when pins had been placed `[m]`.

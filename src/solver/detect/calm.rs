@@ -18,6 +18,7 @@ const SLACK: f32 = 0.1;
 
 /// The faces that can cross while cloth hardly moves. See the module.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Calm {
     /// Where each particle was at the last look at everything `[m]`.
     noted: Vec<Vec3A>,

@@ -23,6 +23,7 @@ use super::tree::Tree;
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
     /// The edge.
     pub edge: u32,
@@ -39,6 +40,7 @@ pub struct Crossing {
 
 /// Finds crossings. Holds the search tree and reused buffers; allocates nothing once warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Detector {
     pub(super) tree: Tree,
     /// Bit `k` of entry `f`: face `f` asks for its edge `k`. Every edge is asked for by its first face only.
@@ -184,6 +186,8 @@ impl Detector {
             self.cross_doubtful(surface, positions);
         }
         self.crossings.sort_unstable_by_key(|c| (u64::from(c.edge) << 32) | u64::from(c.face));
+        // No crossing is found twice: each edge and each face has one owner.
+        debug_assert!(self.crossings.windows(2).all(|pair| (pair[0].edge, pair[0].face) < (pair[1].edge, pair[1].face)));
     }
 
     /// Some points lie exactly in a plane, as borders that are pinned along a line do. Asks the pairs that met such a tie again, with a direction

@@ -25,6 +25,7 @@ const FILTER: f64 = 1.0e-15;
 
 /// A point with its global id, which breaks ties.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Global particle id.
     pub id: u32,
@@ -34,6 +35,7 @@ pub struct Point {
 
 /// The determinant `[m³]` rounded, and whether it is positive, decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Side {
     /// Rounded determinant `[m³]`.
     pub value: f64,
@@ -47,6 +49,7 @@ pub struct Side {
 
 /// A plane through three points, ready to be asked about many.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Plane {
     corners: [Point; 3],
     normal: DVec3,
@@ -105,6 +108,7 @@ impl Plane {
 
 /// Decides ties. Without directions it falls back to the order of the ids and notes that a tie was met.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ties {
     /// Direction of each particle; multiples of `2^-14` below 128. Empty while no tie was met.
     pub directions: Vec<DVec3>,

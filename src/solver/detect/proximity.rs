@@ -14,6 +14,7 @@ use super::surface::Surface;
 
 /// Which primitives came close.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum ProximityKind {
     /// Particle `particles[0]` and the face of `particles[1..4]`.
     VertexFace,
@@ -23,6 +24,7 @@ pub enum ProximityKind {
 
 /// Two primitives closer than asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Proximity {
     /// What they are.
     pub kind: ProximityKind,
@@ -37,6 +39,7 @@ pub struct Proximity {
 
 /// What counts as close.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ProximitySettings {
     /// Contact distance `[m]`.
     pub distance: f32,

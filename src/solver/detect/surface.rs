@@ -30,6 +30,7 @@ pub struct PartRef<'a> {
 
 /// Where one cloth lies inside a [`Surface`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Part {
     /// Its particles.
     pub particles: Range<u32>,
@@ -70,6 +71,7 @@ pub enum SurfaceError {
 
 /// One or several cloths in one index space. Immutable; positions are passed beside it as concatenated slices.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     /// Connectivity over the particles of all cloths.
     pub topology: Topology,

@@ -59,6 +59,7 @@ const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// How stiff a cloth is against bending, and the buffers of its steps.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct BendFactors {
     /// `(1 + GRIP) B` `[N·m]`.
     stiffness: f32,
@@ -82,6 +83,7 @@ pub struct BendFactors {
 
 /// `R`: its stages and constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Polynomial {
     stages: u32,
     w0: f32,

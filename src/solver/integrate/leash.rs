@@ -11,6 +11,7 @@ use crate::solver::rest::{RestShape, geodesic};
 
 /// Edges from a particle to one farther from the pins, in the order of the second.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Leash {
     ends: Vec<[u32; 2]>,
 }

@@ -12,6 +12,7 @@ const PASSES: u32 = 2;
 
 /// Masses and corrections of hubs.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hubs {
     /// Inverse mass of each hub `[1/kg]`; 0: pinned.
     inverse_mass: Vec<f32>,

@@ -11,6 +11,7 @@ use glam::{Vec3, Vec4};
 
 /// One grip on a cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pull {
     /// Target at the start of the frame `[m]`, in the frame of simulation.
     pub from: Vec3,
@@ -24,6 +25,7 @@ pub struct Pull {
 
 /// All grips on a cloth; buffers are reused.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pulls {
     pulls: Vec<(Pull, usize)>,
     /// Particles and their shares, grip after grip.

@@ -8,6 +8,7 @@ use crate::solver::rest::LANES;
 
 /// Four vectors: all `x`, all `y`, all `z`.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rows(pub [Vec4; 3]);
 
 impl From<[Vec4; LANES]> for Rows {

@@ -25,6 +25,7 @@ const DIAGONAL: f32 = 4.0;
 
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpringFactors {
     /// `σ = (w_a + w_b) / (w_a + w_b + 1 / (k h²))` (dimensionless), by batch and lane.
     give: Vec<Vec4>,
@@ -105,6 +106,7 @@ pub(super) fn inverse_length(q: Vec4) -> Vec4 {
 
 /// The strain limit.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bound {
     hard: Vec4,
     slack: Vec4,
@@ -137,6 +139,7 @@ fn scatter([a, b]: [&[u32; LANES]; 2], [pa, pb]: [[Vec4; LANES]; 2], d: [Vec4; L
 
 /// Springs at, or close to, the strain limit: the only ones that sweeps for the limit alone can change.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tight {
     batches: Vec<u32>,
     listed: Vec<bool>,
@@ -203,6 +206,7 @@ pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
 
 /// Springs that are still too long at the end of a frame, and are shortened without letting time pass.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Overlong {
     batches: Vec<u32>,
 }

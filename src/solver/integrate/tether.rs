@@ -18,6 +18,7 @@ const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Upper bounds on distances to pins, in batches of four with different free particles.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tethers {
     particle: Vec<[u32; LANES]>,
     pin: Vec<[u32; LANES]>,

@@ -8,6 +8,7 @@ use crate::solver::verdict::Verdict;
 
 /// What one cloth shows, and what it showed before.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Display {
     evaluator: Evaluator,
     decided: bool,

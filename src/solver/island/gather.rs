@@ -20,6 +20,7 @@ impl Island {
         if state.positions.len() != range.len() || state.previous.len() != range.len() {
             return;
         }
+        debug_assert!(self.positions.len() == self.surface.len() && self.previous.len() == self.surface.len());
         self.substep[part] = state.substep;
         self.fixed[part] = fixed;
         self.untangler.detector.set_moving(part, fixed && state.positions.iter().any(|x| x.w > 0.0));

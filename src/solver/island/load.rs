@@ -20,6 +20,7 @@ const PORTION: u32 = 16;
 
 /// What untangling at load did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoadReport {
     /// As it came.
     pub before: Verdict,

@@ -57,6 +57,7 @@ const BLEND_TIME: f32 = 0.25;
 
 /// How an island is untangled in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct UntangleSettings {
     /// Method and steps.
     pub resolve: ResolveSettings,
@@ -74,6 +75,7 @@ impl Default for UntangleSettings {
 
 /// The cloths of an island as one surface, with reused buffers; nothing is allocated once warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Island {
     surface: Surface,
     untangler: Untangler,

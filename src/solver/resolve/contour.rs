@@ -19,6 +19,7 @@ use crate::solver::verdict::Verdict;
 
 /// How a contour ends, which decides what can take it apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContourKind {
     /// No ends.
     Closed,
@@ -49,6 +50,7 @@ impl ContourKind {
 
 /// One intersection curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contour {
     /// How it ends.
     pub kind: ContourKind,
@@ -77,6 +79,7 @@ const BROKEN: u32 = u32::MAX - 2;
 const FIRST_END: u32 = BROKEN;
 
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct End {
     code: u32,
     vertex: u32,
@@ -85,6 +88,7 @@ struct End {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Path {
     ends: [End; 2],
     closed: bool,
@@ -95,6 +99,7 @@ struct Path {
 
 /// All contours of one detection. Buffers are reused; nothing is allocated once warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContourGraph {
     /// The contours, ordered by their first crossing.
     pub contours: Vec<Contour>,
@@ -416,6 +421,7 @@ impl ContourGraph {
 
 /// The ends of a contour, counted.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Tally {
     loops: u32,
     borders: [u32; 2],

@@ -23,6 +23,7 @@ pub const BOUND: f64 = 0.05;
 
 /// The gradient's ingredients at one crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Terms {
     /// The crossing `[m]`, on the edge.
     pub point: DVec3,

@@ -13,6 +13,7 @@ use crate::solver::detect::{Detector, Proximity, ProximityKind, ProximitySetting
 
 /// Sides remembered, sorted by particle and face.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct History {
     sides: Vec<([u32; 4], f32)>,
     before: Vec<([u32; 4], f32)>,

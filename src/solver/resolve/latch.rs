@@ -13,6 +13,7 @@ use super::contour::{Contour, ContourGraph, ContourKind};
 
 /// How a contour is being taken apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum Strategy {
     /// Summed gradient and exact vertex gradient.
     #[default]
@@ -27,6 +28,7 @@ pub enum Strategy {
 
 /// One contour's memory.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Latch {
     /// How the contour ends now.
     pub kind: ContourKind,
@@ -104,6 +106,7 @@ pub const INERTIA: f32 = 0.8;
 
 /// Memories of all contours, in their order.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Latches {
     /// Parallel to [`ContourGraph::contours`].
     pub now: Vec<Latch>,

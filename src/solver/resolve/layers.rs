@@ -40,6 +40,7 @@ const UNDONE: f32 = 0.8;
 
 /// Two cloths whose order is being restored.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Pair {
     /// The outer and the inner cloth.
     cloths: [u16; 2],
@@ -51,6 +52,7 @@ struct Pair {
 
 /// What is being done about the order of layers. Buffers are reused.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Layers {
     pub plans: Plans,
     pairs: Vec<Pair>,

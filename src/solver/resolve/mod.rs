@@ -59,6 +59,7 @@ const LONG: u32 = 32;
 
 /// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum Method {
     /// The traditional method (1995): remember on which side of each other particles and faces were, and push them back there.
     #[cfg(feature = "research")]
@@ -88,6 +89,7 @@ impl Method {
 
 /// Tunables of resolving.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ResolveSettings {
     /// The method.
     pub method: Method,
@@ -120,6 +122,7 @@ struct View<'a> {
 
 /// Takes tangles apart, one iteration per call. Buffers are reused; nothing is allocated once warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resolver {
     graph: ContourGraph,
     latches: Latches,
@@ -357,6 +360,7 @@ impl Resolver {
 
 /// Detection and resolution of one surface together.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Untangler {
     /// Finds crossings.
     pub detector: Detector,

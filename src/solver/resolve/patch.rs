@@ -7,6 +7,7 @@ use super::contour::ContourGraph;
 
 /// The particles of the two sides of a contour.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Patch {
     seen: Vec<[u32; 2]>,
     /// Ring in which a particle was added to each side.

@@ -21,6 +21,7 @@ const LEAST_ROOM: f32 = 0.02;
 
 /// A displacement being carried out.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Plan {
     /// By which others know it.
     number: u32,
@@ -32,6 +33,7 @@ struct Plan {
 
 /// Plans being carried out. Buffers are reused.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plans {
     list: Vec<Plan>,
     live: usize,

@@ -35,6 +35,7 @@ const WALK: usize = 64;
 
 /// A contour that is looked at together with others; `flip` where its sides are the other way round than theirs.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Member {
     pub contour: usize,
     pub flip: u8,
@@ -42,6 +43,7 @@ pub(super) struct Member {
 
 /// A particle of a side that may be behind a face of the other.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Stray {
     pub side: usize,
     pub particle: u32,
@@ -52,6 +54,7 @@ pub(super) struct Stray {
 
 /// Which way sides go apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Course {
     /// Side 0 along a unit vector, side 1 against it.
     Along(Vec3),
@@ -92,6 +95,7 @@ pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
 
 /// What is known of a particle on one side.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Seen {
     pub stamp: u32,
     /// Way to go `[m]`; not positive: none.
@@ -102,6 +106,7 @@ pub(super) struct Seen {
 
 /// What is found out about a way apart. Buffers are reused.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Probe {
     pub seen: Vec<[Seen; 2]>,
     pub stamp: u32,

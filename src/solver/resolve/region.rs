@@ -20,6 +20,7 @@ const HYSTERESIS: f32 = 0.5;
 
 /// What a flood found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Region {
     /// Rest area `[m²]`.
     pub area: f32,
@@ -31,6 +32,7 @@ pub struct Region {
 
 /// Floods regions. Buffers are reused.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flood {
     /// Parity stamps of edges.
     cut: Vec<u32>,

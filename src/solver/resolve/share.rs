@@ -22,6 +22,7 @@ pub(super) fn shares(masses: [Load; 2]) -> [f32; 2] {
 
 /// Mass `[kg]` of the free particles of a body, and whether some are pinned.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Load {
     pub mass: f32,
     pub pinned: bool,

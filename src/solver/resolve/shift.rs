@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Shift {
     /// Displacement and cap `[m]` per particle.
     pub of: Vec<Vec4>,

@@ -36,6 +36,7 @@ const FAR: f32 = 1.2;
 
 /// A pair. See the module.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Contact {
     pub kind: ProximityKind,
     /// The faces whose boxes met.

@@ -94,6 +94,7 @@ impl Moment<'_> {
 
 /// Which face asks for which particle and edge, and how far each particle goes.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finder {
     /// Bits 0 to 2: corners the face owns; bits 3 to 5: its edges.
     owns: Vec<u8>,
@@ -126,6 +127,7 @@ pub struct Finder {
 
 /// A face when it was last looked at.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Looked {
     /// Twice its area along its normal `[m²]`.
     normal: Vec3A,
@@ -160,6 +162,7 @@ impl Looked {
 /// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 60° of their sum, so that distances across
 /// a crease are at least half of those at rest.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Flatness {
     /// Normals of faces as long as twice their area `[m²]`, and their sums around particles.
     normals: Vec<Vec3A>,
@@ -721,6 +724,7 @@ fn corners<T: Copy, U>([a, b, c]: [T; 3], of: impl Fn(T) -> U) -> [U; 3] {
 
 /// Where a particle is, and where it is foreseen to be `[m]`.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Path {
     now: Vec3A,
     ahead: Vec3A,
@@ -735,6 +739,7 @@ impl Path {
 
 /// How far two faces are apart along the line between their centres, now and ahead, times its length `[m²]`.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Gaps {
     now: f32,
     ahead: f32,

@@ -29,6 +29,7 @@ pub use touching::Touching;
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contacts {
     pairs: Vec<Contact>,
     /// Particle of each slot, in the order in which pairs ask for them.
@@ -329,6 +330,18 @@ impl Contacts {
             let pairs = (0..).zip(&self.pairs);
             impacts.extend(pairs.filter_map(|(i, pair)| Some((i, pair.impact(velocities)?))));
         }
+        debug_assert!(self.is_consistent());
+    }
+
+    /// Whether every particle has the slot that has it, weights of every pair add up to zero, and normals have a length of one.
+    fn is_consistent(&self) -> bool {
+        let slots = self.particles.iter().zip(0..).all(|(&p, s)| self.slots.get(p as usize) == Some(&s));
+        slots
+            && self.pairs.iter().filter(|pair| pair.load > 0.0).all(|pair| {
+                pair.slots.iter().all(|&s| (s as usize) < self.particles.len())
+                    && pair.weights.iter().sum::<f32>().abs() < 1.0e-4
+                    && (pair.normal.length() - 1.0).abs() < 1.0e-3
+            })
     }
 
     /// Holds pairs again that stuck in the last substep, when bodies have pushed.

@@ -7,6 +7,7 @@ use crate::solver::detect::ProximityKind;
 
 /// A pair that touched in the last substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Touching {
     /// Whether a particle touched a face, or two edges each other.
     pub kind: ProximityKind,

@@ -26,6 +26,7 @@ use super::{NONE, Topology};
 /// Bending elements in batches of four, and the pattern of their matrix. Per-batch arrays hold one entry for each of four lanes; lanes beyond the
 /// last element have coefficients of zero.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bends {
     /// Ends of the shared edge, then the two opposite corners.
     pub hinges: Vec<[[u32; 4]; LANES]>,
@@ -251,6 +252,7 @@ impl Bends {
 /// What makes bending along the warp as stiff as asked beside bending along the weft: each element is `1 + α cos 2(φ - φ₀)` times as stiff, `φ` the direction
 /// in which it bends and `φ₀` the warp's, and `α` is found from what the elements of this mesh take for curvature along the two.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weave {
     /// Angle of the warp in the texture, `φ₀` `[rad]`.
     pub angle: f32,
@@ -335,6 +337,7 @@ impl Weave {
 
 /// One lane of a batch.
 #[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Element {
     coefficients: Vec4,
     rest: f32,

@@ -18,6 +18,7 @@ use super::{NONE, Topology};
 
 /// Distance `[m]` to the nearest of some sources, and which it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Nearest {
     /// Length of the shortest path found `[m]`; infinite where no path leads.
     pub distance: f32,
@@ -35,6 +36,7 @@ pub fn distances(topology: &Topology, positions: &[Vec3], sources: &[u32]) -> Ve
 
 /// A front that spreads from some sources; its buffers serve many runs.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Front {
     best: Vec<Nearest>,
     settled: Vec<bool>,

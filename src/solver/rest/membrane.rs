@@ -11,6 +11,7 @@ use super::weave::Threads;
 /// With the edges `d1 = x1 - x0`, `d2 = x2 - x0`, the columns of the deformation gradient are `F_warp = d1 warp[0] + d2 warp[1]` and
 /// `F_weft = d1 weft[0] + d2 weft[1]`: what a unit of length along each thread has become.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Membrane {
     /// The three particles of each triangle.
     pub corners: Vec<[[u32; LANES]; 3]>,

@@ -28,6 +28,7 @@ const AREA_FRACTION: f32 = 1.0e-11;
 
 /// A mesh at rest, ready to simulate.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct RestShape {
     /// Connectivity over particles.
     pub topology: Topology,
@@ -130,7 +131,25 @@ impl RestShape {
         report.particles = shape.positions.len();
         report.faces = shape.topology.faces.len();
         report.isolated = shape.isolated.len();
+        debug_assert!(shape.is_consistent());
         Ok((shape, report))
+    }
+
+    /// Whether every index is that of a particle, arrays have one length, and constraints that are solved at once share no particle.
+    fn is_consistent(&self) -> bool {
+        let n = self.positions.len();
+        let known = |p: &u32| (*p as usize) < n;
+        let springs =
+            self.springs.a.iter().zip(&self.springs.b).all(|(a, b)| share_nothing(core::array::from_fn(|i| [a[i], b[i]])));
+        let mut triangles = self.membrane.corners.iter();
+        springs
+            && triangles.all(|[a, b, c]| share_nothing(core::array::from_fn(|i| [a[i], b[i], c[i]])))
+            && self.bends.hinges.iter().flatten().flatten().all(known)
+            && self.springs.a.iter().chain(&self.springs.b).flatten().all(known)
+            && self.springs.inverse_square.iter().all(|x| x.is_finite() && x.min_element() > 0.0)
+            && self.particle_of_vertex.iter().all(known)
+            && self.areas.len() == n
+            && self.topology.particles as usize == n
     }
 
     /// Vertices without a face ride on the nearest particle, found outwards along a sorted axis.
@@ -188,6 +207,12 @@ impl RestShape {
 }
 
 /// Smallest and largest corner `[m]` of a non-empty set of points.
+/// Whether the elements of a batch share no particle; a lane that is left over repeats the first or the one before it.
+fn share_nothing<const N: usize>(batch: [[u32; N]; LANES]) -> bool {
+    let mut pairs = (0..LANES).flat_map(|i| (0..i).map(move |j| (i, j)));
+    pairs.all(|(i, j)| batch[i] == batch[j] || !batch[i].iter().any(|p| batch[j].contains(p)))
+}
+
 fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
 }

@@ -24,6 +24,7 @@ pub const PER_PARTICLE: usize = 4;
 
 /// Hubs and links of a mesh at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Net {
     /// Least distance between hubs `[m]`.
     pub spacing: f32,

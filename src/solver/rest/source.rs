@@ -7,6 +7,7 @@ pub(super) const FARTHEST: f32 = 1.0e9;
 
 /// A triangle soup as an asset delivers it, already scaled to world units.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct SourceMesh {
     /// Positions `[m]` of the render vertices, scaled to world size, unrotated.
     pub positions: Vec<Vec3>,
@@ -19,6 +20,7 @@ pub struct SourceMesh {
 
 /// What had to be repaired while a [`RestShape`](super::RestShape) was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct BuildReport {
     /// Render vertices given.
     pub vertices: usize,

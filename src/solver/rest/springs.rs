@@ -14,6 +14,7 @@ const OFF_THREAD: f32 = 5.0 * core::f32::consts::PI / 180.0;
 
 /// Distance constraints in batches of four. All arrays have one entry per batch.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Springs {
     /// First particle of each spring.
     pub a: Vec<[u32; LANES]>,

@@ -5,6 +5,7 @@ pub const NONE: u32 = u32::MAX;
 
 /// Connectivity of a welded triangle mesh. Immutable after [`Topology::new`].
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Topology {
     /// Number of particles; every index below is smaller.
     pub particles: u32,

@@ -9,6 +9,7 @@ const LEAST: f32 = 1.0e-4;
 
 /// Directions in the plane of a triangle: unit vectors along the warp and, at a right angle, to the side of the weft. Zero where nothing tells them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Threads {
     pub warp: Vec3,
     pub weft: Vec3,

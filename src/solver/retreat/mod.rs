@@ -35,6 +35,7 @@ const MOST_STAYS: u32 = 8;
 
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Retreat {
     /// Positions `[m]` at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
     clean: Vec<Vec4>,

@@ -26,6 +26,7 @@ const LEAST_TURN: f32 = 1.0e-4;
 
 /// How pins that are joined went in the frame.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Ride {
     from: Vec3,
     to: Vec3,
@@ -34,6 +35,7 @@ struct Ride {
 
 /// Rides of pins that cross something, and what rides along.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pins {
     rides: Vec<Ride>,
     /// Which of them each particle is on, plus one; 0: none.

@@ -9,6 +9,7 @@ use crate::solver::rest::LANES;
 
 /// How a fabric takes the wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Aerodynamics {
     /// Drag coefficient `C_D` (dimensionless). Default 1.2, range 0 to 10.
     pub drag: f32,
@@ -24,6 +25,7 @@ impl Default for Aerodynamics {
 
 /// Forces of the wind on one cloth. Buffers are reused: nothing is allocated once they are warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct WindForces {
     modes: Option<Modes>,
     /// Wind relative to each particle `[m/s]`.

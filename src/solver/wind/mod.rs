@@ -40,6 +40,7 @@ pub const AIR_DENSITY: f32 = 1.225;
 
 /// The air as one cloth sees it in one frame.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wind {
     /// Mean velocity `[m/s]`. Default 0. Not finite counts as 0.
     pub velocity: Vec3,

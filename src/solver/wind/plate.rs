@@ -6,6 +6,7 @@ use crate::solver::rest::LANES;
 
 /// What a triangle does with the wind.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plate {
     /// `ρ / 12`: ½ of the dynamic pressure, ½ of the cross product, ⅓ for each corner `[kg/m³]`.
     pub(super) share: f32,

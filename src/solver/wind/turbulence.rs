@@ -10,6 +10,7 @@ const RATIO_CBRT: f32 = 1.1;
 
 /// Gusts: their strength, size and seed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Turbulence {
     /// Root mean square of each component of the gusts over the mean wind speed (dimensionless). Default 0; open country 0.15, a city 0.3.
     /// Range 0 to 5.
@@ -36,6 +37,7 @@ impl Default for Turbulence {
 
 /// The modes of a turbulence, made once per seed and length.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Modes {
     made_for: (u64, u32),
     /// Wave vectors `[turns/m]`, by component, four modes a vector.

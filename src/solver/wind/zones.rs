@@ -6,6 +6,7 @@ use super::finite;
 
 /// A place with a wind of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct WindZone {
     /// Shape of the zone around its centre.
     pub shape: ZoneShape,
@@ -36,6 +37,7 @@ impl Default for WindZone {
 
 /// Shape of a [`WindZone`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum ZoneShape {
     /// A ball `[m]`.
     Sphere {
@@ -51,6 +53,7 @@ pub enum ZoneShape {
 
 /// How a zone's wind meets the wind around it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub enum ZoneMode {
     /// Velocities add: a fan.
     #[default]

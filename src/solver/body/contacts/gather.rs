@@ -12,6 +12,7 @@ use crate::solver::body::{Body, geometry};
 
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Approach {
     /// Length of the frame `[s]`.
     pub dt: f32,

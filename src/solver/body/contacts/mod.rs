@@ -16,6 +16,7 @@ use super::room::Rooms;
 
 /// One particle that may meet one part of a body in this frame.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Candidate {
     particle: u32,
     /// Running mean of the push per substep `[m]`; 0 out of contact.
@@ -31,6 +32,7 @@ struct Candidate {
 
 /// One simple shape of a body, with its candidates.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Part {
     body: u32,
     index: u32,
@@ -45,6 +47,7 @@ struct Part {
 
 /// Contacts of one cloth with all bodies. Buffers are reused: nothing is allocated once they are warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,

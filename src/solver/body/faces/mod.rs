@@ -57,6 +57,7 @@ const SHARE: f32 = 0.5;
 
 /// A face, or a piece of one, that may meet a part of a body in this frame.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Candidate {
     face: u32,
     piece: Piece,
@@ -85,6 +86,7 @@ struct Candidate {
 
 /// One convex shape or surface of a body, with the faces near it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Part {
     body: u32,
     index: u32,
@@ -98,6 +100,7 @@ struct Part {
 
 /// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct FaceContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,

@@ -12,6 +12,7 @@ const OWN: f32 = 0.5;
 
 /// What of a face is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) enum Piece {
     /// One of its edges, by number: a face whose third corner is its second.
     Edge(u8),

@@ -6,6 +6,7 @@ use super::FLAT;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     /// Smallest corner `[m]`.
     pub min: Vec3A,

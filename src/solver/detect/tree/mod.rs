@@ -53,6 +53,7 @@ const HUB: usize = 64;
 const MIXED: u16 = u16::MAX;
 
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
     bounds: Bounds,
     /// Right child, or `IS_LEAF | first` of a leaf.
@@ -76,6 +77,7 @@ struct Node {
 
 /// A leaf and the ring of faces around it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Leaf {
     node: u32,
     /// The smallest node that holds the leaf and all of its ring.
@@ -88,6 +90,7 @@ struct Leaf {
 
 /// Two nodes, none above the other, that share particles.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Joint {
     nodes: [u32; 2],
     /// Joints of their children: `first .. first + count`.
@@ -97,6 +100,7 @@ struct Joint {
 
 /// The hierarchy. See the module.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tree {
     nodes: Vec<Node>,
     /// Faces in the order of the leaves.

@@ -15,6 +15,7 @@ const WIDE: usize = 4;
 
 /// The boxes of up to [`LEAF`] faces `[m]`, by axis.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pack {
     min: [[Vec4; LEAF / WIDE]; 3],
     max: [[Vec4; LEAF / WIDE]; 3],

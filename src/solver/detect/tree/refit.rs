@@ -2,7 +2,7 @@
 
 use glam::{Vec3A, Vec4};
 
-use super::{Bounds, IS_LEAF, Leaf, Tree};
+use super::{Bounds, IS_LEAF, Leaf, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::detect::surface::is_sane;
 
@@ -33,6 +33,17 @@ impl Tree {
             }
         }
         self.find_folds();
+        debug_assert!(self.encloses());
+    }
+
+    /// Whether the box of every inner node holds those of its children.
+    fn encloses(&self) -> bool {
+        let holds = |node: &Node, child: &Node| {
+            node.bounds.min.cmple(child.bounds.min).all() && node.bounds.max.cmpge(child.bounds.max).all()
+        };
+        let inner = self.nodes.iter().enumerate().filter(|(_, node)| node.right & IS_LEAF == 0);
+        let mut children = inner.map(|(i, node)| (node, &self.nodes[i + 1], &self.nodes[node.right as usize]));
+        children.all(|(node, left, right)| holds(node, left) && holds(node, right))
     }
 
     /// Fits the leaves and their faces to where particles are `now` `[m]`; `around` is the box of three of them.

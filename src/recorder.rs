@@ -1,0 +1,255 @@
+//! Recordings: frames of cloth written to files, to be stepped again by another program.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::PathBuf;
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use crate::components::{Cloth, ClothFailed, ClothHeld, ClothRecovered};
+use crate::islands::{ClothIsland, ClothIslands};
+use crate::schedule::{self, ClothSystems};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::solver::evaluate::Pose;
+use crate::solver::recording::{RecordedCloth, Recording, RecordingError};
+use crate::systems::detect;
+use crate::time::{self, ClothTime};
+
+/// Records frames of cloth: those that were held, in which a cloth blew up or failed, and those that are asked for. A file holds all that decided the
+/// frame, so that the program `stress --replay FILE`, or [`Recording::replay`](crate::solver::recording::Recording::replay), steps it again with the same
+/// bits: send it along with a report of a bug.
+///
+/// While it is there, every frame is kept until it is over, which costs a copy of all cloth. Add it after [`ClothPlugin`](crate::ClothPlugin), to the
+/// schedule that that runs in.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// # fn add(app: &mut App) {
+/// app.add_plugins(ClothRecorderPlugin);
+/// app.insert_resource(ClothRecorder { folder: "recordings".into(), ..default() });
+/// # }
+/// ```
+#[derive(Default)]
+pub struct ClothRecorderPlugin;
+
+/// What is recorded, and where to.
+#[derive(Resource, Clone, Debug)]
+pub struct ClothRecorder {
+    /// The folder of the files; it is made. Default `cloth_recordings`.
+    pub folder: PathBuf,
+    /// Whether frames are recorded in which a cloth begins to be held. Default true.
+    pub held: bool,
+    /// Whether those are in which a cloth blew up, or failed. Default true.
+    pub recovered: bool,
+    /// Most files that are written. Default 16.
+    pub most: u32,
+    /// Cloths of which a frame is recorded, whatever happens: the next in which they move and meet no others than in the frame before.
+    pub next: Vec<Entity>,
+    /// The files that were written.
+    pub written: Vec<PathBuf>,
+}
+
+impl Default for ClothRecorder {
+    fn default() -> Self {
+        Self { folder: "cloth_recordings".into(), held: true, recovered: true, most: 16, next: Vec::new(), written: Vec::new() }
+    }
+}
+
+/// Why a frame is recorded that is in [`ClothRecorder::next`].
+const ASKED_FOR: &str = "asked for";
+
+/// The frame under way.
+#[derive(Resource, Default)]
+struct UnderWay {
+    frames: Vec<(Vec<Entity>, Recording, DVec3)>,
+    /// Cloths of which something is to be written, and why.
+    wanted: Vec<(Entity, &'static str)>,
+}
+
+impl Plugin for ClothRecorderPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ClothRecorder>()
+            .init_resource::<UnderWay>()
+            .add_observer(|on: On<ClothHeld>, recorder: Res<ClothRecorder>, mut frame: ResMut<UnderWay>| {
+                if recorder.held {
+                    frame.wanted.push((on.entity, "held"));
+                }
+            })
+            .add_observer(|on: On<ClothRecovered>, recorder: Res<ClothRecorder>, mut frame: ResMut<UnderWay>| {
+                if recorder.recovered {
+                    frame.wanted.push((on.entity, "recovered"));
+                }
+            })
+            .add_observer(|on: On<ClothFailed>, recorder: Res<ClothRecorder>, mut frame: ResMut<UnderWay>| {
+                if recorder.recovered {
+                    frame.wanted.push((on.entity, "failed"));
+                }
+            });
+    }
+
+    fn finish(&self, app: &mut App) {
+        let schedule = schedule::of(app);
+        app.add_systems(
+            schedule,
+            (
+                begin.run_if(time::flows).after(ClothSystems::Prepare).before(ClothSystems::Integrate),
+                regroup.run_if(time::flows).in_set(ClothSystems::Detect).after(detect::group).before(detect::detect),
+                end.run_if(time::flows).after(ClothSystems::Respond).before(ClothSystems::Sync),
+            ),
+        );
+    }
+}
+
+type Cloths<'w, 's, 'a> = Query<
+    'w,
+    's,
+    (Entity, Option<&'a Name>, &'a ClothRest, &'a ClothInputs, &'a ClothParticles, &'a ClothScratch),
+    With<Cloth>,
+>;
+
+/// Keeps what every cloth is before the frame.
+fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Cloths) {
+    let dt = time.delta_secs();
+    frame.frames.clear();
+    let recording = |cloths: Vec<RecordedCloth>| Recording {
+        reason: String::new(),
+        cloths,
+        island: None,
+        together: false,
+        untangle: default(),
+        carried: Vec3::ZERO,
+        dt,
+    };
+    for island in islands.list.iter().filter(|island| !island.asleep) {
+        let entities: Vec<Entity> = island.members.iter().map(|member| member.entity).collect();
+        let members: Vec<_> = entities.iter().filter_map(|&entity| cloths.get(entity).ok()).collect();
+        if members.len() != entities.len() {
+            continue;
+        }
+        let together = island.members.iter().any(|member| member.collision.contact);
+        let members = members.into_iter().map(|cloth| record(cloth, island.origin, dt)).collect();
+        let kept = Recording { island: Some(island.solver.clone()), together, untangle: island.settings, ..recording(members) };
+        frame.frames.push((entities, kept, island.origin));
+    }
+    for cloth in cloths.iter().filter(|(.., inputs, _, scratch)| inputs.active && !inputs.asleep && scratch.island.is_none()) {
+        let (entity, origin) = (cloth.0, cloth.4.origin);
+        frame.frames.push((vec![entity], recording(vec![record(cloth, origin, dt)]), origin));
+    }
+}
+
+fn record(
+    (entity, name, rest, inputs, particles, scratch): (
+        Entity,
+        Option<&Name>,
+        &ClothRest,
+        &ClothInputs,
+        &ClothParticles,
+        &ClothScratch,
+    ),
+    origin: DVec3,
+    dt: f32,
+) -> RecordedCloth {
+    let carrier = inputs.carrier();
+    let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
+    let moves = inputs.active && !inputs.asleep && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
+    let offset = (particles.origin - origin).as_vec3();
+    RecordedCloth {
+        name: name.map_or_else(|| entity.to_string(), |name| name.as_str().to_owned()),
+        rest: rest.0.clone(),
+        fabric: inputs.fabric.clone(),
+        stepping: inputs.stepping.clone(),
+        anchors: inputs.anchors.clone(),
+        gravity: inputs.gravity,
+        bodies: inputs.bodies.clone(),
+        wind: inputs.wind.clone(),
+        state: particles.state.clone(),
+        scratch: scratch.solver.clone(),
+        display: particles.display.clone(),
+        evaluate: inputs.evaluate,
+        recovery: particles.recovery.clone(),
+        limits: inputs.limits,
+        pose: inputs.pose(&rest.0, particles.origin).collect(),
+        skinned: inputs.skin.is_some(),
+        unprepared: inputs.stale || scratch.fresh,
+        carrier: Pose { translation, rotation: carrier.rotation },
+        offsets: [offset; 2],
+        tuned: (0, false, inputs.fabric.thickness),
+        moves,
+        clock: dt * inputs.time_scale,
+        fixed: false,
+        still: false,
+        contact: false,
+        at_load: false,
+        after: Vec::new(),
+    }
+}
+
+/// Keeps what changed in the islands since the cloths were stepped; what meets others than before cannot be stepped again, and is dropped.
+fn regroup(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Cloths) {
+    frame.frames.retain_mut(|(entities, recording, origin)| {
+        let mine = |island: &&ClothIsland| island.members.iter().any(|member| entities.contains(&member.entity));
+        let Some(island) = islands.list.iter().find(mine) else { return recording.island.is_none() };
+        let same = island.members.iter().map(|member| member.entity).eq(entities.iter().copied());
+        if !same || recording.island.is_none() || island.built {
+            return false;
+        }
+        recording.carried = (*origin - island.origin).as_vec3();
+        recording.untangle = island.settings;
+        for (member, cloth) in island.members.iter().zip(&mut recording.cloths) {
+            let collision = member.collision;
+            if let Ok((.., particles, _)) = cloths.get(member.entity) {
+                cloth.offsets[1] = (particles.origin - island.origin).as_vec3();
+            }
+            cloth.tuned = (collision.garment_layer, collision.self_collision, member.thickness);
+            (cloth.fixed, cloth.still) = (member.fixed, member.still);
+            (cloth.contact, cloth.at_load) = (collision.contact, member.at_load);
+        }
+        true
+    });
+}
+
+/// Writes what is wanted of the frame.
+fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths: Query<&ClothParticles, With<Cloth>>) {
+    let next = core::mem::take(&mut recorder.bypass_change_detection().next);
+    let mut wanted = core::mem::take(&mut frame.bypass_change_detection().wanted);
+    wanted.extend(next.into_iter().map(|entity| (entity, ASKED_FOR)));
+    for (entity, reason) in wanted {
+        let Some(at) = frame.frames.iter().position(|(entities, ..)| entities.contains(&entity)) else {
+            if reason == ASKED_FOR && cloths.contains(entity) {
+                recorder.bypass_change_detection().next.push(entity);
+            }
+            continue;
+        };
+        let (entities, mut recording, _) = frame.frames.swap_remove(at);
+        if recorder.written.len() >= recorder.most as usize {
+            continue;
+        }
+        recording.reason = reason.to_owned();
+        for (cloth, entity) in recording.cloths.iter_mut().zip(entities) {
+            cloth.after = cloths.get(entity).map_or_else(|_| Vec::new(), |particles| particles.state.positions.clone());
+        }
+        let path = recorder.folder.join(format!("{:04}_{}.drape", recorder.written.len(), reason.replace(' ', "_")));
+        match write(&recording, &path) {
+            Ok(()) => {
+                info!("a frame of cloth that was {reason} is in {}", path.display());
+                recorder.written.push(path);
+            }
+            Err(error) => {
+                warn!(
+                    "{} was not written ({error}); no more frames are recorded: set `ClothRecorder::folder` and `most`",
+                    path.display()
+                );
+                recorder.most = 0;
+            }
+        }
+    }
+}
+
+fn write(recording: &Recording, path: &std::path::Path) -> Result<(), RecordingError> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    recording.write(BufWriter::new(File::create(path)?))
+}

@@ -1,0 +1,288 @@
+//! A frame of cloth as data: all that decides it, to be stepped again by another program, with the same bits.
+
+use std::io::{self, Read, Write};
+use std::sync::Arc;
+
+use glam::{Vec3, Vec4};
+use serde::{Deserialize, Serialize};
+
+use super::anchors::Anchors;
+use super::body::Body;
+use super::evaluate::{EvaluateSettings, Outcome, Pose};
+use super::fit::fit;
+use super::integrate::spring;
+use super::island::{Display, Island, Member, Members, UntangleSettings};
+use super::recover::{Limits, Recovery};
+use super::rest::RestShape;
+use super::settings::{Fabric, Stepping};
+use super::state::ClothState;
+use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
+use super::wind::Wind;
+
+/// What files of this form begin with: the name and the number of the form. Another number is another form.
+const MAGIC: &[u8; 8] = b"drape\0\0\x01";
+
+/// A frame of cloths that were stepped together: what they were before it, what they were given, and where they were after it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Recording {
+    /// Why it was recorded.
+    pub reason: String,
+    /// The cloths, in the order of their island.
+    pub cloths: Vec<RecordedCloth>,
+    /// Their island; none for a cloth that meets nothing.
+    pub island: Option<Island>,
+    /// Whether they were stepped side by side.
+    pub together: bool,
+    /// How they were untangled.
+    pub untangle: UntangleSettings,
+    /// By how much the frame of the island moved after they were stepped `[m]`.
+    pub carried: Vec3,
+    /// Time that passed `[s]`.
+    pub dt: f32,
+}
+
+/// A cloth in a [`Recording`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct RecordedCloth {
+    /// Its name.
+    pub name: String,
+    /// Rest shape.
+    pub rest: Arc<RestShape>,
+    /// Material.
+    pub fabric: Fabric,
+    /// Substeps.
+    pub stepping: Stepping,
+    /// Pins.
+    pub anchors: Anchors,
+    /// Gravity `[m/s²]`.
+    pub gravity: Vec3,
+    /// Bodies.
+    pub bodies: Vec<Body>,
+    /// Wind.
+    pub wind: Wind,
+    /// Particles.
+    pub state: ClothState,
+    /// What the solver remembers.
+    pub scratch: Scratch,
+    /// What was shown.
+    pub display: Display,
+    /// What is to be shown while it is tangled.
+    pub evaluate: EvaluateSettings,
+    /// Blow-ups so far, and what counts as one.
+    pub recovery: Recovery,
+    /// See [`Recovery`].
+    pub limits: Limits,
+    /// The animated pose, or the shape at rest where its carrier is `[m]`.
+    pub pose: Vec<Vec3>,
+    /// Whether that is an animated one.
+    pub skinned: bool,
+    /// Whether the solver is to be prepared first.
+    pub unprepared: bool,
+    /// Where what carries it is.
+    pub carrier: Pose,
+    /// From its frame of simulation to that of the island while it is stepped, and after it `[m]`.
+    pub offsets: [Vec3; 2],
+    /// Layer, whether it meets itself, and thickness `[m]` after it was stepped.
+    pub tuned: (i32, bool, f32),
+    /// See [`Member`].
+    pub moves: bool,
+    /// Time that passes by its clock `[s]`.
+    pub clock: f32,
+    /// See [`Member`].
+    pub fixed: bool,
+    /// See [`Member`].
+    pub still: bool,
+    /// See [`Member`].
+    pub contact: bool,
+    /// See [`Member`].
+    pub at_load: bool,
+    /// Where its particles were after the frame `[m]`, `w` inverse mass `[1/kg]`.
+    pub after: Vec<Vec4>,
+}
+
+/// What stepping a [`Recording`] again gave.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Replay {
+    /// Particles that are not where they were, to the bit.
+    pub differ: usize,
+    /// Farthest distance of one from where it was `[m]`.
+    pub farthest: f32,
+    /// Edges that cross faces after the frame.
+    pub crossings: u32,
+    /// Whether a cloth is held.
+    pub held: bool,
+    /// Whether a cloth blew up and was taken back.
+    pub recovered: bool,
+    /// Largest edge length over rest length after the frame (dimensionless).
+    pub worst_edge: f32,
+}
+
+/// A file that is no recording, or one that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// It begins otherwise.
+    #[error("it is no recording of this version of bevy_drape: record the frame again")]
+    Form,
+    /// What follows is damaged.
+    #[error("the recording is damaged: {0}")]
+    Damaged(String),
+    /// It cannot be read or written.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+impl Recording {
+    /// Writes it, to be read by [`Self::read`] of the same version.
+    ///
+    /// # Errors
+    /// [`RecordingError::Io`] when `to` takes no more.
+    pub fn write(&self, mut to: impl Write) -> Result<(), RecordingError> {
+        to.write_all(MAGIC)?;
+        ciborium::into_writer(self, to).map_err(|error| match error {
+            ciborium::ser::Error::Io(error) => RecordingError::Io(error),
+            ciborium::ser::Error::Value(what) => RecordingError::Damaged(what),
+        })
+    }
+
+    /// Reads what [`Self::write`] wrote.
+    ///
+    /// # Errors
+    /// [`RecordingError`] when it is something else, damaged, or cannot be read.
+    pub fn read(mut from: impl Read) -> Result<Self, RecordingError> {
+        let mut magic = [0; MAGIC.len()];
+        from.read_exact(&mut magic)?;
+        if &magic != MAGIC {
+            return Err(RecordingError::Form);
+        }
+        ciborium::from_reader(from).map_err(|error| match error {
+            ciborium::de::Error::Io(error) => RecordingError::Io(error),
+            other => RecordingError::Damaged(other.to_string()),
+        })
+    }
+
+    /// Steps the frame again.
+    pub fn replay(&mut self) -> Replay {
+        let Self { cloths, island, together, untangle, carried, dt, .. } = self;
+        for cloth in cloths.iter_mut().filter(|cloth| cloth.moves && cloth.unprepared) {
+            prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+        }
+        let mut stepped = Again { cloths, reports: Vec::new(), after: false };
+        match island {
+            Some(island) if *together => island.integrate(&mut stepped),
+            _ => {
+                for (part, cloth) in stepped.cloths.iter_mut().enumerate().filter(|(_, cloth)| cloth.moves) {
+                    let RecordedCloth { rest, fabric, stepping, anchors, gravity, bodies, wind, state, scratch, clock, .. } =
+                        cloth;
+                    let input = FrameInput { dt: *clock, gravity: *gravity, bodies, wind };
+                    stepped.reports.push((part, step(rest, fabric, stepping, anchors, &input, state, scratch)));
+                }
+            }
+        }
+        let mut replay = Replay::default();
+        for (part, report) in core::mem::take(&mut stepped.reports) {
+            let RecordedCloth { state, scratch, recovery, limits, pose, .. } = &mut stepped.cloths[part];
+            if recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)).is_some() {
+                *scratch = Scratch::default();
+                replay.recovered = true;
+            }
+        }
+        stepped.after = true;
+        if let Some(island) = island {
+            for (part, cloth) in stepped.cloths.iter().enumerate() {
+                let (layer, self_collision, thickness) = cloth.tuned;
+                island.tune(part, layer, self_collision, thickness);
+            }
+            if *carried != Vec3::ZERO {
+                island.carry(*carried);
+            }
+            island.detect(&mut stepped);
+            island.resolve(*dt, untangle, &mut stepped);
+            replay.crossings = island.evaluate().crossings;
+        }
+        for (part, cloth) in stepped.cloths.iter_mut().enumerate() {
+            let RecordedCloth { rest, state, display, evaluate, carrier, after, .. } = cloth;
+            let (verdict, weights) = match island {
+                Some(island) => (island.verdict(part), island.weights(part)),
+                None => Default::default(),
+            };
+            let Outcome { shown, .. } = display.settle(&verdict, state, weights, *carrier, *dt, evaluate);
+            replay.held |= shown == super::evaluate::Shown::Held;
+            replay.worst_edge = replay.worst_edge.max(spring::strain(&rest.springs, &state.positions).0);
+            let bits = |x: &Vec4| x.to_array().map(f32::to_bits);
+            for (now, then) in state.positions.iter().zip(&*after).filter(|(now, then)| bits(now) != bits(then)) {
+                replay.differ += 1;
+                replay.farthest = replay.farthest.max(now.truncate().distance(then.truncate()));
+            }
+            replay.differ += state.positions.len().abs_diff(after.len());
+        }
+        if let Some(island) = island {
+            island.respond();
+        }
+        replay
+    }
+}
+
+/// The cloths of a recording, as their island asks for them.
+struct Again<'a> {
+    cloths: &'a mut [RecordedCloth],
+    /// What stepping them did.
+    reports: Vec<(usize, StepReport)>,
+    /// Whether they were stepped.
+    after: bool,
+}
+
+impl Members for Again<'_> {
+    fn member(&mut self, part: usize) -> Option<Member<'_>> {
+        let RecordedCloth {
+            rest,
+            fabric,
+            stepping,
+            anchors,
+            gravity,
+            bodies,
+            wind,
+            state,
+            scratch,
+            display,
+            evaluate,
+            offsets,
+            moves,
+            clock,
+            fixed,
+            still,
+            contact,
+            at_load,
+            ..
+        } = self.cloths.get_mut(part)?;
+        let dt = if *moves { *clock } else { 0.0 };
+        let input = FrameInput { dt, gravity: *gravity, bodies, wind };
+        Some(Member {
+            cloth: Stepped { rest, fabric, anchors, input },
+            stepping,
+            state,
+            scratch,
+            offset: offsets[usize::from(self.after)],
+            moves: *moves,
+            clock: *clock,
+            fixed: *fixed,
+            still: *still,
+            contact: *contact,
+            at_load: *at_load && display.is_new(),
+            outcome: display.outcome(),
+            last_resort: evaluate.last_resort,
+        })
+    }
+
+    fn done(&mut self, part: usize, report: StepReport) {
+        self.reports.push((part, report));
+    }
+
+    fn pose(&mut self, part: usize, pose: &mut Vec<Vec3>) {
+        pose.clear();
+        match self.cloths.get(part) {
+            Some(cloth) if cloth.skinned => pose.extend_from_slice(&cloth.pose),
+            Some(cloth) => fit(&cloth.rest, &cloth.state.positions, pose),
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Recordings: a frame that was written to a file has the same bits when it is stepped again.
+
+use std::fs::File;
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy_drape::ClothParticles;
+use bevy_drape::prelude::*;
+use bevy_drape::solver::recording::{Recording, RecordingError};
+use drape_scenes::Tangle;
+
+use crate::common::*;
+use crate::snapshot::{Played, played};
+
+/// A folder that is empty and nobody else's.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("bevy_drape_record_{}_{name}", std::process::id()));
+    std::fs::remove_dir_all(&folder).ok();
+    folder
+}
+
+/// Records into an app that is under way.
+fn record(app: &mut App, folder: PathBuf) {
+    app.insert_resource(ClothRecorder { folder, most: 1000, ..default() });
+    let recorder = ClothRecorderPlugin;
+    recorder.build(app);
+    recorder.finish(app);
+}
+
+fn read(path: &PathBuf) -> Recording {
+    Recording::read(File::open(path).expect("a file")).expect("a recording")
+}
+
+fn ask(app: &mut App) {
+    let mut cloths = app.world_mut().query_filtered::<Entity, With<ClothParticles>>();
+    let cloths: Vec<Entity> = cloths.iter(app.world()).collect();
+    app.world_mut().resource_mut::<ClothRecorder>().next = cloths;
+}
+
+#[test]
+fn a_recorded_frame_has_the_same_bits_when_it_is_stepped_again() {
+    for (name, Played { mut app, happen }) in played() {
+        record(&mut app, folder(&name.replace(' ', "_")));
+        for frame in 0..140 {
+            happen(&mut app, frame);
+            if [1, 2, 5, 17, 40, 64, 70, 71, 90, 133].contains(&frame) {
+                ask(&mut app);
+            }
+            app.update();
+        }
+        let recorder = app.world().resource::<ClothRecorder>();
+        let least = if name == "asleep" { 1 } else { 8 };
+        assert!(recorder.written.len() >= least, "{name}: {} were written", recorder.written.len());
+        for path in &recorder.written {
+            let replay = read(path).replay();
+            assert_eq!((replay.differ, replay.recovered), (0, false), "{name}: {}: {replay:?}", path.display());
+        }
+        std::fs::remove_dir_all(&recorder.folder).ok();
+    }
+}
+
+#[test]
+fn a_frame_that_is_held_or_blows_up_is_recorded() {
+    let mut app = app();
+    record(&mut app, folder("held"));
+    for mesh in Tangle::FullCut.meshes(14) {
+        spawn(&mut app, mesh_of(&mesh), (Transform::from_xyz(0.0, 1.0, 0.0), ClothUntanglingDisabled));
+    }
+    let wild = spawn(&mut app, sheet(8), (border(), Transform::from_xyz(9.0, 0.0, 0.0)));
+    run(&mut app, 20);
+    app.world_mut().get_mut::<ClothParticles>(wild).expect("a cloth").state_mut().positions[50].y += 40.0;
+    run(&mut app, 20);
+    let recorder = app.world().resource::<ClothRecorder>();
+    let recordings: Vec<Recording> = recorder.written.iter().map(read).collect();
+    let of = |reason: &str| recordings.iter().find(|recording| recording.reason == reason).cloned();
+    let recovered = of("recovered").expect("it blew up").replay();
+    assert_eq!((recovered.differ, recovered.recovered), (0, true), "{recovered:?}");
+    if let Some(mut held) = of("held") {
+        let held = held.replay();
+        assert_eq!((held.differ, held.held), (0, true), "{held:?}");
+    }
+    std::fs::remove_dir_all(&recorder.folder).ok();
+}
+
+#[test]
+fn what_is_no_recording_is_refused() {
+    let error = Recording::read(&b"PK\x03\x04 something else"[..]).expect_err("another file");
+    assert!(matches!(error, RecordingError::Form), "{error}");
+    let error = Recording::read(&b"drape\0\0\x01\xff\xff"[..]).expect_err("damaged");
+    assert!(matches!(error, RecordingError::Damaged(_)), "{error}");
+    let error = Recording::read(&b"dr"[..]).expect_err("too short");
+    assert!(matches!(error, RecordingError::Io(_)), "{error}");
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_ends_recording_and_nothing_else() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(6), border());
+    let file = folder("file");
+    std::fs::write(&file, "in the way").expect("a file");
+    record(&mut app, file.join("below"));
+    ask(&mut app);
+    run(&mut app, 5);
+    ask(&mut app);
+    run(&mut app, 5);
+    let recorder = app.world().resource::<ClothRecorder>();
+    assert_eq!((recorder.written.len(), recorder.most), (0, 0));
+    assert!(finite(&app, cloth));
+    std::fs::remove_file(file).ok();
+}
