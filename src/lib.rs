@@ -34,13 +34,13 @@ pub mod lab;
 pub use components::{
     Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape, ClothCollision,
     ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
-    ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
-    ClothGravity, ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
-    ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
-    ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
-    ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
-    ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, PositionPredicate,
-    RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
+    ClothGravity, ClothHeld, ClothHit, ClothLimits, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit,
+    ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport,
+    ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus,
+    ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
+    ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
+    ClothWoke, NoClothCollision, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -63,13 +63,14 @@ pub mod prelude {
     pub use crate::{
         Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
         ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
-        ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity,
-        ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothParticles,
-        ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest,
-        ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot,
-        ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
-        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
-        ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
+        ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed, ClothGlobalWind, ClothGrab,
+        ClothGravity, ClothHeld, ClothHit, ClothLimits, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit,
+        ClothOnTargetLost, ClothPaint, ClothParticles, ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothQuery,
+        ClothReaction, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
+        ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost,
+        ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
+        ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke,
+        NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -13,6 +13,7 @@ use crate::schedule::{self, ClothSystems};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::evaluate::Pose;
 use crate::solver::recording::{RecordedCloth, Recording, RecordingError};
+use crate::solver::skinned::Skinned;
 use crate::systems::detect;
 use crate::time::{self, ClothTime};
 
@@ -164,6 +165,7 @@ fn record(
         gravity: inputs.gravity,
         bodies: inputs.bodies.clone(),
         wind: inputs.wind.clone(),
+        skinned: Some(inputs.skinned.clone()).filter(Skinned::is_active),
         state: particles.state.clone(),
         scratch: scratch.solver.clone(),
         display: particles.display.clone(),
@@ -171,7 +173,7 @@ fn record(
         recovery: particles.recovery.clone(),
         limits: inputs.limits,
         pose: inputs.pose(&rest.0, particles.origin).collect(),
-        skinned: inputs.skin.is_some(),
+        animated: inputs.skin.is_some(),
         unprepared: inputs.stale || scratch.fresh,
         carrier: Pose { translation, rotation: carrier.rotation },
         offsets: [offset; 2],

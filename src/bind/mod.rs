@@ -2,7 +2,9 @@
 
 mod anchors;
 mod cache;
+mod follow;
 mod instance;
+mod paint;
 mod placement;
 mod read;
 mod shapes;
@@ -11,6 +13,7 @@ mod surface;
 
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve, slew_weights};
 pub(crate) use cache::{RestCache, Sources};
+pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{corners, instance_of};
 pub(crate) use placement::{Placement, seen_from, uniform_scale};
 pub(crate) use read::{Authored, read, unreadable};

@@ -1,7 +1,7 @@
 //! A cloth whose mesh is skinned: pinned particles and the animated pose follow the joints.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::math::{Affine3A, DVec3};
+use bevy::math::{Affine3A, DVec3, Mat3};
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
@@ -52,8 +52,9 @@ impl Skin {
                 continue;
             }
             let sum: f32 = amount.iter().sum();
-            let known = index.iter().all(|&j| usize::from(j) < skin.joints.len());
-            if sum > 0.0 && sum.is_finite() && known {
+            // Where a weight is 0 exporters leave any index.
+            let known = |(&joint, weight): (&u16, f32)| weight == 0.0 || usize::from(joint) < skin.joints.len();
+            if sum > 0.0 && sum.is_finite() && index.iter().zip(amount.iter().copied()).all(known) {
                 skin.weights[particle as usize] = (index, amount.map(|w| w / sum));
             }
             skin.points[particle as usize] = point;
@@ -76,6 +77,19 @@ impl Skin {
             _ => Vec3::ZERO,
         };
         joints.iter().zip(weights).map(place).sum()
+    }
+
+    /// Direction of a normal of a particle, as the skin turns it; of any length. By cofactors, which do not ask for an inverse: skin that is pressed flat
+    /// has none.
+    pub fn turn(&self, matrices: &[Affine3A], particle: usize, normal: Vec3) -> Vec3 {
+        let Some((joints, weights)) = self.weights.get(particle) else { return normal };
+        let place = |(&joint, &weight): (&u16, &f32)| match matrices.get(usize::from(joint)) {
+            Some(matrix) if weight != 0.0 => Mat3::from(matrix.matrix3) * weight,
+            _ => Mat3::ZERO,
+        };
+        let Mat3 { x_axis: x, y_axis: y, z_axis: z } =
+            joints.iter().zip(weights).map(place).fold(Mat3::ZERO, |sum, matrix| sum + matrix);
+        y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z
     }
 }
 

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::coupling::Coupled;
 use super::slumber::Slumber;
-use crate::bind::{AnchorSets, Placement, Skin};
+use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
 use crate::components::{ClothDetail, ClothLod, ClothPins};
 use crate::solver::anchors::Anchors;
@@ -15,6 +15,7 @@ use crate::solver::island::UntangleSettings;
 use crate::solver::recover::Limits;
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
+use crate::solver::skinned::Skinned;
 use crate::solver::slew::Slew;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
@@ -53,6 +54,9 @@ pub(crate) struct ClothInputs {
     pub anchors: Anchors,
     pub sets: AnchorSets,
     pub skin: Option<Skin>,
+    /// What is asked of the skin, and what the solver is given of it.
+    pub followed: Followed,
+    pub skinned: Skinned,
     /// Skinning matrices in the frame of simulation.
     pub joints: Vec<Affine3A>,
     /// Where the cloth's own entity is.
@@ -75,7 +79,8 @@ pub(crate) struct ClothInputs {
 impl ClothInputs {
     /// Inputs of a frame in which the clock of the schedule moves by `dt` `[s]`.
     pub fn frame(&self, dt: f32) -> FrameInput<'_> {
-        FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind }
+        let skinned = Some(&self.skinned).filter(|skinned| skinned.is_active());
+        FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned }
     }
 
     /// Defaults for everything that the frame fills in.
@@ -108,6 +113,8 @@ impl ClothInputs {
             anchors,
             sets,
             skin,
+            followed: Followed::default(),
+            skinned: Skinned { backstop_radius: 1.0, scale: 1.0, radius, damping_ratio: 1.0, ..Skinned::default() },
             joints,
             placement,
             radius,
@@ -153,10 +160,49 @@ impl ClothInputs {
         }
     }
 
-    /// Puts the anchors where their targets are now, so that nothing is dragged there in the first frame.
-    pub fn settle(&mut self, origin: DVec3) {
+    /// Starts the frame of the skin where the last one ended, and ends it where the skin is now, as seen from `origin`.
+    pub fn follow(&mut self, rest: &RestShape, origin: DVec3) {
+        let mut skinned = core::mem::take(&mut self.skinned);
+        let Skinned { from, to, normals_from, normals_to, .. } = &mut skinned;
+        core::mem::swap(from, to);
+        core::mem::swap(normals_from, normals_to);
+        to.clear();
+        normals_to.clear();
+        if skinned.is_active() {
+            let Skinned { from, to, normals_from, normals_to, .. } = &mut skinned;
+            to.extend(self.pose(rest, origin));
+            normals_to.extend(self.followed.normals.iter().enumerate().map(|(i, &normal)| match &self.skin {
+                Some(skin) => skin.turn(&self.joints, i, normal).normalize_or_zero(),
+                None => self.placement.rotation * normal,
+            }));
+            if from.len() != to.len() {
+                from.clone_from(to);
+            }
+            if normals_from.len() != normals_to.len() {
+                normals_from.clone_from(normals_to);
+            }
+        }
+        self.skinned = skinned;
+    }
+
+    /// Puts anchors and targets where they are now, so that nothing is dragged there in the first frame.
+    pub fn settle(&mut self, rest: &RestShape, origin: DVec3) {
         self.aim(origin);
+        self.follow(rest, origin);
+        self.stay();
+    }
+
+    /// Begins the frame where it ends: nothing is dragged along.
+    pub fn stay(&mut self) {
         self.anchors.from.clone_from(&self.anchors.to);
+        let Skinned { from, to, normals_from, normals_to, .. } = &mut self.skinned;
+        from.clone_from(to);
+        normals_from.clone_from(normals_to);
+    }
+
+    /// Moves where anchors and targets were last, to be [swapped](Self::aim) in.
+    pub fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
+        self.anchors.to.iter_mut().chain(&mut self.skinned.to).for_each(|x| *x = motion(*x));
     }
 
     /// Lets go of the anchors whose sets were released.

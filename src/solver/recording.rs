@@ -15,6 +15,7 @@ use super::island::{Display, Island, Member, Members, UntangleSettings};
 use super::recover::{Limits, Recovery};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
+use super::skinned::Skinned;
 use super::state::ClothState;
 use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 use super::wind::Wind;
@@ -60,6 +61,8 @@ pub struct RecordedCloth {
     pub bodies: Vec<Body>,
     /// Wind.
     pub wind: Wind,
+    /// What its skin asks of it.
+    pub skinned: Option<Skinned>,
     /// Particles.
     pub state: ClothState,
     /// What the solver remembers.
@@ -75,7 +78,7 @@ pub struct RecordedCloth {
     /// The animated pose, or the shape at rest where its carrier is `[m]`.
     pub pose: Vec<Vec3>,
     /// Whether that is an animated one.
-    pub skinned: bool,
+    pub animated: bool,
     /// Whether the solver is to be prepared first.
     pub unprepared: bool,
     /// Where what carries it is.
@@ -171,9 +174,21 @@ impl Recording {
             Some(island) if *together => island.integrate(&mut stepped),
             _ => {
                 for (part, cloth) in stepped.cloths.iter_mut().enumerate().filter(|(_, cloth)| cloth.moves) {
-                    let RecordedCloth { rest, fabric, stepping, anchors, gravity, bodies, wind, state, scratch, clock, .. } =
-                        cloth;
-                    let input = FrameInput { dt: *clock, gravity: *gravity, bodies, wind };
+                    let RecordedCloth {
+                        rest,
+                        fabric,
+                        stepping,
+                        anchors,
+                        gravity,
+                        bodies,
+                        wind,
+                        skinned,
+                        state,
+                        scratch,
+                        clock,
+                        ..
+                    } = cloth;
+                    let input = FrameInput { dt: *clock, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
                     stepped.reports.push((part, step(rest, fabric, stepping, anchors, &input, state, scratch)));
                 }
             }
@@ -241,6 +256,7 @@ impl Members for Again<'_> {
             gravity,
             bodies,
             wind,
+            skinned,
             state,
             scratch,
             display,
@@ -255,7 +271,7 @@ impl Members for Again<'_> {
             ..
         } = self.cloths.get_mut(part)?;
         let dt = if *moves { *clock } else { 0.0 };
-        let input = FrameInput { dt, gravity: *gravity, bodies, wind };
+        let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
         Some(Member {
             cloth: Stepped { rest, fabric, anchors, input },
             stepping,
@@ -280,7 +296,7 @@ impl Members for Again<'_> {
     fn pose(&mut self, part: usize, pose: &mut Vec<Vec3>) {
         pose.clear();
         match self.cloths.get(part) {
-            Some(cloth) if cloth.skinned => pose.extend_from_slice(&cloth.pose),
+            Some(cloth) if cloth.animated => pose.extend_from_slice(&cloth.pose),
             Some(cloth) => fit(&cloth.rest, &cloth.state.positions, pose),
             None => {}
         }

@@ -13,12 +13,12 @@ use bevy::prelude::*;
 
 use super::release::take_apart;
 use crate::bind::{
-    AnchorSet, AnchorSets, Authored, Continuing, Placement, Resolved, RestCache, Skin, Sources, Surface, Transforms, corners,
-    instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
+    AnchorSet, AnchorSets, Asked, Authored, Continuing, Followed, Placement, Resolved, RestCache, Skin, Sources, Surface,
+    Transforms, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
-    Cloth, ClothBuildReport, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPinSet, ClothPins,
-    ClothReport, ClothSolver, ClothStatus, WaitingFor,
+    Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothMaterial,
+    ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
@@ -44,6 +44,8 @@ pub(crate) struct Bindable {
     build: &'static mut ClothBuildReport,
     error: Option<&'static ClothError>,
     material: Ref<'static, ClothMaterial>,
+    limits: Option<&'static ClothLimits>,
+    drive: Option<&'static ClothDrive>,
     solver: Ref<'static, ClothSolver>,
     waiting: Option<&'static mut WaitingSince>,
     skinned: Option<&'static SkinnedMesh>,
@@ -119,6 +121,9 @@ struct Made {
     known: Vec<Option<usize>>,
     skin: Option<Skin>,
     joints: Vec<Affine3A>,
+    followed: Followed,
+    /// What of the skin could not be used, and why.
+    unfollowed: Vec<(&'static str, String)>,
     surface: Surface,
     instance: Option<(Mesh, Option<(Vec3, Vec3)>)>,
     origin: DVec3,
@@ -140,6 +145,7 @@ fn bind_one(
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
         tell_of_pins(notices, cloth, &made.resolved);
+        tell_of_skin(notices, cloth, &made.unfollowed);
         record(commands, assembly, cloth, wanted, made);
         activate(commands, cloth);
     } else if let Some(inputs) = &mut cloth.inputs
@@ -165,6 +171,15 @@ fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved
             "cloth {} has pins that hold no vertex: a predicate sees positions in the space of the mesh, and weights have to be above 0",
             label(cloth.entity, cloth.name)
         );
+    }
+}
+
+/// Warns of maps that cannot be used: the cloth does without them.
+fn tell_of_skin(notices: &mut Notices, cloth: &BindableItem, unfollowed: &[(&'static str, String)]) {
+    for &(name, ref reason) in unfollowed {
+        if notices.first(cloth.entity, name) {
+            warn!("cloth {} does without `{name}`, whose map is to {reason}", label(cloth.entity, cloth.name));
+        }
     }
 }
 
@@ -207,7 +222,8 @@ fn news(assembly: &Assembly, cloth: &BindableItem) -> Change {
     let failed = cloth.error.is_some();
     let unstable = cloth.error.is_some_and(|e| e.kind == ClothErrorKind::Unstable);
     let tuned = unstable && (cloth.material.is_changed() || cloth.solver.is_changed());
-    let repinned = cloth.pins.is_changed();
+    let followed = cloth.inputs.as_ref().is_some_and(|inputs| inputs.followed.asked.is_of(cloth.limits, cloth.drive));
+    let repinned = cloth.pins.is_changed() || (cloth.inputs.is_some() && !followed);
     let arrived = assembly.sources.modified.contains(&source) || (failed && assembly.sources.added.contains(&source));
     if arrived || tuned || (failed && repinned) {
         Change::Mesh
@@ -242,8 +258,16 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         _ => placement.translation.as_dvec3(),
     };
     let joined = join(&cloth.pins, old.map(|o| &o.sets), &assembly.transforms, placement)?;
-    let (sets, known): (Vec<AnchorSet>, Vec<Option<usize>>) = joined.into_iter().unzip();
-    let resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
+    let (mut sets, mut known): (Vec<AnchorSet>, Vec<Option<usize>>) = joined.into_iter().unzip();
+    let mut resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
+    let mut unfollowed = Vec::new();
+    let asked = Asked::of(cloth.limits, cloth.drive);
+    let before = old.map(|old| &old.followed);
+    let followed = Followed::new(asked, mesh, &rest, &placement.bake, before, |name, reason| unfollowed.push((name, reason)));
+    if resolved.pin(followed.pinned(), sets.len()) {
+        known.push(old.and_then(|old| old.sets.sets.iter().position(|set| set.target.is_none())));
+        sets.push(AnchorSet::own(placement));
+    }
     let mut joints = last_joints(cloth, origin);
     let skin = match skinned {
         Some(skinned) => Skin::new(mesh, &authored, &rest, Skin::joints(skinned, bindposes(assembly, skinned)?)),
@@ -262,12 +286,42 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     };
     let mut report = ClothBuildReport::new(&built);
     report.bad_pins.clone_from(&resolved.bad_pins);
-    Ok(Made { rest, report, authored, resolved, sets, known, skin, joints, surface, instance, origin, continues })
+    Ok(Made {
+        rest,
+        report,
+        authored,
+        resolved,
+        sets,
+        known,
+        skin,
+        joints,
+        followed,
+        unfollowed,
+        surface,
+        instance,
+        origin,
+        continues,
+    })
 }
 
 /// Writes what was made to the entity.
 fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem, wanted: Wanted, made: Made) {
-    let Made { rest, report, authored, resolved, sets, known, skin, joints, surface, instance, origin, continues } = made;
+    let Made {
+        rest,
+        report,
+        authored,
+        resolved,
+        sets,
+        known,
+        skin,
+        joints,
+        followed,
+        unfollowed: _,
+        surface,
+        instance,
+        origin,
+        continues,
+    } = made;
     let placement = wanted.placement;
     if *cloth.build != report {
         debug!("{} is bound: {report:?}", label(cloth.entity, cloth.name));
@@ -287,6 +341,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
         inputs.pins.clone_from(&cloth.pins);
+        (inputs.followed, inputs.skinned.radius) = (followed, radius);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled);
         shown.surface = surface;
         shown.fit(vertices);
@@ -300,7 +355,9 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let mut inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
         inputs.pins.clone_from(&cloth.pins);
         inputs.active = !cloth.disabled;
-        inputs.settle(origin);
+        inputs.followed = followed;
+        inputs.followed.advance(0.0, &mut inputs.skinned);
+        inputs.settle(&rest, origin);
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };
         shown.fit(vertices);
@@ -376,7 +433,7 @@ fn rescale_about(particles: &mut ClothParticles, inputs: &mut ClothInputs, resca
     let (matrix, at) = (turn * rescale * turn.transpose(), placement.translation_from(particles.origin));
     let motion = |x: Vec3| matrix * (x - at) + at;
     particles.carry(motion);
-    inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
+    inputs.carry(motion);
     particles.display.reset();
 }
 

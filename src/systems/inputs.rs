@@ -5,9 +5,9 @@ use bevy::prelude::*;
 
 use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
 use crate::components::{
-    Cloth, ClothBuildReport, ClothCollisionLayers, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost,
-    ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothUntangling,
-    ClothWind, ClothWindZone, ClothWindZoneShape,
+    Cloth, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod,
+    ClothMaterial, ClothOnTargetLost, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothTargetLost, ClothTeleportMode,
+    ClothTeleported, ClothUntangling, ClothWind, ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
 use crate::schedule::ClothClock;
@@ -62,6 +62,7 @@ pub(crate) fn settings(
             &ClothUntangling,
             &ClothSkipFrame,
             Option<&ClothLod>,
+            (Option<&ClothLimits>, Option<&ClothDrive>),
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -71,7 +72,9 @@ pub(crate) fn settings(
     >,
     time: Res<ClothTime>,
 ) {
-    for (entity, name, material, solver, pins, untangle, skip, lod, own_wind, build, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, pins, untangle, skip, lod, (limits, drive), own_wind, build, mut inputs, mut report) in
+        &mut cloths
+    {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -87,6 +90,14 @@ pub(crate) fn settings(
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);
         inputs.evaluate = skip.settings(checked);
+        let scale = inputs.followed.scale;
+        let skinned = &mut inputs.skinned;
+        (skinned.backstop_radius, skinned.scale) = limits.map_or((scale, 1.0), |limits| {
+            let (radius, distances) = limits.checked(checked);
+            (radius * scale, distances)
+        });
+        skinned.damping_ratio = drive.map_or(1.0, |drive| drive.checked(checked));
+        inputs.followed.advance(dt, skinned);
         inputs.lod = lod.map(|lod| lod.checked(checked));
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
@@ -156,9 +167,10 @@ pub(crate) fn anchors(
             inputs.skin = Some(skin);
         }
         inputs.aim(particles.origin);
+        inputs.follow(&rest.0, particles.origin);
         if jump.is_some() && solver.teleport == ClothTeleportMode::Reset {
             particles.place(inputs.pose(&rest.0, particles.origin));
-            inputs.anchors.from.clone_from(&inputs.anchors.to);
+            inputs.stay();
         }
     }
 }
@@ -248,7 +260,9 @@ fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles, interpolates: 
 fn carry(jump: &Jump, inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     let motion = jump.motion(particles.origin);
     particles.carry(&motion);
-    inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
+    inputs.carry(&motion);
+    let turn = jump.to.rotation * jump.from.rotation.inverse();
+    inputs.skinned.normals_to.iter_mut().for_each(|normal| *normal = turn * *normal);
 }
 
 /// Whether the carrier jumped since the last frame: further than 1 m and three radii, or by more than 60 degrees, by default.
@@ -271,7 +285,7 @@ fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     let shift = first.round();
     particles.origin += shift.as_dvec3();
     particles.carry(|x| x - shift);
-    inputs.anchors.to.iter_mut().for_each(|x| *x -= shift);
+    inputs.carry(|x| x - shift);
     // A joint that is gone keeps its matrix.
     inputs.joints.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
 }

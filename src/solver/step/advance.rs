@@ -12,7 +12,7 @@ use crate::solver::state::ClothState;
 impl Stepped<'_> {
     /// A substep in one step: prediction, and all that holds the cloth together.
     pub(super) fn advance(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
-        let Self { rest, fabric, anchors, .. } = *self;
+        let Self { rest, fabric, anchors, input } = *self;
         let h = frame.h;
         self.predict(frame.forces(h, Self::motion(state, h), scratch.last_step(state)), state, scratch);
         state.substep = h;
@@ -22,8 +22,11 @@ impl Stepped<'_> {
         if fabric.restitution > 0.0 {
             scratch.inbound.extend(x.iter().zip(&*old).map(|(x, old)| *x - *old));
         }
-        let (_, s) = frame.span();
+        let (s0, s) = frame.span();
         anchor::solve(anchors, s, h, x);
+        if let Some(skinned) = input.skinned {
+            skinned.drive([s0, s], h, old, x);
+        }
         scratch.coupling.advance(h);
         scratch.coupling.place(anchors, s, x);
         scratch.pulls.solve(s, h, x);
@@ -34,7 +37,7 @@ impl Stepped<'_> {
         if frame.taut {
             self.tighten(frame, x, old, scratch);
         }
-        self.pull(h, s, self.input.gravity, scratch, x);
+        self.pull(h, s, input.gravity, scratch, x);
     }
 
     /// Tells bodies what the cloth did to pins on them in a step of `h` `[s]` that ended at the share `s` of the frame.

@@ -8,6 +8,7 @@ use crate::solver::body::{Approach, Sheet};
 use crate::solver::integrate::{air, bend, damp};
 use crate::solver::respond::CALM_PASSES;
 use crate::solver::settings::{MembraneModel, Stepping};
+use crate::solver::skinned::Skinned;
 use crate::solver::state::ClothState;
 
 /// Wind forces are evaluated at least this often `[Hz]`.
@@ -100,12 +101,13 @@ impl Stepped<'_> {
     /// Lists the particles and faces that may meet a body within `dt` `[s]`.
     fn gather_bodies(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, input } = *self;
+        let skin = input.skinned.map_or(0.0, Skinned::longest_way);
         let approach = Approach {
             dt,
             substep: state.substep,
             gravity: input.gravity,
             thickness: fabric.thickness,
-            extra: anchors.longest_way() + input.wind.fastest() * dt + scratch.pulls.reach(dt, &state.positions),
+            extra: anchors.longest_way().max(skin) + input.wind.fastest() * dt + scratch.pulls.reach(dt, &state.positions),
         };
         scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
         let sheet = Sheet {

@@ -27,6 +27,9 @@ impl Stepped<'_> {
             shorten(self, crowded, state, scratch, report.mean_edge);
             // Pins on bodies that cloth moves have a mass, and yet stay where they are.
             scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
+            if let Some(skinned) = self.input.skinned {
+                skinned.limit_silently(&mut state.positions, &mut state.previous);
+            }
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
         self.bear(scratch);

@@ -34,8 +34,12 @@ impl Stepped<'_> {
             if k == 1 && fabric.restitution > 0.0 {
                 scratch.inbound.extend(x.iter().zip(&state.previous).map(|(x, old)| (*x - *old) * steps));
             }
-            let s = s0 + (s1 - s0) * k as f32 / steps;
+            let at = |k: u32| s0 + (s1 - s0) * k as f32 / steps;
+            let s = at(k);
             anchor::solve_rigid(anchors, s, x);
+            if let Some(skinned) = input.skinned {
+                skinned.drive([at(k - 1), s], step, &state.previous, x);
+            }
             scratch.coupling.place(anchors, s, x);
             scratch.pulls.solve(s, step, x);
             scratch.bends.solve(&rest.bends, step, x);

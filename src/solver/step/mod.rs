@@ -4,8 +4,8 @@
 //! begin ─► (constrain ─► project)* ─► finish
 //!
 //! begin      count substeps · damp · list what is near of bodies · judge how far it is stretched
-//! constrain  wind · predict · pins · bends · bounds on lengths · springs or triangles · what pins do to bodies
-//! project    keep the cloth out of bodies
+//! constrain  wind · predict · pins · drive · bends · bounds on lengths · springs or triangles · what pins do to bodies
+//! project    keep the cloth out of bodies, and within the limits of the skin
 //! finish     air · slow what is stuck · shorten what is overlong · is it calm?
 //! ```
 
@@ -41,6 +41,7 @@ use super::anchors::Anchors;
 use super::body::Body;
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
+use super::skinned::Skinned;
 use super::state::ClothState;
 use super::wind::Wind;
 
@@ -87,6 +88,8 @@ pub struct FrameInput<'a> {
     pub bodies: &'a [Body],
     /// Wind at the cloth, in the frame of simulation.
     pub wind: &'a Wind,
+    /// What the skin asks of it, if it has one that does.
+    pub skinned: Option<&'a Skinned>,
 }
 
 /// What one frame did.

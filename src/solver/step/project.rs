@@ -1,4 +1,4 @@
-//! The second half of a substep: bodies, and how far tethers give way to them.
+//! The second half of a substep: bodies, limits of the skin, and how far tethers give way to them.
 
 use glam::Vec4;
 
@@ -25,7 +25,7 @@ impl Stepped<'_> {
         faces.lay(&mut grounds, &mut state.positions, &state.previous, laid);
     }
 
-    /// Ends the substep: keeps the cloth out of bodies.
+    /// Ends the substep: keeps the cloth out of bodies, and within the limits of its skin.
     pub fn project(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(frame) = &mut scratch.frame else { return };
         let (s0, s1) = frame.span();
@@ -35,6 +35,9 @@ impl Stepped<'_> {
         frame.report.body_contacts =
             scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        if let Some(skinned) = self.input.skinned {
+            skinned.limit([s0, s1], x, old);
+        }
         // Without a fast body once a frame is enough.
         if scratch.driven || s1 == 1.0 {
             let since = if scratch.driven { frame.h } else { frame.dt };
