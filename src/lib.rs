@@ -28,6 +28,7 @@ mod time;
 #[cfg(feature = "debug")]
 pub mod debug;
 mod diagnostics;
+pub mod character;
 pub mod solver;
 pub mod lab;
 
