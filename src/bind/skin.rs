@@ -1,13 +1,13 @@
 //! A cloth whose mesh is skinned: pinned particles and the animated pose follow the joints.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::math::{Affine3A, DVec3, Mat3};
+use bevy::math::{Affine3A, DVec3, Mat3, Vec4};
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
 use super::Authored;
-use super::placement::seen_from;
+use super::placement::{Placement, seen_from, uniform_scale};
 use crate::solver::rest::RestShape;
 
 /// Joints and weights of every particle.
@@ -19,6 +19,10 @@ pub(crate) struct Skin {
     weights: Vec<([u16; 4], [f32; 4])>,
     /// Positions of the particles in the space of the mesh `[m]`.
     points: Vec<Vec3>,
+    /// The joints that carry the cloth as a whole, with weights that sum to one: those of its pins, or of all of it.
+    carriers: Vec<(u16, f32)>,
+    /// Middle of what they carry `[m]`, in the space of the mesh.
+    center: Vec3,
 }
 
 /// Transforms of joints and targets; disabled ones still hold.
@@ -39,8 +43,13 @@ impl Skin {
             return None;
         };
         let particles = rest.positions.len();
-        let mut skin =
-            Self { joints, weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles], points: vec![Vec3::ZERO; particles] };
+        let mut skin = Self {
+            joints,
+            weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles],
+            points: vec![Vec3::ZERO; particles],
+            carriers: Vec::new(),
+            center: Vec3::ZERO,
+        };
         // Backwards, so that of welded vertices the first one counts; isolated ones never do.
         let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
         for (v, &particle) in rest.particle_of_vertex.iter().enumerate().rev() {
@@ -60,6 +69,47 @@ impl Skin {
             skin.points[particle as usize] = point;
         }
         Some(skin)
+    }
+
+    /// Finds the joints that carry the cloth as a whole: by the weights of the particles that are `pinned`, or of all where none is.
+    pub fn find_carriers(&mut self, pinned: &[u32]) {
+        let all: Vec<u32> = if pinned.is_empty() { (0..self.points.len() as u32).collect() } else { pinned.to_vec() };
+        let mut sums = vec![0.0f32; self.joints.len()];
+        let mut center = Vec3::ZERO;
+        for &particle in &all {
+            let (joints, weights) = self.weights[particle as usize];
+            for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+                sums[usize::from(joint)] += weight;
+            }
+            center += self.points[particle as usize];
+        }
+        let count = all.len().max(1) as f32;
+        let carriers = (0..).zip(&sums).filter(|(_, sum)| **sum > 0.0).map(|(joint, sum)| (joint, *sum / count));
+        (self.carriers, self.center) = (carriers.collect(), center / count);
+    }
+
+    /// Where the skin is as a whole: as its [carriers](Self::find_carriers) turn it, in their mean, and move the middle of what they carry. Its scale is
+    /// even. None where a joint is gone, flat or not finite.
+    pub fn placement(&self, transforms: &Transforms) -> Option<Placement> {
+        let (mut turn, mut scale, mut at) = (Vec4::ZERO, 0.0, Vec3::ZERO);
+        for &(joint, weight) in &self.carriers {
+            let (joint, inverse_bind) = self.joints.get(usize::from(joint))?;
+            let affine = transforms.get(*joint).ok()?.affine() * *inverse_bind;
+            let placement = Placement::of(&affine)?;
+            let rotation = Vec4::from(placement.rotation);
+            // Of the two quaternions of a rotation the one on the same side.
+            turn += rotation * if rotation.dot(turn) < 0.0 { -weight } else { weight };
+            scale += uniform_scale(&placement.bake) * weight;
+            at += affine.transform_point3(self.center) * weight;
+        }
+        let rotation = Quat::from_vec4(turn.try_normalize()?);
+        let translation = at - rotation * (scale * self.center);
+        Some(Placement { rotation, translation, bake: Mat3::from_diagonal(Vec3::splat(scale)) })
+    }
+
+    /// Middle of what carries the cloth `[m]`, in the space of the mesh.
+    pub fn center(&self) -> Vec3 {
+        self.center
     }
 
     /// Skinning matrices as seen from `origin`; a joint that is gone or not finite keeps its last one. False if there was none yet.

@@ -59,8 +59,10 @@ pub(crate) struct ClothInputs {
     pub skinned: Skinned,
     /// Skinning matrices in the frame of simulation.
     pub joints: Vec<Affine3A>,
-    /// Where the cloth's own entity is.
+    /// Where the cloth's own entity or its skin is.
     pub placement: Placement,
+    /// Middle of what carries the skin `[m]`, as [`Self::placement`] sees it: how far that went is how far the carrier did.
+    pub center: Vec3,
     /// Radius of the ball around the shape at rest `[m]`.
     pub radius: f32,
     pub bodies: Vec<Body>,
@@ -117,6 +119,7 @@ impl ClothInputs {
             skinned: Skinned { backstop_radius: 1.0, scale: 1.0, radius, damping_ratio: 1.0, ..Skinned::default() },
             joints,
             placement,
+            center: Vec3::ZERO,
             radius,
             bodies: Vec::new(),
             body_entities: Vec::new(),

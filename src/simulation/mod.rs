@@ -16,7 +16,7 @@ mod slumber;
 
 pub(crate) use air::{WorldAir, reaches};
 pub(crate) use binding::{Binding, Change, TakenSkin, WaitingSince};
-pub(crate) use bodies::{LEAST_JUMP, NEAR, WorldBodies, WorldBody, WorldRigid, is_near, jumped};
+pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldBody, WorldRigid, is_near, jumped};
 pub(crate) use inputs::ClothInputs;
 pub use particles::ClothParticles;
 pub use rest::ClothRest;

@@ -26,7 +26,7 @@ use crate::simulation::{
 };
 use crate::solver::island::Display;
 use crate::solver::recover::Recovery;
-use crate::solver::rest::RestShape;
+use crate::solver::rest::{RestError, RestShape};
 use crate::solver::state::ClothState;
 
 /// A cloth, bound or not.
@@ -112,6 +112,8 @@ struct Wanted {
 
 /// Everything that binding makes, before anything is written.
 struct Made {
+    /// Where the cloth's own entity or its skin is.
+    placement: Placement,
     rest: Arc<RestShape>,
     report: ClothBuildReport,
     authored: Authored,
@@ -199,10 +201,12 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
     };
     let skinned = cloth.skinned.cloned().or_else(|| cloth.taken.map(TakenSkin::skin));
     let placement = match &skinned {
-        Some(skinned) => match (skin_placement(assembly, skinned), &cloth.inputs) {
+        Some(skinned) => match &cloth.inputs {
             // A joint that is gone or broken is where it was last.
-            (Err(_), Some(inputs)) if cloth.skinned.is_none() => inputs.placement,
-            (placement, _) => placement?,
+            Some(inputs) if cloth.skinned.is_none() => {
+                inputs.skin.as_ref().and_then(|skin| skin.placement(&assembly.transforms)).unwrap_or(inputs.placement)
+            }
+            _ => skin_placement(assembly, skinned)?,
         },
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Scale))?,
     };
@@ -246,10 +250,11 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     }
     let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(WaitingFor::Asset))?;
     let authored = read(mesh)?;
-    let (rest, built) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(|error| ClothError {
+    let bad_mesh = |error: RestError| ClothError {
         kind: ClothErrorKind::BadMesh,
         detail: format!("{error}: check the mesh in the program it was made with"),
-    })?;
+    };
+    let (mut rest, built) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(bad_mesh)?;
     let frozen = cloth.particles.as_ref().is_none_or(|p| p.recovery.is_frozen());
     let continues = cloth.error.is_none() && !frozen && cloth.rest.is_some_and(|old| same_topology(&old.0, &rest));
     let old = cloth.inputs.as_ref().filter(|_| continues);
@@ -269,7 +274,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         sets.push(AnchorSet::own(placement));
     }
     let mut joints = last_joints(cloth, origin);
-    let skin = match skinned {
+    let mut skin = match skinned {
         Some(skinned) => Skin::new(mesh, &authored, &rest, Skin::joints(skinned, bindposes(assembly, skinned)?)),
         None => None,
     };
@@ -277,6 +282,15 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         && !skin.matrices(&assembly.transforms, origin, &mut joints)
     {
         return Err(Obstacle::Wait(WaitingFor::Skin));
+    }
+    let mut placement = *placement;
+    if let Some(skin) = &mut skin {
+        skin.find_carriers(&resolved.particles);
+        let bake = placement.bake;
+        placement = skin.placement(&assembly.transforms).unwrap_or(placement);
+        if !placement.fits(&bake) {
+            (rest, _) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(bad_mesh)?;
+        }
     }
     let surface = Surface::new(mesh, &authored);
     let instance = if *change == Change::Mesh {
@@ -287,6 +301,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     let mut report = ClothBuildReport::new(&built);
     report.bad_pins.clone_from(&resolved.bad_pins);
     Ok(Made {
+        placement,
         rest,
         report,
         authored,
@@ -307,6 +322,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
 /// Writes what was made to the entity.
 fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem, wanted: Wanted, made: Made) {
     let Made {
+        placement,
         rest,
         report,
         authored,
@@ -322,7 +338,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         origin,
         continues,
     } = made;
-    let placement = wanted.placement;
+    let center = skin.as_ref().map_or(Vec3::ZERO, |skin| placement.bake * skin.center());
     if *cloth.build != report {
         debug!("{} is bound: {report:?}", label(cloth.entity, cloth.name));
         *cloth.build = report;
@@ -341,7 +357,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
         inputs.pins.clone_from(&cloth.pins);
-        (inputs.followed, inputs.skinned.radius) = (followed, radius);
+        (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled);
         shown.surface = surface;
         shown.fit(vertices);
@@ -355,7 +371,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let mut inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
         inputs.pins.clone_from(&cloth.pins);
         inputs.active = !cloth.disabled;
-        inputs.followed = followed;
+        (inputs.followed, inputs.center) = (followed, center);
         inputs.followed.advance(0.0, &mut inputs.skinned);
         inputs.settle(&rest, origin);
         let particles = start(&rest, &inputs, origin);
@@ -369,7 +385,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
     }
     cloth.report.pinned = pinned;
     if let Some((instance, bounds)) = instance {
-        give_instance(&mut entity, assembly, cloth, wanted, instance, bounds);
+        give_instance(&mut entity, assembly, cloth, wanted, placement.bake, instance, bounds);
     }
 }
 
@@ -379,6 +395,7 @@ fn give_instance(
     assembly: &mut Assembly,
     cloth: &mut BindableItem,
     wanted: Wanted,
+    bake: Mat3,
     instance: Mesh,
     bounds: Option<(Vec3, Vec3)>,
 ) {
@@ -397,7 +414,6 @@ fn give_instance(
         let bounds = cloth.skinned_bounds || cloth.taken.is_some_and(|taken| taken.bounds);
         entity.try_insert(TakenSkin { inverse_bindposes, joints, bounds });
     }
-    let bake = wanted.placement.bake;
     entity.try_insert(Binding { source: wanted.source, instance: Some(handle), bake, own_bounds, pending: Change::None });
     entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
     entity.try_insert(NoAutoAabb);
@@ -475,7 +491,7 @@ fn bindposes<'a>(assembly: &'a Assembly, skinned: &SkinnedMesh) -> Result<&'a Sk
     bindposes.ok_or(Obstacle::Wait(WaitingFor::Skin))
 }
 
-/// A skinned cloth is where its first joint takes it; its scale is that of the joint, and even.
+/// Where the first joint of a skin takes it, before anything is known of its weights; its scale is that of the joint, and even.
 fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placement, Obstacle> {
     let missing = Obstacle::Wait(WaitingFor::Skin);
     let (Some(&joint), Some(inverse_bind)) = (skinned.joints.first(), bindposes(assembly, skinned)?.first()) else {

@@ -11,7 +11,9 @@ use crate::components::{
 };
 use crate::notices::{Notices, label};
 use crate::schedule::ClothClock;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
+use crate::simulation::{
+    ClothInputs, ClothParticles, ClothRest, TELEPORT_SPEED, TELEPORT_SPIN, WorldAir, WorldBodies, WorldBody, reaches,
+};
 use crate::solver::body::{Body, Pose};
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
@@ -130,6 +132,7 @@ pub(crate) fn settings(
 /// Moves what carries the cloth: its anchors, and after a jump the cloth itself.
 pub(crate) fn anchors(
     mut commands: Commands,
+    time: Res<ClothTime>,
     clock: Res<ClothClock>,
     transforms: Transforms,
     mut cloths: Query<
@@ -137,6 +140,7 @@ pub(crate) fn anchors(
         With<Cloth>,
     >,
 ) {
+    let dt = time.delta_secs();
     for (entity, rest, solver, pins, mut inputs, mut particles, mut report) in &mut cloths {
         let (inputs, particles) = (&mut *inputs, &mut *particles);
         if !inputs.active || (inputs.time_scale == 0.0 && !inputs.carried) {
@@ -154,7 +158,7 @@ pub(crate) fn anchors(
         if inputs.carried {
             continue;
         }
-        let jump = jump(inputs, particles, solver);
+        let jump = jump(inputs, particles, solver, dt);
         if let Some(jump) = &jump {
             if solver.teleport == ClothTeleportMode::Keep {
                 carry(jump, inputs, particles);
@@ -265,15 +269,19 @@ fn carry(jump: &Jump, inputs: &mut ClothInputs, particles: &mut ClothParticles) 
     inputs.skinned.normals_to.iter_mut().for_each(|normal| *normal = turn * *normal);
 }
 
-/// Whether the carrier jumped since the last frame: further than 1 m and three radii, or by more than 60 degrees, by default.
-fn jump(inputs: &ClothInputs, particles: &mut ClothParticles, solver: &ClothSolver) -> Option<Jump> {
+/// Whether the carrier jumped in the last `dt` `[s]`: far and fast. Further than 1 m and three radii, or by more than 60 degrees, by default; and faster than
+/// anything that moves legally, since a frame may be long.
+fn jump(inputs: &ClothInputs, particles: &mut ClothParticles, solver: &ClothSolver, dt: f32) -> Option<Jump> {
     let to = inputs.carrier();
     let from = particles.carrier.replace(to)?;
     let (least, turn) = inputs.teleport;
-    let distance = from.translation.distance(to.translation);
+    let middle = |at: &Isometry3d| Vec3::from(at.translation) + at.rotation * inputs.center;
+    let distance = middle(&from).distance(middle(&to));
     let angle = from.rotation.angle_between(to.rotation);
-    let far = !(distance <= least.max(3.0 * inputs.radius)) || !(angle <= turn);
-    (far && solver.teleport != ClothTeleportMode::None).then_some(Jump { from, to, distance, angle })
+    // Written so that what is not a number is a jump.
+    let far = !(distance <= least.max(3.0 * inputs.radius).max(TELEPORT_SPEED * dt));
+    let turned = !(angle <= turn.max(TELEPORT_SPIN * dt));
+    ((far || turned) && solver.teleport != ClothTeleportMode::None).then_some(Jump { from, to, distance, angle })
 }
 
 /// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
