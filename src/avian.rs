@@ -152,6 +152,7 @@ pub(crate) fn colliders(
         let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
         world.bodies.push(WorldBody {
             entity,
+            character: None,
             shape: shape.clone(),
             from,
             to,

@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep, sources, sync,
-    touch,
+    bind, carriers, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep,
+    sources, sync, touch,
 };
 use crate::time;
 
@@ -138,7 +138,7 @@ impl Plugin for ClothPlugin {
                         inputs::settings,
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
-                        inputs::anchors,
+                        (carriers::travel, carriers::inertia, carriers::aim).chain(),
                         grab::grabs,
                         sleep::watch,
                         inputs::surroundings,

@@ -107,6 +107,12 @@ impl Skin {
         Some(Placement { rotation, translation, bake: Mat3::from_diagonal(Vec3::splat(scale)) })
     }
 
+    /// The joint that carries most of the cloth.
+    pub fn main_joint(&self) -> Option<Entity> {
+        let most = self.carriers.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        self.joints.get(usize::from(most.0)).map(|(joint, _)| *joint)
+    }
+
     /// Middle of what carries the cloth `[m]`, in the space of the mesh.
     pub fn center(&self) -> Vec3 {
         self.center

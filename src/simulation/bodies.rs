@@ -17,6 +17,8 @@ pub(crate) const NEAR: f32 = 0.02;
 /// A body in the world in this frame.
 pub(crate) struct WorldBody {
     pub entity: Entity,
+    /// The character it belongs to.
+    pub character: Option<Entity>,
     pub shape: SharedShape,
     pub from: Isometry3d,
     pub to: Isometry3d,

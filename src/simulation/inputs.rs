@@ -4,6 +4,7 @@ use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
 use super::coupling::Coupled;
+use super::motion::Motion;
 use super::slumber::Slumber;
 use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
@@ -42,6 +43,12 @@ pub(crate) struct ClothInputs {
     pub carried: bool,
     /// Whether it was carried anywhere in this frame.
     pub rode: bool,
+    /// The character it belongs to.
+    pub character: Option<Entity>,
+    /// How its carrier moved in this frame, unless it jumped; whether it did; and what the cloth was carried along with, unfelt.
+    pub journey: Option<Motion>,
+    pub jumped: bool,
+    pub carried_by: Option<Motion>,
     /// Level of detail, if it has any.
     pub lod: Option<ClothLod>,
     /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
@@ -107,6 +114,10 @@ impl ClothInputs {
             time_scale: 1.0,
             carried: false,
             rode: false,
+            character: None,
+            journey: None,
+            jumped: false,
+            carried_by: None,
             lod: None,
             by_distance: ClothDetail::Full,
             unseen_for: 0.0,

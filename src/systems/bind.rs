@@ -435,6 +435,7 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
         recovery,
         display: Display::default(),
         carrier: Some(inputs.carrier()),
+        space: None,
         disturbed: false,
     }
 }

@@ -2,9 +2,12 @@
 
 use bevy::prelude::*;
 
+use super::carriers::character_of;
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::body::{ColliderBody, Stage};
-use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
+use crate::components::{
+    ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit,
+};
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{WorldBodies, WorldBody, jumped};
 use crate::solver::body::shape;
@@ -101,6 +104,8 @@ pub(crate) fn poses(
     time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     mut notices: ResMut<Notices>,
+    parents: Query<&ChildOf>,
+    characters: Query<(), With<ClothCharacter>>,
     mut colliders: Query<(
         Entity,
         Option<&Name>,
@@ -132,7 +137,19 @@ pub(crate) fn poses(
         let from = body.pose.filter(|from| !jumped(from, &to, body.reach, dt)).unwrap_or(to);
         body.pose = Some(to);
         let layers = layers.copied().unwrap_or_default();
-        bodies.push(WorldBody { entity, shape, from, to, layers, margin, static_friction, dynamic_friction, rigid: None });
+        let character = character_of(entity, &parents, &characters);
+        bodies.push(WorldBody {
+            entity,
+            character,
+            shape,
+            from,
+            to,
+            layers,
+            margin,
+            static_friction,
+            dynamic_friction,
+            rigid: None,
+        });
     }
     bodies.sort_unstable_by_key(|body| body.entity);
 }
