@@ -22,6 +22,7 @@ mod pins;
 mod query;
 mod record;
 mod rest;
+mod skinned;
 mod sleep;
 mod snapshot;
 mod presets;
