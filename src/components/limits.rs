@@ -33,11 +33,20 @@ pub struct ClothLimits {
     /// What the maximum distance is multiplied by (dimensionless). Default 1, range 0 to 10. At 0 the cloth is its skin; below 1 vertices without a
     /// maximum distance have the radius of the cloth for one.
     pub scale: f32,
+    /// Whether places on the skin are taken out of bodies before they limit, and before they drive. Default true. Skins pass through legs; without, cloth
+    /// is held where the legs are.
+    pub avoid_bodies: bool,
 }
 
 impl Default for ClothLimits {
     fn default() -> Self {
-        Self { max_distance: ClothMap::Off, backstop_distance: ClothMap::Off, backstop_radius: 1.0, scale: 1.0 }
+        Self {
+            max_distance: ClothMap::Off,
+            backstop_distance: ClothMap::Off,
+            backstop_radius: 1.0,
+            scale: 1.0,
+            avoid_bodies: true,
+        }
     }
 }
 

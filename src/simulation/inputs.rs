@@ -64,6 +64,8 @@ pub(crate) struct ClothInputs {
     /// What is asked of the skin, and what the solver is given of it.
     pub followed: Followed,
     pub skinned: Skinned,
+    /// Whether places on the skin are taken out of bodies.
+    pub avoids_bodies: bool,
     /// Skinning matrices in the frame of simulation.
     pub joints: Vec<Affine3A>,
     /// Where the cloth's own entity or its skin is.
@@ -127,7 +129,8 @@ impl ClothInputs {
             sets,
             skin,
             followed: Followed::default(),
-            skinned: Skinned { backstop_radius: 1.0, scale: 1.0, radius, damping_ratio: 1.0, ..Skinned::default() },
+            avoids_bodies: true,
+            skinned: Skinned::of_radius(radius),
             joints,
             placement,
             center: Vec3::ZERO,

@@ -90,6 +90,7 @@ pub(crate) fn settings(
             let (radius, distances) = limits.checked(checked);
             (radius * scale, distances)
         });
+        inputs.avoids_bodies = limits.is_none_or(|limits| limits.avoid_bodies);
         skinned.damping_ratio = drive.map_or(1.0, |drive| drive.checked(checked));
         inputs.followed.advance(dt, skinned);
         inputs.lod = lod.map(|lod| lod.checked(checked));
@@ -164,6 +165,7 @@ pub(crate) fn surroundings(
         (Entity, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
         With<Cloth>,
     >,
+    mut planes: Local<Vec<Vec4>>,
 ) {
     for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
         if inputs.asleep || inputs.carried {
@@ -199,7 +201,11 @@ pub(crate) fn surroundings(
             margin: body.margin,
             // Its place in the world's list, until `couple` makes a slot of it.
             rigid: body.rigid,
+            bone: character.is_some() && body.character == character,
         }));
+        if inputs.avoids_bodies && inputs.skinned.is_active() {
+            inputs.skinned.avoid(&inputs.bodies, inputs.fabric.thickness, time.delta_secs() * inputs.time_scale, &mut planes);
+        }
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
         inputs.wind.origin = origin;
         inputs.wind.zones.clear();

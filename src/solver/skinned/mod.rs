@@ -9,6 +9,7 @@
 //! `q` and `n` are the place and the normal that the skin gives a particle. They move within the frame, so that no substep sees a jump.
 //! Limits act on positions before speeds are taken, so that what they stop has no speed outwards. The names are those of Jolt's skinned constraints.
 
+mod avoid;
 mod drive;
 mod limit;
 
@@ -46,9 +47,18 @@ pub struct Skinned {
     pub frequency: Vec<f32>,
     /// Damping of that spring over critical damping (dimensionless).
     pub damping_ratio: f32,
+    /// Where the skin itself is at the end of the frame, and from there to the targets `[m]`, while they are taken out of bodies.
+    pub(super) skin: Vec<Vec3>,
+    pub(super) way_out: Vec<Vec3>,
 }
 
 impl Skinned {
+    /// Nothing that is asked of a cloth of that radius `[m]`.
+    #[must_use]
+    pub fn of_radius(radius: f32) -> Self {
+        Self { backstop_radius: 1.0, scale: 1.0, radius, damping_ratio: 1.0, ..Self::default() }
+    }
+
     /// Whether it does anything.
     #[must_use]
     pub fn is_active(&self) -> bool {

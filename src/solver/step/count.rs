@@ -9,6 +9,8 @@ use crate::solver::state::ClothState;
 
 /// Most times as many substeps a cloth takes while a body comes through (dimensionless).
 pub(super) const MOST_DRIVEN: f32 = 8.0;
+/// The same of a bone of the character that wears it: the cloth goes along with the rest of the body, and every runner would cost as much.
+const MOST_DRIVEN_BY_BONES: f32 = 2.0;
 /// Way of the body in a substep that needs no more, in thicknesses (dimensionless). Say that it is three, and a ball of 0.1 m
 /// goes through the middle of a hanging sheet at 5 m/s. It is there before the pull is, and edges around it get many times as
 /// long.
@@ -48,6 +50,9 @@ impl Stepped<'_> {
         let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
         // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
         let haste = |body: &Body| {
+            if body.bone {
+                return body.haste_of_bone(mean, count as f32);
+            }
             let free = DRIVEN * fabric.thickness;
             let most = if mass(body).is_finite() { free.max(self.most_pressed()) } else { free };
             (body.to.translation - body.from.translation - mean).length() / (count as f32 * most)
@@ -60,7 +65,10 @@ impl Stepped<'_> {
         let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
         let (low, high) = (low.min(low + mean) - fabric.thickness, high.max(high + mean) + fabric.thickness);
         for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| drives(body)) {
-            let (finite, times) = (mass(body).is_finite(), haste(body).min(MOST_DRIVEN).ceil() as u32);
+            let (finite, times) = (
+                mass(body).is_finite(),
+                haste(body).min(if body.bone { MOST_DRIVEN_BY_BONES } else { MOST_DRIVEN }).ceil() as u32,
+            );
             // What cloth is to stop finds it in small steps already.
             if body.sweeps(low, high) || (finite && scratch.contacts.is_near(index)) {
                 let most = if finite { &mut borne } else { &mut driven };
