@@ -10,6 +10,9 @@ use super::Authored;
 use super::placement::{Placement, seen_from, uniform_scale};
 use crate::solver::rest::RestShape;
 
+/// Volume, over that of a box of the same sides, below which skin is pressed flat (dimensionless): its inverse would throw what it carries.
+const FLAT: f32 = 0.1;
+
 /// Joints and weights of every particle.
 #[derive(Clone, Debug)]
 pub(crate) struct Skin {
@@ -105,6 +108,24 @@ impl Skin {
         let rotation = Quat::from_vec4(turn.try_normalize()?);
         let translation = at - rotation * (scale * self.center);
         Some(Placement { rotation, translation, bake: Mat3::from_diagonal(Vec3::splat(scale)) })
+    }
+
+    /// How the skin moved at a particle, from one set of matrices to another. None where it is pressed flat, or was.
+    pub fn motion(&self, [from, to]: [&[Affine3A]; 2], particle: usize) -> Option<Affine3A> {
+        let (joints, weights) = self.weights.get(particle)?;
+        let blend = |matrices: &[Affine3A]| {
+            let mut sum = Affine3A::ZERO;
+            for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+                let matrix = matrices.get(usize::from(joint))?;
+                sum.matrix3 += matrix.matrix3 * weight;
+                sum.translation += matrix.translation * weight;
+            }
+            Some(sum)
+        };
+        let (from, to) = (blend(from)?, blend(to)?);
+        let (volume, sides) = (from.matrix3.determinant(), from.matrix3);
+        let usual = sides.x_axis.length() * sides.y_axis.length() * sides.z_axis.length();
+        (volume.abs() > FLAT * usual).then(|| to * from.inverse())
     }
 
     /// The joint that carries most of the cloth.

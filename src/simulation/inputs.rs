@@ -66,8 +66,9 @@ pub(crate) struct ClothInputs {
     pub skinned: Skinned,
     /// Whether places on the skin are taken out of bodies.
     pub avoids_bodies: bool,
-    /// Skinning matrices in the frame of simulation.
+    /// Skinning matrices in the frame of simulation, and those of the frame before.
     pub joints: Vec<Affine3A>,
+    pub joints_before: Vec<Affine3A>,
     /// Where the cloth's own entity or its skin is.
     pub placement: Placement,
     /// Middle of what carries the skin `[m]`, as [`Self::placement`] sees it: how far that went is how far the carrier did.
@@ -132,6 +133,7 @@ impl ClothInputs {
             avoids_bodies: true,
             skinned: Skinned::of_radius(radius),
             joints,
+            joints_before: Vec::new(),
             placement,
             center: Vec3::ZERO,
             radius,

@@ -218,6 +218,7 @@ pub(crate) fn aim(
         }
         rebase(inputs, particles);
         if let Some(skin) = inputs.skin.take() {
+            inputs.joints_before.clone_from(&inputs.joints);
             skin.matrices(&transforms, particles.origin, &mut inputs.joints);
             inputs.skin = Some(skin);
         }
