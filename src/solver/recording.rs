@@ -124,7 +124,7 @@ pub struct Replay {
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// It begins otherwise.
-    #[error("it is no recording of this version of bevy_drape: record the frame again")]
+    #[error("it is no recording of this version: record the frame again")]
     Form,
     /// What follows is damaged.
     #[error("the recording is damaged: {0}")]
