@@ -33,15 +33,15 @@ pub mod solver;
 pub mod lab;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape, ClothCollision,
-    ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
-    ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
-    ClothGravity, ClothHeld, ClothHit, ClothLimits, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit,
-    ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport,
-    ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus,
-    ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
-    ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
-    ClothWoke, NoClothCollision, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
+    Cloth, ClothBody, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape,
+    ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted,
+    ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed,
+    ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothLimits, ClothLod, ClothMap, ClothMaterial,
+    ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet, ClothPins, ClothReaction,
+    ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept,
+    ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled,
+    ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone,
+    ClothWindZoneShape, ClothWoke, NoClothCollision, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -62,7 +62,7 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
+        Cloth, ClothBody, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
         ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
         ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed, ClothGlobalWind, ClothGrab,
         ClothGravity, ClothHeld, ClothHit, ClothLimits, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit,

@@ -4,6 +4,7 @@ pub(crate) mod body;
 pub(crate) mod checked;
 pub(crate) mod grip;
 
+mod character;
 mod cloth;
 mod collider;
 mod collision;
@@ -27,6 +28,7 @@ mod touch;
 mod untangle;
 mod wind;
 
+pub use character::ClothBody;
 pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
