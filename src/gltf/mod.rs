@@ -92,9 +92,8 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
-    skins: Skins,
+    nodes: Nodes,
     assets: Res<Assets<Mesh>>,
-    parents: Query<&ChildOf>,
     roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
 ) {
@@ -104,7 +103,7 @@ pub(crate) fn nodes(
         if node.cloth.is_none() && node.collider.is_none() && problems.is_empty() {
             continue;
         }
-        let file = file_of(entity, &parents, &roots);
+        let file = file_of(entity, &nodes.parents, &roots);
         let primitives: Vec<Entity> = if meshes.contains(entity) {
             vec![entity]
         } else {
@@ -140,7 +139,7 @@ pub(crate) fn nodes(
             Some(ColliderExtras { fit: ColliderFit::Skeleton, friction }) => {
                 let body = ClothBody::default();
                 let body = friction.map_or(body, |friction| body.with_friction(friction));
-                let bodies = skins.bodies(entity, &parents);
+                let bodies = nodes.bodies_below(entity);
                 if bodies.is_empty() {
                     let what = "is `skeleton` and needs a skinned mesh, which is no cloth, at the node or below it: \
                                 export the mesh with its armature, or choose another shape";
@@ -167,24 +166,25 @@ pub(crate) fn nodes(
     }
 }
 
-/// Skinned meshes of a file.
+/// Nodes and the skinned meshes among them.
 #[derive(SystemParam)]
-pub(crate) struct Skins<'w, 's> {
-    skinned: Query<'w, 's, (), With<SkinnedMesh>>,
+pub(crate) struct Nodes<'w, 's> {
+    parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
     extras: Query<'w, 's, &'static GltfExtras>,
+    skinned: Query<'w, 's, (), With<SkinnedMesh>>,
 }
 
-impl Skins<'_, '_> {
-    /// Those at a node or below it that are no cloth.
-    fn bodies(&self, node: Entity, parents: &Query<&ChildOf>) -> Vec<Entity> {
+impl Nodes<'_, '_> {
+    /// Skinned meshes at a node or below it that are no cloth.
+    fn bodies_below(&self, node: Entity) -> Vec<Entity> {
         let all = core::iter::once(node).chain(self.children.iter_descendants(node));
-        all.filter(|&entity| self.skinned.contains(entity) && !self.is_cloth(entity, parents)).collect()
+        all.filter(|&entity| self.skinned.contains(entity) && !self.is_cloth(entity)).collect()
     }
 
     /// Whether a mesh is to be a cloth, by the extras of its own or of its node.
-    fn is_cloth(&self, mesh: Entity, parents: &Query<&ChildOf>) -> bool {
-        let node = parents.get(mesh).ok().map(ChildOf::parent);
+    fn is_cloth(&self, mesh: Entity) -> bool {
+        let node = self.parents.get(mesh).ok().map(ChildOf::parent);
         let is_cloth = |entity| {
             let extras = self.extras.get(entity).ok();
             // Its problems are told with its own node.

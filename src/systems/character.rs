@@ -305,8 +305,8 @@ impl Anatomy<'_, '_> {
         }
         let up = |entity: Entity| self.joints.get(entity).ok()?.1.map(ChildOf::parent);
         let parent = |&joint: &Entity| {
-            let above = std::iter::successors(up(joint), |&entity| up(entity)).take(MOST_BETWEEN);
-            above.filter_map(|entity| index.get(&entity).copied()).next()
+            let mut above = std::iter::successors(up(joint), |&entity| up(entity)).take(MOST_BETWEEN);
+            above.find_map(|entity| index.get(&entity).copied())
         };
         joints.iter().map(parent).collect()
     }
