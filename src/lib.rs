@@ -33,7 +33,7 @@ pub mod solver;
 pub mod lab;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape,
+    Cloth, ClothBody, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape,
     ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted,
     ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed,
     ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap,
@@ -63,7 +63,7 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
+        Cloth, ClothBody, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
         ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
         ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed, ClothGlobalWind, ClothGrab,
         ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap, ClothMaterial, ClothMembrane,

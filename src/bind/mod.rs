@@ -1,7 +1,8 @@
-//! From a mesh asset to a rest shape: read, bake the scale, share, pin.
+//! From a mesh asset to a rest shape: read, bake the scale, share, pin. And from meshes to shapes of colliders.
 
 mod anchors;
 mod cache;
+mod character;
 mod follow;
 mod instance;
 mod paint;
@@ -13,6 +14,7 @@ mod surface;
 
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve, slew_weights};
 pub(crate) use cache::{RestCache, Sources};
+pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
 pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{corners, instance_of};
 pub(crate) use placement::{Placement, seen_from, uniform_scale};

@@ -9,6 +9,7 @@ mod cloth;
 mod collider;
 mod collision;
 mod coupling;
+mod fitted;
 mod grab;
 mod hit;
 mod layers;
@@ -29,6 +30,7 @@ mod untangle;
 mod wind;
 
 pub use character::{ClothCharacter, ClothInertia};
+pub use fitted::ClothBody;
 pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;

@@ -47,8 +47,17 @@ pub(crate) enum MaterialExtras {
 /// The `collider` key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ColliderExtras {
-    pub fit: ClothMeshFit,
+    pub fit: ColliderFit,
     pub friction: Option<f32>,
+}
+
+/// What a collider is fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ColliderFit {
+    /// The mesh of the node.
+    Mesh(ClothMeshFit),
+    /// The bones of every skinned mesh at or below the node.
+    Skeleton,
 }
 
 /// Extras of a scene.
@@ -218,17 +227,18 @@ fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<ClothPinSelect> {
 fn collider(value: &Value, problems: &mut Vec<Problem>) -> Option<ColliderExtras> {
     let shape = |value: &Value, key: &str, problems: &mut Vec<Problem>| {
         let fit = match value.as_str().map(str::to_ascii_lowercase).as_deref() {
-            Some("ball") => Some(ClothMeshFit::Ball),
-            Some("capsule") => Some(ClothMeshFit::Capsule),
-            Some("cuboid") => Some(ClothMeshFit::Cuboid),
-            Some("convex") => Some(ClothMeshFit::ConvexHull),
-            Some("trimesh") => Some(ClothMeshFit::TriMesh),
-            Some("plane") => Some(ClothMeshFit::HalfSpace),
+            Some("ball") => Some(ColliderFit::Mesh(ClothMeshFit::Ball)),
+            Some("capsule") => Some(ColliderFit::Mesh(ClothMeshFit::Capsule)),
+            Some("cuboid") => Some(ColliderFit::Mesh(ClothMeshFit::Cuboid)),
+            Some("convex") => Some(ColliderFit::Mesh(ClothMeshFit::ConvexHull)),
+            Some("trimesh") => Some(ColliderFit::Mesh(ClothMeshFit::TriMesh)),
+            Some("plane") => Some(ColliderFit::Mesh(ClothMeshFit::HalfSpace)),
+            Some("skeleton") => Some(ColliderFit::Skeleton),
             _ => None,
         };
         if fit.is_none() {
             let given = value.as_str().map_or_else(|| kind(value).to_string(), |s| format!("`{}`", shortened(s)));
-            let known = "ball, capsule, cuboid, convex, trimesh, plane";
+            let known = "ball, capsule, cuboid, convex, trimesh, plane, skeleton";
             problems.push(Problem::new(key, format!("is {given}: it must be one of {known}")));
         }
         fit
@@ -320,7 +330,7 @@ mod tests {
             substep_rate: Some(600.0),
         };
         assert_eq!(node.cloth, Some(expected));
-        assert_eq!(node.collider, Some(ColliderExtras { fit: ClothMeshFit::Capsule, friction: Some(0.1) }));
+        assert_eq!(node.collider, Some(ColliderExtras { fit: ColliderFit::Mesh(ClothMeshFit::Capsule), friction: Some(0.1) }));
         assert!(problems.is_empty(), "{problems:?}");
     }
 
@@ -338,6 +348,13 @@ mod tests {
         assert_eq!(pin(r#"{"cloth": {"pin": "_PIN"}}"#), Some(ClothPinSelect::Attribute("_PIN".into())));
         assert_eq!(pin(r#"{"cloth": {"pin": "color.g"}}"#), Some(ClothPinSelect::Color(ClothColorChannel::G)));
         assert_eq!(pin(r#"{"cloth": 1, "cloth.pin": [7]}"#), Some(ClothPinSelect::Vertices(vec![7])));
+    }
+
+    #[test]
+    fn a_skeleton_is_a_collider_with_or_without_friction() {
+        let of = |text: &str| read(text).0.collider.map(|collider| (collider.fit, collider.friction));
+        assert_eq!(of(r#"{"collider": "Skeleton"}"#), Some((ColliderFit::Skeleton, None)));
+        assert_eq!(of(r#"{"collider": {"shape": "skeleton", "friction": 0.2}}"#), Some((ColliderFit::Skeleton, Some(0.2))));
     }
 
     #[test]

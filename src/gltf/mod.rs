@@ -12,12 +12,15 @@
 //! | `cloth.layer` | integer, higher lies outside where cloths cross |
 //! | `cloth.thickness` | metres |
 //! | `cloth.substep_rate` | Hz |
-//! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, or `{"shape": …, "friction": …}` |
+//! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
 //!
 //! | scene extras | value |
 //! |---|---|
 //! | `gravity` | `[x, y, z]` `[m/s²]` |
 //! | `wind` | `[x, y, z]` `[m/s]` |
+//!
+//! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a character, or on
+//! its armature.
 //!
 //! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
 //!
@@ -33,18 +36,20 @@
 
 mod extras;
 
+use bevy::ecs::system::SystemParam;
 use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
-    Cloth, ClothCollider, ClothColliderShape, ClothCollision, ClothGlobalWind, ClothGravity, ClothMaterial, ClothMeshFit,
-    ClothPinSelect, ClothPins, ClothSolver,
+    Cloth, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothGlobalWind, ClothGravity, ClothMaterial,
+    ClothMeshFit, ClothPinSelect, ClothPins, ClothSolver,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
-use extras::{ClothExtras, MaterialExtras, Problem};
+use extras::{ClothExtras, ColliderExtras, ColliderFit, MaterialExtras, Problem};
 
 /// The systems, for `plugin.rs` to order: before anything is bound.
 pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::system::ScheduleSystem> {
@@ -87,8 +92,8 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
+    nodes: Nodes,
     assets: Res<Assets<Mesh>>,
-    parents: Query<&ChildOf>,
     roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
 ) {
@@ -98,17 +103,18 @@ pub(crate) fn nodes(
         if node.cloth.is_none() && node.collider.is_none() && problems.is_empty() {
             continue;
         }
-        let file = file_of(entity, &parents, &roots);
+        let file = file_of(entity, &nodes.parents, &roots);
         let primitives: Vec<Entity> = if meshes.contains(entity) {
             vec![entity]
         } else {
             children.into_iter().flatten().copied().filter(|child| meshes.contains(*child)).collect()
         };
-        let lone_plane = node.collider.as_ref().is_some_and(|c| c.fit == ClothMeshFit::HalfSpace);
+        let fit = node.collider.as_ref().map(|collider| collider.fit);
+        let lone_plane = fit == Some(ColliderFit::Mesh(ClothMeshFit::HalfSpace));
         if primitives.is_empty() && node.cloth.is_some() {
             problems.push(Problem::new("cloth", "needs a mesh on the node"));
         }
-        if primitives.is_empty() && node.collider.is_some() && !lone_plane {
+        if primitives.is_empty() && matches!(fit, Some(ColliderFit::Mesh(_))) && !lone_plane {
             problems.push(Problem::new("collider", "needs a mesh on the node to be fitted to"));
         }
         if let Some(cloth) = &node.cloth {
@@ -128,19 +134,63 @@ pub(crate) fn nodes(
                 make_cloth(&mut commands, primitive, cloth, &file, server.as_deref(), &mut problems);
             }
         }
-        if let Some(collider) = &node.collider {
-            let shape = ClothColliderShape::Mesh(collider.fit);
-            let mut component = ClothCollider::new(shape);
-            if let Some(friction) = collider.friction {
-                component = component.with_friction(friction);
+        match node.collider {
+            None => {}
+            Some(ColliderExtras { fit: ColliderFit::Skeleton, friction }) => {
+                let body = ClothBody::default();
+                let body = friction.map_or(body, |friction| body.with_friction(friction));
+                let bodies = nodes.bodies_below(entity);
+                if bodies.is_empty() {
+                    let what = "is `skeleton` and needs a skinned mesh, which is no cloth, at the node or below it: \
+                                export the mesh with its armature, or choose another shape";
+                    problems.push(Problem::new("collider", what));
+                }
+                for bearer in bodies {
+                    commands.entity(bearer).try_insert(body);
+                }
             }
-            let bearers = if lone_plane { std::slice::from_ref(&entity) } else { &primitives[..] };
-            for &bearer in bearers {
-                commands.entity(bearer).try_insert(component.clone());
+            Some(ColliderExtras { fit: ColliderFit::Mesh(fit), friction }) => {
+                let collider = ClothCollider::new(ClothColliderShape::Mesh(fit));
+                let collider = match friction {
+                    Some(friction) => collider.with_friction(friction),
+                    None => collider,
+                };
+                let bearers = if lone_plane { std::slice::from_ref(&entity) } else { &primitives[..] };
+                for &bearer in bearers {
+                    commands.entity(bearer).try_insert(collider.clone());
+                }
             }
         }
         let node_name = name.map_or_else(|| entity.to_string(), |n| format!("`{n}`"));
         warn_all(&file, &format!("node {node_name}"), &problems);
+    }
+}
+
+/// Nodes and the skinned meshes among them.
+#[derive(SystemParam)]
+pub(crate) struct Nodes<'w, 's> {
+    parents: Query<'w, 's, &'static ChildOf>,
+    children: Query<'w, 's, &'static Children>,
+    extras: Query<'w, 's, &'static GltfExtras>,
+    skinned: Query<'w, 's, (), With<SkinnedMesh>>,
+}
+
+impl Nodes<'_, '_> {
+    /// Skinned meshes at a node or below it that are no cloth.
+    fn bodies_below(&self, node: Entity) -> Vec<Entity> {
+        let all = core::iter::once(node).chain(self.children.iter_descendants(node));
+        all.filter(|&entity| self.skinned.contains(entity) && !self.is_cloth(entity)).collect()
+    }
+
+    /// Whether a mesh is to be a cloth, by the extras of its own or of its node.
+    fn is_cloth(&self, mesh: Entity) -> bool {
+        let node = self.parents.get(mesh).ok().map(ChildOf::parent);
+        let is_cloth = |entity| {
+            let extras = self.extras.get(entity).ok();
+            // Its problems are told with its own node.
+            extras.is_some_and(|extras| extras::node(&extras.value, &mut Vec::new()).cloth.is_some())
+        };
+        core::iter::once(mesh).chain(node).any(is_cloth)
     }
 }
 

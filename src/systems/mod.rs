@@ -2,6 +2,7 @@
 
 pub(crate) mod bind;
 pub(crate) mod carriers;
+pub(crate) mod character;
 pub(crate) mod colliders;
 pub(crate) mod couple;
 pub(crate) mod detect;

@@ -218,3 +218,93 @@ fn pins_by_index_without_normals_and_meshes_in_several_pieces_are_told_of() {
     assert!(["two.gltf", "`Curtain`", "2 primitives"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }
+
+/// A glTF of a character: an armature with the extras above a body of two primitives, a thigh and a calf, and a skirt on the same skin.
+fn write_character(path: &std::path::Path, extras: &str) {
+    const COUNT: usize = 21 * 16;
+    let mut bytes = Vec::new();
+    for part in 0..2 {
+        for i in 0..COUNT {
+            let (ring, turn) = (i / 16, (i % 16) as f32 / 16.0 * core::f32::consts::TAU);
+            let x = 0.5 * (part as f32 + ring as f32 / 20.0);
+            bytes.extend([x, 0.1 * turn.cos(), 0.1 * turn.sin()].into_iter().flat_map(f32::to_le_bytes));
+        }
+    }
+    for part in 0..2_u16 {
+        bytes.extend([part, 0, 0, 0].repeat(COUNT).into_iter().flat_map(u16::to_le_bytes));
+    }
+    bytes.extend([1.0_f32, 0.0, 0.0, 0.0].repeat(COUNT).into_iter().flat_map(f32::to_le_bytes));
+    for matrix in [Mat4::IDENTITY, Mat4::from_translation(Vec3::X * -0.5)] {
+        bytes.extend(matrix.to_cols_array().into_iter().flat_map(f32::to_le_bytes));
+    }
+    let (points, joints, weights) = (12 * COUNT, 8 * COUNT, 16 * COUNT);
+    let (first_joint, first_weight) = (2 * points, 2 * points + 2 * joints);
+    let first_bind = first_weight + weights;
+    let primitive =
+        |part: usize| format!(r#"{{"attributes": {{"POSITION": {part}, "JOINTS_0": {}, "WEIGHTS_0": 4}}}}"#, 2 + part);
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+        "nodes": [
+            {{"name": "Armature", "children": [1, 2, 3], "extras": {extras}}},
+            {{"name": "Body", "mesh": 0, "skin": 0}},
+            {{"name": "Skirt", "mesh": 1, "skin": 0, "extras": {{"cloth": true}}}},
+            {{"name": "thigh", "children": [4]}},
+            {{"name": "calf", "translation": [0.5, 0, 0]}}],
+        "skins": [{{"joints": [3, 4], "inverseBindMatrices": 5}}],
+        "meshes": [{{"primitives": [{thigh}, {calf}]}}, {{"primitives": [{thigh}]}}],
+        "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": {COUNT}, "type": "VEC3", "min": [0, -0.1, -0.1], "max": [0.5, 0.1, 0.1]}},
+            {{"bufferView": 1, "componentType": 5126, "count": {COUNT}, "type": "VEC3", "min": [0.5, -0.1, -0.1], "max": [1, 0.1, 0.1]}},
+            {{"bufferView": 2, "componentType": 5123, "count": {COUNT}, "type": "VEC4"}},
+            {{"bufferView": 3, "componentType": 5123, "count": {COUNT}, "type": "VEC4"}},
+            {{"bufferView": 4, "componentType": 5126, "count": {COUNT}, "type": "VEC4"}},
+            {{"bufferView": 5, "componentType": 5126, "count": 2, "type": "MAT4"}}],
+        "bufferViews": [
+            {{"buffer": 0, "byteOffset": 0, "byteLength": {points}}},
+            {{"buffer": 0, "byteOffset": {points}, "byteLength": {points}}},
+            {{"buffer": 0, "byteOffset": {first_joint}, "byteLength": {joints}}},
+            {{"buffer": 0, "byteOffset": {second_joint}, "byteLength": {joints}}},
+            {{"buffer": 0, "byteOffset": {first_weight}, "byteLength": {weights}}},
+            {{"buffer": 0, "byteOffset": {first_bind}, "byteLength": 128}}],
+        "buffers": [{{"byteLength": {length}, "uri": "data:application/octet-stream;base64,{data}"}}]}}"#,
+        thigh = primitive(0),
+        calf = primitive(1),
+        second_joint = first_joint + joints,
+        length = bytes.len(),
+        data = base64(&bytes),
+    );
+    std::fs::write(path, text).expect("a file");
+}
+
+#[test]
+fn a_skeleton_is_one_set_of_colliders_for_all_skinned_meshes_below_its_node_that_are_no_cloth() {
+    let folder = folder("skeleton");
+    write_character(&folder.join("leg.gltf"), r#"{"collider": {"shape": "skeleton", "friction": 0.25}}"#);
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "leg.gltf");
+        run(app, 20);
+        let mut bodies = app.world_mut().query::<(&ClothBody, Has<Cloth>)>();
+        let bodies: Vec<_> = bodies.iter(app.world()).map(|(body, is_cloth)| (*body, is_cloth)).collect();
+        assert_eq!(bodies, [(ClothBody::default().with_friction(0.25), false); 2]);
+        let mut colliders = app.world_mut().query_filtered::<&Name, With<ClothCollider>>();
+        let mut names: Vec<String> = colliders.iter(app.world()).map(ToString::to_string).collect();
+        names.sort();
+        assert_eq!(names, ["calf collider", "thigh collider"]);
+    });
+    assert!(!lines.iter().any(|line| line.contains("leg.gltf")), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn a_skeleton_without_a_skinned_mesh_is_told_of() {
+    let folder = folder("skinless");
+    write_gltf(&folder.join("rock.gltf"), &[node("Rock", r#"{"collider": "skeleton"}"#)], "{}");
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "rock.gltf");
+        run(app, 20);
+    });
+    let lines: Vec<_> = lines.iter().filter(|line| line.contains("rock.gltf")).collect();
+    let words = ["`Rock`", "`collider`", "skinned mesh"];
+    assert!(lines.len() == 1 && words.iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
