@@ -4,7 +4,7 @@ mod anchors;
 mod cache;
 mod follow;
 mod instance;
-mod paint;
+pub(crate) mod paint;
 mod placement;
 mod read;
 mod shapes;
