@@ -48,7 +48,7 @@ pub(crate) fn apply(
 }
 
 fn give(commands: &mut Commands, entity: Entity, preset: &ClothPreset, overrides: PresetOverrides) {
-    let ClothPreset { material, solver, collision, untangle, skip_frame, wind } = preset.clone();
+    let ClothPreset { material, solver, collision, untangle, skip_frame, limits, drive, wind } = preset.clone();
     let mut entity = commands.entity(entity);
     let thickness = overrides.thickness.unwrap_or(material.thickness);
     entity.try_insert(ClothMaterial { thickness, ..material });
@@ -66,6 +66,12 @@ fn give(commands: &mut Commands, entity: Entity, preset: &ClothPreset, overrides
     }
     if let Some(skip_frame) = skip_frame {
         entity.try_insert(skip_frame);
+    }
+    if let Some(limits) = limits {
+        entity.try_insert(limits);
+    }
+    if let Some(drive) = drive {
+        entity.try_insert(drive);
     }
     if let Some(wind) = wind {
         entity.try_insert(ClothWind(wind));
