@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep,
-    sources, sync, touch,
+    bind, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond,
+    sleep, sources, sync, touch,
 };
 use crate::time;
 

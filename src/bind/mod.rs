@@ -5,7 +5,7 @@ mod cache;
 mod character;
 mod follow;
 mod instance;
-mod paint;
+pub(crate) mod paint;
 mod placement;
 mod read;
 mod shapes;

@@ -6,7 +6,7 @@ use super::ClothColorChannel;
 
 /// A number for each vertex of a cloth, in the unit of the setting that it is for.
 #[derive(Clone, Debug, Default, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothMap {
@@ -28,13 +28,14 @@ pub enum ClothMap {
 
 /// Where a painted number is in a mesh.
 #[derive(Clone, Debug, PartialEq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothPaint {
     /// A channel of the vertex colour.
     Color(ClothColorChannel),
-    /// The first component of a float attribute of that name, such as `"_CLOTH_MAXDIST"` in a glTF.
+    /// A float attribute of that name, such as `"_CLOTH_MAXDIST"` in a glTF. Of one with several components the first, or the one that is named
+    /// behind a dot: `"_CLOTH_PAINT.g"` is the second of `r`, `g`, `b`, `a`.
     Attribute(String),
 }
 
@@ -51,7 +52,7 @@ impl ClothMap {
         Self::Painted { paint: ClothPaint::Color(channel), low, high }
     }
 
-    /// A float attribute of the mesh, from `low` where it is 0 to `high` where it is 1.
+    /// A float attribute of the mesh, or one of its components such as `"_CLOTH_PAINT.g"`, from `low` where it is 0 to `high` where it is 1.
     #[must_use]
     pub fn attribute(name: impl Into<String>, low: f32, high: f32) -> Self {
         Self::Painted { paint: ClothPaint::Attribute(name.into()), low, high }

@@ -30,11 +30,11 @@ mod untangle;
 mod wind;
 
 pub use character::{ClothCharacter, ClothInertia};
-pub use fitted::ClothBody;
 pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
 pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
+pub use fitted::ClothBody;
 pub use grab::ClothGrab;
 pub use hit::ClothHit;
 pub use layers::ClothCollisionLayers;
