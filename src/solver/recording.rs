@@ -12,7 +12,7 @@ use super::evaluate::{EvaluateSettings, Outcome, Pose};
 use super::fit::fit;
 use super::integrate::spring;
 use super::island::{Display, Island, Member, Members, UntangleSettings};
-use super::recover::{Limits, Recovery};
+use super::recover::{Level, Limits, Recovery};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
 use super::skinned::Skinned;
@@ -21,7 +21,14 @@ use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 use super::wind::Wind;
 
 /// What files of this form begin with: the name and the number of the form. Another number is another form.
-const MAGIC: &[u8; 8] = b"drape\0\0\x01";
+const MAGIC: &[u8; 8] = b"drape\0\0\x02";
+/// The version that wrote a file stands in it: what is recorded is private, and changes.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// FNV-1a (Fowler, Noll, Vo 1991) of 64 bits.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
 
 /// A frame of cloths that were stepped together: what they were before it, what they were given, and where they were after it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -127,11 +134,17 @@ pub enum RecordingError {
     #[error("it is no recording of this version: record the frame again")]
     Form,
     /// What follows is damaged.
-    #[error("the recording is damaged: {0}")]
+    #[error("the recording is damaged ({0}): record the frame again")]
     Damaged(String),
     /// It cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
+}
+
+impl RecordingError {
+    fn cut() -> Self {
+        Self::Damaged("its checksum does not fit".into())
+    }
 }
 
 impl Recording {
@@ -140,27 +153,34 @@ impl Recording {
     /// # Errors
     /// [`RecordingError::Io`] when `to` takes no more.
     pub fn write(&self, mut to: impl Write) -> Result<(), RecordingError> {
+        let mut body = Vec::new();
+        ciborium::into_writer(&(VERSION, self), &mut body).map_err(|error| RecordingError::Damaged(error.to_string()))?;
         to.write_all(MAGIC)?;
-        ciborium::into_writer(self, to).map_err(|error| match error {
-            ciborium::ser::Error::Io(error) => RecordingError::Io(error),
-            ciborium::ser::Error::Value(what) => RecordingError::Damaged(what),
-        })
+        to.write_all(&checksum(&body).to_le_bytes())?;
+        to.write_all(&body)?;
+        Ok(to.flush()?)
     }
 
-    /// Reads what [`Self::write`] wrote.
+    /// Reads what [`Self::write`] wrote. Nothing that was changed on the way is read: what is in a file is trusted by the solver.
     ///
     /// # Errors
     /// [`RecordingError`] when it is something else, damaged, or cannot be read.
     pub fn read(mut from: impl Read) -> Result<Self, RecordingError> {
-        let mut magic = [0; MAGIC.len()];
-        from.read_exact(&mut magic)?;
-        if &magic != MAGIC {
+        let mut bytes = Vec::new();
+        from.read_to_end(&mut bytes)?;
+        let sum_and_body = bytes.strip_prefix(MAGIC).ok_or(RecordingError::Form)?;
+        let (sum, body) = sum_and_body.split_first_chunk::<8>().ok_or_else(RecordingError::cut)?;
+        if u64::from_le_bytes(*sum) != checksum(body) {
+            return Err(RecordingError::cut());
+        }
+        let damaged = |error: ciborium::de::Error<io::Error>| RecordingError::Damaged(error.to_string());
+        // The version stands first: what follows is read only if it is the same.
+        let mut rest = body;
+        let (version, recording): (String, ciborium::Value) = ciborium::from_reader(&mut rest).map_err(damaged)?;
+        if version != VERSION {
             return Err(RecordingError::Form);
         }
-        ciborium::from_reader(from).map_err(|error| match error {
-            ciborium::de::Error::Io(error) => RecordingError::Io(error),
-            other => RecordingError::Damaged(other.to_string()),
-        })
+        recording.deserialized().map_err(|error| RecordingError::Damaged(error.to_string()))
     }
 
     /// Steps the frame again.
@@ -195,9 +215,12 @@ impl Recording {
         }
         let mut replay = Replay::default();
         for (part, report) in core::mem::take(&mut stepped.reports) {
-            let RecordedCloth { state, scratch, recovery, limits, pose, .. } = &mut stepped.cloths[part];
-            if recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)).is_some() {
+            let RecordedCloth { state, scratch, display, recovery, limits, pose, .. } = &mut stepped.cloths[part];
+            if let Some((level, _)) = recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)) {
                 *scratch = Scratch::default();
+                if level != Level::LastGood {
+                    display.reset();
+                }
                 replay.recovered = true;
             }
         }
