@@ -123,6 +123,8 @@ fn app(arguments: &Arguments) -> Result<App, String> {
     for name in custom_attributes(&bytes) {
         gltf = bevy_drape::gltf::pin_attribute(gltf, name);
     }
+    // Last: `_CLOTH_PAINT` is a colour and no single float.
+    gltf = bevy_drape::gltf::cloth_attributes(gltf);
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,

@@ -6,15 +6,15 @@ mod stage;
 
 use bevy::gltf::{GltfAssetLabel, GltfPlugin};
 use bevy::prelude::*;
-use bevy_drape::gltf::pin_attribute;
+use bevy_drape::gltf::cloth_attributes;
 use bevy_drape::prelude::*;
 use stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 fn main() -> AppExit {
     Stage::new("gltf")
         .camera(OrbitCamera::around(Vec3::new(0.5, 0.9, 0.0), 5.0).from(0.35, 0.18))
-        // The one line for pins that are a custom attribute of the mesh.
-        .plugins(|plugins| plugins.set(pin_attribute(GltfPlugin::default(), "_PIN")))
+        // The one line for pins and maps that are custom attributes of the mesh.
+        .plugins(|plugins| plugins.set(cloth_attributes(GltfPlugin::default())))
         .ready_when(|cloths: Query<(), With<Cloth>>| cloths.iter().len() == 2)
         .report(report)
         .build()

@@ -362,7 +362,7 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     };
     let start = Instant::now();
     scene.steer(dt);
-    let input = FrameInput { dt, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind };
+    let input = FrameInput { dt, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind, skinned: None };
     // Equal shares, five for each thread: larger ones leave a thread idle at the end.
     let share = scene.cloths.len().div_ceil(5 * (pool.thread_num() + 1));
     pool.scope(|scope| {

@@ -112,12 +112,14 @@ type Meets = (Without<ClothCollider>, Without<Sensor>, Without<ColliderDisabled>
 /// Adds the colliders of avian's bodies to the bodies that cloth meets.
 pub(crate) fn colliders(
     mut commands: Commands,
+    time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     default_friction: Option<Res<DefaultFriction>>,
     bodies: Query<Option<&Friction>, (With<RigidBody>, Without<RigidBodyDisabled>, Without<NoClothCollision>)>,
     mut notices: ResMut<Notices>,
     mut colliders: Query<Colliders, Meets>,
 ) {
+    let dt = time.delta_secs();
     for (entity, name, collider, of, global, layers, own_layers, friction, margin, body) in &mut colliders {
         let Some(mut body) = body else {
             commands.entity(entity).try_insert(ColliderBody::default());
@@ -145,11 +147,12 @@ pub(crate) fn colliders(
             continue;
         }
         let to = Isometry3d::new(translation, rotation.normalize());
-        let from = body.pose.filter(|from| !jumped(from, &to, body.reach)).unwrap_or(to);
+        let from = body.pose.filter(|from| !jumped(from, &to, body.reach, dt)).unwrap_or(to);
         body.pose = Some(to);
         let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
         world.bodies.push(WorldBody {
             entity,
+            character: None,
             shape: shape.clone(),
             from,
             to,

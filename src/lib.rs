@@ -28,16 +28,18 @@ mod time;
 #[cfg(feature = "debug")]
 pub mod debug;
 mod diagnostics;
+pub mod character;
 pub mod solver;
 pub mod lab;
 
 pub use components::{
-    Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderPart, ClothColliderShape, ClothCollision,
-    ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
-    ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab,
-    ClothGravity, ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPinSelect,
-    ClothPinSet, ClothPins, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
-    ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
+    Cloth, ClothBody, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderPart,
+    ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
+    ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind,
+    ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap,
+    ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet, ClothPins,
+    ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
+    ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
     ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
     ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, PositionPredicate,
     RecoveryCause, RecoveryLevel, WaitingFor,
@@ -61,15 +63,16 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothBuildReport, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollision,
-        ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts,
-        ClothCoupling, ClothDetail, ClothDisabled, ClothError, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity,
-        ClothHeld, ClothHit, ClothLod, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothParticles,
-        ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest,
-        ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot,
-        ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
-        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
-        ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
+        Cloth, ClothBody, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape,
+        ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted,
+        ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed, ClothGlobalWind,
+        ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap, ClothMaterial,
+        ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPinSelect, ClothPinSet, ClothPins,
+        ClothPlugin, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame,
+        ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems,
+        ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
+        ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
+        ClothWoke, NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -22,7 +22,7 @@ use bevy::transform::systems::{
 
 #[cfg(feature = "avian")]
 use crate::avian;
-use crate::bind::{RestCache, Sources};
+use crate::bind::{BodyCache, RestCache, Sources};
 use crate::components::{ClothGlobalWind, ClothGravity};
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond, sleep, sources, sync,
-    touch,
+    bind, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond,
+    sleep, sources, sync, touch,
 };
 use crate::time;
 
@@ -90,11 +90,13 @@ impl Plugin for ClothPlugin {
             .init_resource::<ClothGlobalWind>()
             .init_resource::<RestCache>()
             .init_resource::<Sources>()
+            .init_resource::<BodyCache>()
             .init_resource::<Notices>()
             .init_resource::<WorldBodies>()
             .init_resource::<WorldAir>()
             .init_resource::<ClothIslands>()
             .add_observer(release::on_remove_cloth)
+            .add_observer(release::on_remove_body)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
             .add_observer(release::on_remove_zone)
@@ -130,6 +132,7 @@ impl Plugin for ClothPlugin {
                     time::tick,
                     sources::watch,
                     bind::bind,
+                    character::bodies,
                     colliders::shapes,
                     (
                         colliders::poses,
@@ -138,7 +141,7 @@ impl Plugin for ClothPlugin {
                         inputs::settings,
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
-                        inputs::anchors,
+                        (carriers::travel, carriers::inertia, carriers::aim).chain(),
                         grab::grabs,
                         sleep::watch,
                         inputs::surroundings,

@@ -1,8 +1,8 @@
 //! Recordings: frames of cloth written to files, to be stepped again by another program.
 
 use std::fs::File;
-use std::io::BufWriter;
-use std::path::PathBuf;
+use std::io::{BufWriter, ErrorKind};
+use std::path::{Path, PathBuf};
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -13,6 +13,7 @@ use crate::schedule::{self, ClothSystems};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::evaluate::Pose;
 use crate::solver::recording::{RecordedCloth, Recording, RecordingError};
+use crate::solver::skinned::Skinned;
 use crate::systems::detect;
 use crate::time::{self, ClothTime};
 
@@ -164,6 +165,7 @@ fn record(
         gravity: inputs.gravity,
         bodies: inputs.bodies.clone(),
         wind: inputs.wind.clone(),
+        skinned: Some(inputs.skinned.clone()).filter(Skinned::is_active),
         state: particles.state.clone(),
         scratch: scratch.solver.clone(),
         display: particles.display.clone(),
@@ -171,7 +173,7 @@ fn record(
         recovery: particles.recovery.clone(),
         limits: inputs.limits,
         pose: inputs.pose(&rest.0, particles.origin).collect(),
-        skinned: inputs.skin.is_some(),
+        animated: inputs.skin.is_some(),
         unprepared: inputs.stale || scratch.fresh,
         carrier: Pose { translation, rotation: carrier.rotation },
         offsets: [offset; 2],
@@ -215,7 +217,12 @@ fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths:
     let next = core::mem::take(&mut recorder.bypass_change_detection().next);
     let mut wanted = core::mem::take(&mut frame.bypass_change_detection().wanted);
     wanted.extend(next.into_iter().map(|entity| (entity, ASKED_FOR)));
+    // Cloths that meet are one frame, and one file.
+    let mut recorded: Vec<Entity> = Vec::new();
     for (entity, reason) in wanted {
+        if recorded.contains(&entity) {
+            continue;
+        }
         let Some(at) = frame.frames.iter().position(|(entities, ..)| entities.contains(&entity)) else {
             if reason == ASKED_FOR && cloths.contains(entity) {
                 recorder.bypass_change_detection().next.push(entity);
@@ -223,6 +230,7 @@ fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths:
             continue;
         };
         let (entities, mut recording, _) = frame.frames.swap_remove(at);
+        recorded.extend(&entities);
         if recorder.written.len() >= recorder.most as usize {
             continue;
         }
@@ -230,26 +238,38 @@ fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths:
         for (cloth, entity) in recording.cloths.iter_mut().zip(entities) {
             cloth.after = cloths.get(entity).map_or_else(|_| Vec::new(), |particles| particles.state.positions.clone());
         }
-        let path = recorder.folder.join(format!("{:04}_{}.drape", recorder.written.len(), reason.replace(' ', "_")));
-        match write(&recording, &path) {
-            Ok(()) => {
+        match write(&recording, &recorder.folder) {
+            Ok(path) => {
                 info!("a frame of cloth that was {reason} is in {}", path.display());
                 recorder.written.push(path);
             }
             Err(error) => {
-                warn!(
-                    "{} was not written ({error}); no more frames are recorded: set `ClothRecorder::folder` and `most`",
-                    path.display()
-                );
+                let folder = recorder.folder.display();
+                warn!("no frame was written to {folder} ({error}), and no more are: set `ClothRecorder::folder` and `most`");
                 recorder.most = 0;
             }
         }
     }
 }
 
-fn write(recording: &Recording, path: &std::path::Path) -> Result<(), RecordingError> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)?;
+/// Writes to a file of its own, whatever earlier runs left in the folder.
+fn write(recording: &Recording, folder: &Path) -> Result<PathBuf, RecordingError> {
+    std::fs::create_dir_all(folder)?;
+    for number in 0u32.. {
+        let path = folder.join(format!("{number:04}_{}.drape", recording.reason.replace(' ', "_")));
+        match File::create_new(&path) {
+            Ok(file) => {
+                return match recording.write(BufWriter::new(file)) {
+                    Ok(()) => Ok(path),
+                    Err(error) => {
+                        std::fs::remove_file(&path).ok();
+                        Err(error)
+                    }
+                };
+            }
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error.into()),
+        }
     }
-    recording.write(BufWriter::new(File::create(path)?))
+    Err(RecordingError::Io(ErrorKind::AlreadyExists.into()))
 }

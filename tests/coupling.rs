@@ -90,7 +90,7 @@ fn frame(cloth: &mut SceneCloth, ball: Option<&mut Ball>, hold: &[u32], masts: &
         movable = Some((ball, slot));
     }
     let wind = Wind { density: if gravity == Vec3::ZERO { 0.0 } else { Wind::default().density }, ..Wind::default() };
-    let input = FrameInput { dt: DT, gravity, bodies: &bodies, wind: &wind };
+    let input = FrameInput { dt: DT, gravity, bodies: &bodies, wind: &wind, skinned: None };
     if cloth.state.substeps == 0 {
         prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
     }
@@ -296,7 +296,7 @@ fn a_fast_body_far_away_costs_nothing() {
         let body = Body { rigid, ..Body::new(SharedShape::ball(0.2), pose(from), pose(from + 0.5)) };
         let bodies = [floor.clone(), body];
         let wind = Wind::default();
-        let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind };
+        let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind, skinned: None };
         let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
         let near = rise > 0.8;
         // Once the floor is known to be near; what is high above comes down on it.
@@ -322,7 +322,7 @@ fn a_fast_body_costs_no_more_once_it_has_gone_though_another_lies_on_the_cloth()
     let [_, before, during, after] = steps.map(|(from, to)| {
         let bodies = [heavier.clone(), Body::new(SharedShape::ball(0.05), from, to)];
         let wind = Wind::default();
-        let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind };
+        let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind, skinned: None };
         let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
         let frames = (0..10).map(|_| step(rest, fabric, stepping, anchors, &input, state, scratch).substeps);
         frames.take(if from == to { 10 } else { 1 }).last().expect("a frame")
@@ -402,7 +402,7 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
                 });
                 let bodies = [Body { rigid: Some(slot), ..body.clone() }];
                 let wind = Wind { density: 0.0, ..Wind::default() };
-                cloth.step(&FrameInput { dt: DT, gravity: Vec3::ZERO, bodies: &bodies, wind: &wind });
+                cloth.step(&FrameInput { dt: DT, gravity: Vec3::ZERO, bodies: &bodies, wind: &wind, skinned: None });
                 let given = cloth.scratch.coupling().given(slot);
                 sum.linear += given.linear;
                 sum.shift += given.shift / share;

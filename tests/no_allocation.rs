@@ -130,7 +130,7 @@ fn a_warm_step_that_gives_bodies_something_allocates_nothing() {
         coupling.clear();
         let slots = [coupling.add(rigid), coupling.add(Rigid::immovable(Vec3::ZERO, Vec3::ZERO))];
         coupling.hold(0, slots[1]);
-        cloth.step(&FrameInput { dt: 1.0 / 60.0, gravity: Vec3::NEG_Y * 9.81, bodies: &bodies, wind: &wind });
+        cloth.step(&FrameInput { dt: 1.0 / 60.0, gravity: Vec3::NEG_Y * 9.81, bodies: &bodies, wind: &wind, skinned: None });
         *given +=
             cloth.scratch.coupling().given(slots[0]).linear.length() * cloth.scratch.coupling().given(slots[1]).linear.length();
     };

@@ -342,7 +342,8 @@ fn the_bits_are_the_same_with_1_2_and_4_threads_and_in_a_second_run() {
         let mut scene = flags(6, 20);
         let pool = TaskPoolBuilder::new().num_threads(threads).build();
         for _ in 0..90 {
-            let input = FrameInput { dt: 1.0 / 60.0, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind };
+            let input =
+                FrameInput { dt: 1.0 / 60.0, gravity: scene.gravity, bodies: &scene.bodies, wind: &scene.wind, skinned: None };
             pool.scope(|scope| {
                 for cloth in &mut scene.cloths {
                     let input = &input;

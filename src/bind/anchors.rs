@@ -1,12 +1,12 @@
 //! From pins on vertices of a mesh to anchors of particles.
 
 use bevy::math::{Affine3A, DVec3, Mat3, Vec3A, Vec4};
-use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 
+use super::paint::{attribute, color};
 use super::placement::seen_from;
 use super::{Authored, Placement};
-use crate::components::{ClothColorChannel, ClothError, ClothErrorKind, ClothPinSelect, ClothPins};
+use crate::components::{ClothError, ClothErrorKind, ClothPinSelect, ClothPins};
 use crate::solver::anchors::{Anchors, RIGID};
 use crate::solver::rest::RestShape;
 use crate::solver::slew::SLEW_TIME;
@@ -101,8 +101,10 @@ pub(crate) fn resolve(
             ClothPinSelect::Position(predicate) => {
                 (0..).zip(&authored.positions).filter(|(_, p)| predicate.holds(**p)).for_each(|(v, _)| hold(v, 1.0));
             }
-            ClothPinSelect::Color(channel) => (0..).zip(color(mesh, *channel)?).for_each(|(v, w)| hold(v, w)),
-            ClothPinSelect::Attribute(name) => (0..).zip(attribute(mesh, name)?).for_each(|(v, w)| hold(v, w)),
+            ClothPinSelect::Color(channel) => (0..).zip(color(mesh, *channel).map_err(no_paint)?).for_each(|(v, w)| hold(v, w)),
+            ClothPinSelect::Attribute(name) => {
+                (0..).zip(attribute(mesh, name).map_err(no_paint)?).for_each(|(v, w)| hold(v, w))
+            }
         }
     }
     resolved.bad_pins.sort_unstable();
@@ -113,6 +115,10 @@ pub(crate) fn resolve(
         resolved.set_of.push(set);
     }
     Ok(resolved)
+}
+
+fn no_paint(reason: String) -> ClothError {
+    ClothError { kind: ClothErrorKind::NoPinAttribute, detail: format!("its pins {reason}") }
 }
 
 /// Where anchors of a cloth that is already simulated stay: an old anchor keeps its place, a new one is held where its particle is.
@@ -129,6 +135,24 @@ pub(crate) struct Continuing<'a> {
 }
 
 impl Resolved {
+    /// Holds particles rigidly, sorted, by the set with that number, except where a set holds them so already. Whether it holds any.
+    pub fn pin(&mut self, particles: impl Iterator<Item = u32>, set: usize) -> bool {
+        let mut any = false;
+        for particle in particles {
+            match self.particles.binary_search(&particle) {
+                Ok(at) if self.weights[at] >= RIGID => continue,
+                Ok(at) => (self.weights[at], self.set_of[at]) = (1.0, set as u32),
+                Err(at) => {
+                    self.particles.insert(at, particle);
+                    self.weights.insert(at, 1.0);
+                    self.set_of.insert(at, set as u32);
+                }
+            }
+            any = true;
+        }
+        any
+    }
+
     /// Anchors and the sets that hold them. Targets are filled in by the frame.
     pub fn into_anchors(
         self,
@@ -178,38 +202,4 @@ pub(crate) fn slew_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [b
         turned |= was != (*weight >= RIGID);
     }
     [moved, turned]
-}
-
-fn color(mesh: &Mesh, channel: ClothColorChannel) -> Result<impl Iterator<Item = f32> + '_, ClothError> {
-    let Ok(VertexAttributeValues::Float32x4(colors)) = mesh.try_attribute(Mesh::ATTRIBUTE_COLOR) else {
-        return Err(ClothError {
-            kind: ClothErrorKind::NoPinAttribute,
-            detail: "its pins name a colour channel, but its mesh has no vertex colours: paint and export them".into(),
-        });
-    };
-    Ok(colors.iter().map(move |c| c[channel as usize]))
-}
-
-fn attribute<'a>(mesh: &'a Mesh, name: &str) -> Result<Box<dyn Iterator<Item = f32> + 'a>, ClothError> {
-    let plain = |n: &str| n.trim_start_matches('_').to_ascii_lowercase();
-    let values = mesh
-        .try_attributes()
-        .ok()
-        .and_then(|mut all| all.find(|(attribute, _)| plain(attribute.name) == plain(name)))
-        .map(|(_, values)| values);
-    let first: Option<Box<dyn Iterator<Item = f32> + 'a>> = match values {
-        Some(VertexAttributeValues::Float32(v)) => Some(Box::new(v.iter().copied())),
-        Some(VertexAttributeValues::Float32x2(v)) => Some(Box::new(v.iter().map(|x| x[0]))),
-        Some(VertexAttributeValues::Float32x3(v)) => Some(Box::new(v.iter().map(|x| x[0]))),
-        Some(VertexAttributeValues::Float32x4(v)) => Some(Box::new(v.iter().map(|x| x[0]))),
-        Some(VertexAttributeValues::Unorm8x4(v)) => Some(Box::new(v.iter().map(|x| f32::from(x[0]) / 255.0))),
-        _ => None,
-    };
-    first.ok_or_else(|| ClothError {
-        kind: ClothErrorKind::NoPinAttribute,
-        detail: format!(
-            "its pins name the attribute `{name}`, but its mesh has no float attribute of that name: \
-             insert it, or register it with `GltfPlugin::add_custom_vertex_attribute` before loading a glTF"
-        ),
-    })
 }

@@ -1,8 +1,11 @@
-//! From a mesh asset to a rest shape: read, bake the scale, share, pin.
+//! From a mesh asset to a rest shape: read, bake the scale, share, pin. And from meshes to shapes of colliders.
 
 mod anchors;
 mod cache;
+mod character;
+mod follow;
 mod instance;
+pub(crate) mod paint;
 mod placement;
 mod read;
 mod shapes;
@@ -11,6 +14,8 @@ mod surface;
 
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve, slew_weights};
 pub(crate) use cache::{RestCache, Sources};
+pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
+pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{corners, instance_of};
 pub(crate) use placement::{Placement, seen_from, uniform_scale};
 pub(crate) use read::{Authored, read, unreadable};

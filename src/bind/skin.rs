@@ -1,14 +1,17 @@
 //! A cloth whose mesh is skinned: pinned particles and the animated pose follow the joints.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::math::{Affine3A, DVec3};
+use bevy::math::{Affine3A, DVec3, Mat3, Vec4};
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
 use super::Authored;
-use super::placement::seen_from;
+use super::placement::{Placement, seen_from, uniform_scale};
 use crate::solver::rest::RestShape;
+
+/// Volume, over that of a box of the same sides, below which skin is pressed flat (dimensionless): its inverse would throw what it carries.
+const FLAT: f32 = 0.1;
 
 /// Joints and weights of every particle.
 #[derive(Clone, Debug)]
@@ -19,6 +22,10 @@ pub(crate) struct Skin {
     weights: Vec<([u16; 4], [f32; 4])>,
     /// Positions of the particles in the space of the mesh `[m]`.
     points: Vec<Vec3>,
+    /// The joints that carry the cloth as a whole, with weights that sum to one: those of its pins, or of all of it.
+    carriers: Vec<(u16, f32)>,
+    /// Middle of what they carry `[m]`, in the space of the mesh.
+    center: Vec3,
 }
 
 /// Transforms of joints and targets; disabled ones still hold.
@@ -39,8 +46,13 @@ impl Skin {
             return None;
         };
         let particles = rest.positions.len();
-        let mut skin =
-            Self { joints, weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles], points: vec![Vec3::ZERO; particles] };
+        let mut skin = Self {
+            joints,
+            weights: vec![([0; 4], [1.0, 0.0, 0.0, 0.0]); particles],
+            points: vec![Vec3::ZERO; particles],
+            carriers: Vec::new(),
+            center: Vec3::ZERO,
+        };
         // Backwards, so that of welded vertices the first one counts; isolated ones never do.
         let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
         for (v, &particle) in rest.particle_of_vertex.iter().enumerate().rev() {
@@ -52,13 +64,79 @@ impl Skin {
                 continue;
             }
             let sum: f32 = amount.iter().sum();
-            let known = index.iter().all(|&j| usize::from(j) < skin.joints.len());
-            if sum > 0.0 && sum.is_finite() && known {
+            // Where a weight is 0 exporters leave any index.
+            let known = |(&joint, weight): (&u16, f32)| weight == 0.0 || usize::from(joint) < skin.joints.len();
+            if sum > 0.0 && sum.is_finite() && index.iter().zip(amount.iter().copied()).all(known) {
                 skin.weights[particle as usize] = (index, amount.map(|w| w / sum));
             }
             skin.points[particle as usize] = point;
         }
         Some(skin)
+    }
+
+    /// Finds the joints that carry the cloth as a whole: by the weights of the particles that are `pinned`, or of all where none is.
+    pub fn find_carriers(&mut self, pinned: &[u32]) {
+        let all: Vec<u32> = if pinned.is_empty() { (0..self.points.len() as u32).collect() } else { pinned.to_vec() };
+        let mut sums = vec![0.0f32; self.joints.len()];
+        let mut center = Vec3::ZERO;
+        for &particle in &all {
+            let (joints, weights) = self.weights[particle as usize];
+            for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+                sums[usize::from(joint)] += weight;
+            }
+            center += self.points[particle as usize];
+        }
+        let count = all.len().max(1) as f32;
+        let carriers = (0..).zip(&sums).filter(|(_, sum)| **sum > 0.0).map(|(joint, sum)| (joint, *sum / count));
+        (self.carriers, self.center) = (carriers.collect(), center / count);
+    }
+
+    /// Where the skin is as a whole: as its [carriers](Self::find_carriers) turn it, in their mean, and move the middle of what they carry. Its scale is
+    /// even. None where a joint is gone, flat or not finite.
+    pub fn placement(&self, transforms: &Transforms) -> Option<Placement> {
+        let (mut turn, mut scale, mut at) = (Vec4::ZERO, 0.0, Vec3::ZERO);
+        for &(joint, weight) in &self.carriers {
+            let (joint, inverse_bind) = self.joints.get(usize::from(joint))?;
+            let affine = transforms.get(*joint).ok()?.affine() * *inverse_bind;
+            let placement = Placement::of(&affine)?;
+            let rotation = Vec4::from(placement.rotation);
+            // Of the two quaternions of a rotation the one on the same side.
+            turn += rotation * if rotation.dot(turn) < 0.0 { -weight } else { weight };
+            scale += uniform_scale(&placement.bake) * weight;
+            at += affine.transform_point3(self.center) * weight;
+        }
+        let rotation = Quat::from_vec4(turn.try_normalize()?);
+        let translation = at - rotation * (scale * self.center);
+        Some(Placement { rotation, translation, bake: Mat3::from_diagonal(Vec3::splat(scale)) })
+    }
+
+    /// How the skin moved at a particle, from one set of matrices to another. None where it is pressed flat, or was.
+    pub fn motion(&self, [from, to]: [&[Affine3A]; 2], particle: usize) -> Option<Affine3A> {
+        let (joints, weights) = self.weights.get(particle)?;
+        let blend = |matrices: &[Affine3A]| {
+            let mut sum = Affine3A::ZERO;
+            for (&joint, &weight) in joints.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+                let matrix = matrices.get(usize::from(joint))?;
+                sum.matrix3 += matrix.matrix3 * weight;
+                sum.translation += matrix.translation * weight;
+            }
+            Some(sum)
+        };
+        let (from, to) = (blend(from)?, blend(to)?);
+        let (volume, sides) = (from.matrix3.determinant(), from.matrix3);
+        let usual = sides.x_axis.length() * sides.y_axis.length() * sides.z_axis.length();
+        (volume.abs() > FLAT * usual).then(|| to * from.inverse())
+    }
+
+    /// The joint that carries most of the cloth.
+    pub fn main_joint(&self) -> Option<Entity> {
+        let most = self.carriers.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        self.joints.get(usize::from(most.0)).map(|(joint, _)| *joint)
+    }
+
+    /// Middle of what carries the cloth `[m]`, in the space of the mesh.
+    pub fn center(&self) -> Vec3 {
+        self.center
     }
 
     /// Skinning matrices as seen from `origin`; a joint that is gone or not finite keeps its last one. False if there was none yet.
@@ -76,6 +154,19 @@ impl Skin {
             _ => Vec3::ZERO,
         };
         joints.iter().zip(weights).map(place).sum()
+    }
+
+    /// Direction of a normal of a particle, as the skin turns it; of any length. By cofactors, which do not ask for an inverse: skin that is pressed flat
+    /// has none.
+    pub fn turn(&self, matrices: &[Affine3A], particle: usize, normal: Vec3) -> Vec3 {
+        let Some((joints, weights)) = self.weights.get(particle) else { return normal };
+        let place = |(&joint, &weight): (&u16, &f32)| match matrices.get(usize::from(joint)) {
+            Some(matrix) if weight != 0.0 => Mat3::from(matrix.matrix3) * weight,
+            _ => Mat3::ZERO,
+        };
+        let Mat3 { x_axis: x, y_axis: y, z_axis: z } =
+            joints.iter().zip(weights).map(place).fold(Mat3::ZERO, |sum, matrix| sum + matrix);
+        y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z
     }
 }
 

@@ -14,7 +14,8 @@ use super::{
 /// [`ClothSleep`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say how it fares.
 ///
 /// The rest is put on where it is wanted: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
-/// [`ClothLod`](crate::ClothLod), [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as
+/// [`ClothLimits`](crate::ClothLimits) and [`ClothDrive`](crate::ClothDrive) on characters, [`ClothLod`](crate::ClothLod),
+/// [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as
 /// they are there: [`ClothDisabled`], [`ClothSleepDisabled`](crate::ClothSleepDisabled),
 /// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
 ///

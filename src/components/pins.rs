@@ -65,13 +65,14 @@ pub enum ClothPinSelect {
     Position(PositionPredicate),
     /// A channel of the vertex colour is the weight.
     Color(ClothColorChannel),
-    /// A float attribute of that name is the weight, such as `"_PIN"` in a glTF.
+    /// A float attribute of that name is the weight, such as `"_PIN"` in a glTF. Of one with several components the first, or the one that is
+    /// named behind a dot: `"_CLOTH_PAINT.r"`.
     Attribute(String),
 }
 
 /// A channel of the vertex colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothColorChannel {

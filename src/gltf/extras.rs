@@ -3,7 +3,8 @@
 use bevy::math::Vec3;
 use serde_json::{Map, Value};
 
-use crate::components::{ClothColorChannel, ClothMaterial, ClothMeshFit, ClothPinSelect};
+use super::maps::{self, BackstopExtras};
+use crate::components::{ClothColorChannel, ClothDrive, ClothMap, ClothMaterial, ClothMeshFit, ClothPaint, ClothPinSelect};
 use crate::notices::shortened;
 
 /// A key that could not be used.
@@ -35,6 +36,10 @@ pub(crate) struct ClothExtras {
     pub layer: Option<i32>,
     pub thickness: Option<f32>,
     pub substep_rate: Option<f32>,
+    /// `[m]`; off where it was switched off.
+    pub max_distance: Option<ClothMap>,
+    pub backstop: Option<BackstopExtras>,
+    pub drive: Option<ClothDrive>,
 }
 
 /// The `cloth.material` key.
@@ -47,8 +52,17 @@ pub(crate) enum MaterialExtras {
 /// The `collider` key.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ColliderExtras {
-    pub fit: ClothMeshFit,
+    pub fit: ColliderFit,
     pub friction: Option<f32>,
+}
+
+/// What a collider is fitted to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ColliderFit {
+    /// The mesh of the node.
+    Mesh(ClothMeshFit),
+    /// The bones of every skinned mesh at or below the node.
+    Skeleton,
 }
 
 /// Extras of a scene.
@@ -117,6 +131,18 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.pin = pin(value, problems);
                 continue;
             }
+            "max_distance" => {
+                cloth.max_distance = maps::max_distance(value, problems);
+                continue;
+            }
+            "backstop" => {
+                cloth.backstop = maps::backstop(value, problems);
+                continue;
+            }
+            "drive" => {
+                cloth.drive = maps::drive(value, problems);
+                continue;
+            }
             "self_collision" => {
                 cloth.self_collision = boolean(value);
                 cloth.self_collision.is_none().then_some("true or false")
@@ -134,7 +160,7 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.substep_rate.is_none().then_some("a number of hertz")
             }
             _ => {
-                let known = "material, pin, self_collision, layer, thickness, substep_rate";
+                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive";
                 problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }
@@ -191,45 +217,33 @@ fn pin(value: &Value, problems: &mut Vec<Problem>) -> Option<ClothPinSelect> {
             }
             Some(ClothPinSelect::Vertices(vertices))
         }
-        Value::String(name) if name.starts_with('_') && name.len() > 1 => Some(ClothPinSelect::Attribute(name.clone())),
-        Value::String(name) => {
-            let channel = match name.to_ascii_lowercase().as_str() {
-                "color.r" => Some(ClothColorChannel::R),
-                "color.g" => Some(ClothColorChannel::G),
-                "color.b" => Some(ClothColorChannel::B),
-                "color.a" => Some(ClothColorChannel::A),
-                _ => None,
-            };
-            if channel.is_none() {
-                problems.push(wrong(format!(
-                    "is `{}`: it must be a list of indices, `_NAME` or `color.r` (g, b, a)",
-                    shortened(name)
-                )));
+        _ => match value.as_str().and_then(maps::painted) {
+            Some(ClothPaint::Attribute(name)) => Some(ClothPinSelect::Attribute(name)),
+            Some(ClothPaint::Color(channel)) => Some(ClothPinSelect::Color(channel)),
+            None => {
+                let what = format!("is {}: it must be a list of indices, `_NAME` or `color.r` (g, b, a)", given(value));
+                problems.push(wrong(what));
+                None
             }
-            channel.map(ClothPinSelect::Color)
-        }
-        _ => {
-            problems.push(wrong(format!("is {}: it must be a list of indices, `_NAME` or `color.r` (g, b, a)", kind(value))));
-            None
-        }
+        },
     }
 }
 
 fn collider(value: &Value, problems: &mut Vec<Problem>) -> Option<ColliderExtras> {
     let shape = |value: &Value, key: &str, problems: &mut Vec<Problem>| {
         let fit = match value.as_str().map(str::to_ascii_lowercase).as_deref() {
-            Some("ball") => Some(ClothMeshFit::Ball),
-            Some("capsule") => Some(ClothMeshFit::Capsule),
-            Some("cuboid") => Some(ClothMeshFit::Cuboid),
-            Some("convex") => Some(ClothMeshFit::ConvexHull),
-            Some("trimesh") => Some(ClothMeshFit::TriMesh),
-            Some("plane") => Some(ClothMeshFit::HalfSpace),
+            Some("ball") => Some(ColliderFit::Mesh(ClothMeshFit::Ball)),
+            Some("capsule") => Some(ColliderFit::Mesh(ClothMeshFit::Capsule)),
+            Some("cuboid") => Some(ColliderFit::Mesh(ClothMeshFit::Cuboid)),
+            Some("convex") => Some(ColliderFit::Mesh(ClothMeshFit::ConvexHull)),
+            Some("trimesh") => Some(ColliderFit::Mesh(ClothMeshFit::TriMesh)),
+            Some("plane") => Some(ColliderFit::Mesh(ClothMeshFit::HalfSpace)),
+            Some("skeleton") => Some(ColliderFit::Skeleton),
             _ => None,
         };
         if fit.is_none() {
-            let given = value.as_str().map_or_else(|| kind(value).to_string(), |s| format!("`{}`", shortened(s)));
-            let known = "ball, capsule, cuboid, convex, trimesh, plane";
-            problems.push(Problem::new(key, format!("is {given}: it must be one of {known}")));
+            let known = "ball, capsule, cuboid, convex, trimesh, plane, skeleton";
+            problems.push(Problem::new(key, format!("is {}: it must be one of {known}", given(value))));
         }
         fit
     };
@@ -272,8 +286,24 @@ fn boolean(value: &Value) -> Option<bool> {
     })
 }
 
-fn number(value: &Value) -> Option<f32> {
+/// The channel of the vertex colour that `color.r` (g, b, a) names.
+pub(super) fn channel(name: &str) -> Option<ClothColorChannel> {
+    match name.to_ascii_lowercase().as_str() {
+        "color.r" => Some(ClothColorChannel::R),
+        "color.g" => Some(ClothColorChannel::G),
+        "color.b" => Some(ClothColorChannel::B),
+        "color.a" => Some(ClothColorChannel::A),
+        _ => None,
+    }
+}
+
+pub(super) fn number(value: &Value) -> Option<f32> {
     value.as_f64().map(|x| x as f32).filter(|x| x.is_finite())
+}
+
+/// What was given, in words: a text as it is.
+pub(super) fn given(value: &Value) -> String {
+    value.as_str().map_or_else(|| kind(value).to_string(), |text| format!("`{}`", shortened(text)))
 }
 
 fn kind(value: &Value) -> &'static str {
@@ -308,7 +338,8 @@ mod tests {
     #[test]
     fn every_key_of_the_contract_is_read() {
         let (node, problems) = read(
-            r#"{"cloth": {"material": "Silk", "pin": [0, 3], "self_collision": false, "layer": 2, "thickness": 0.01, "substep_rate": 600},
+            r#"{"cloth": {"material": "Silk", "pin": [0, 3], "self_collision": false, "layer": 2, "thickness": 0.01, "substep_rate": 600,
+                "max_distance": 0.3, "backstop": {"distance": 0.02, "radius": 0.1}, "drive": {"frequency": 4, "damping_ratio": 0.5}},
                 "collider": {"shape": "capsule", "friction": 0.1}}"#,
         );
         let expected = ClothExtras {
@@ -318,9 +349,12 @@ mod tests {
             layer: Some(2),
             thickness: Some(0.01),
             substep_rate: Some(600.0),
+            max_distance: Some(ClothMap::Uniform(0.3)),
+            backstop: Some(BackstopExtras { distance: ClothMap::Uniform(0.02), radius: Some(0.1) }),
+            drive: Some(ClothDrive { frequency: ClothMap::Uniform(4.0), damping_ratio: 0.5 }),
         };
         assert_eq!(node.cloth, Some(expected));
-        assert_eq!(node.collider, Some(ColliderExtras { fit: ClothMeshFit::Capsule, friction: Some(0.1) }));
+        assert_eq!(node.collider, Some(ColliderExtras { fit: ColliderFit::Mesh(ClothMeshFit::Capsule), friction: Some(0.1) }));
         assert!(problems.is_empty(), "{problems:?}");
     }
 
@@ -341,12 +375,100 @@ mod tests {
     }
 
     #[test]
+    fn a_skeleton_is_a_collider_with_or_without_friction() {
+        let of = |text: &str| read(text).0.collider.map(|collider| (collider.fit, collider.friction));
+        assert_eq!(of(r#"{"collider": "Skeleton"}"#), Some((ColliderFit::Skeleton, None)));
+        assert_eq!(of(r#"{"collider": {"shape": "skeleton", "friction": 0.2}}"#), Some((ColliderFit::Skeleton, Some(0.2))));
+    }
+
+    #[test]
+    fn distances_are_numbers_ranges_of_an_attribute_or_of_what_a_map_names_nested_or_flat() {
+        let distance = |value: &str| {
+            let nested = read(&format!(r#"{{"cloth": {{"max_distance": {value}}}}}"#));
+            assert_eq!(nested, read(&format!(r#"{{"cloth": true, "cloth.max_distance": {value}}}"#)));
+            assert_eq!(nested.1, [""; 0], "{value}");
+            nested.0.cloth.and_then(|cloth| cloth.max_distance)
+        };
+        let attribute = |low: f32, high: f32| Some(ClothMap::attribute("_CLOTH_MAXDIST", low, high));
+        assert_eq!(distance("0.3"), Some(ClothMap::Uniform(0.3)));
+        assert_eq!(distance("false"), Some(ClothMap::Off));
+        assert_eq!(distance("[0.01, 0.4]"), attribute(0.01, 0.4));
+        assert_eq!(distance("{}"), attribute(0.0, 1.0));
+        assert_eq!(distance(r#"{"high": 0.4}"#), attribute(0.0, 0.4));
+        let green = Some(ClothMap::color(ClothColorChannel::G, 0.0, 0.4));
+        assert_eq!(distance(r#"{"map": "color.g", "low": 0, "high": 0.4}"#), green);
+        assert_eq!(distance(r#"{"map": "_MINE.b"}"#), Some(ClothMap::attribute("_MINE.b", 0.0, 1.0)));
+    }
+
+    #[test]
+    fn backstops_are_true_or_as_distances_with_a_radius() {
+        let backstop = |value: &str| {
+            let (node, problems) = read(&format!(r#"{{"cloth": {{"backstop": {value}}}}}"#));
+            assert_eq!(problems, [""; 0], "{value}");
+            node.cloth.and_then(|cloth| cloth.backstop)
+        };
+        let of = |distance: ClothMap, radius: Option<f32>| Some(BackstopExtras { distance, radius });
+        assert_eq!(backstop("true"), of(ClothMap::Uniform(0.0), None));
+        assert_eq!(backstop("false"), of(ClothMap::Off, None));
+        assert_eq!(backstop("0.02"), of(ClothMap::Uniform(0.02), None));
+        assert_eq!(backstop("[-0.01, 0.1]"), of(ClothMap::attribute("_CLOTH_BACKSTOP", -0.01, 0.1), None));
+        assert_eq!(backstop(r#"{"radius": 0.2}"#), of(ClothMap::Uniform(0.0), Some(0.2)));
+        let blue = |high: f32| ClothMap::color(ClothColorChannel::B, 0.0, high);
+        assert_eq!(backstop(r#"{"map": "color.b"}"#), of(blue(1.0), None));
+        assert_eq!(backstop(r#"{"map": "color.b", "distance": 0.1, "radius": 2}"#), of(blue(0.1), Some(2.0)));
+        assert_eq!(backstop(r#"{"map": "color.b", "distance": [0, 0.3]}"#), of(blue(0.3), None));
+    }
+
+    #[test]
+    fn drives_are_hertz_or_a_range_of_hertz_with_a_damping_ratio() {
+        let drive = |value: &str| {
+            let (node, problems) = read(&format!(r#"{{"cloth": {{"drive": {value}}}}}"#));
+            assert_eq!(problems, [""; 0], "{value}");
+            node.cloth.and_then(|cloth| cloth.drive)
+        };
+        let of = |frequency: ClothMap, damping_ratio: f32| Some(ClothDrive { frequency, damping_ratio });
+        assert_eq!(drive("4"), of(ClothMap::Uniform(4.0), 1.0));
+        assert_eq!(drive("[0, 15]"), of(ClothMap::attribute("_CLOTH_DRIVE", 0.0, 15.0), 1.0));
+        assert_eq!(drive("false"), of(ClothMap::Off, 1.0));
+        let alpha = ClothMap::color(ClothColorChannel::A, 0.0, 4.0);
+        assert_eq!(drive(r#"{"frequency": 4, "damping_ratio": 0.5, "map": "color.a"}"#), of(alpha, 0.5));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_map_names_the_key_and_the_cure() {
+        for (extras, key, what) in [
+            (r#""max_distance": "far""#, "cloth.max_distance", "is `far`: it must be metres, [low, high]"),
+            (r#""max_distance": true"#, "cloth.max_distance", "is a bool: it must be metres"),
+            (r#""max_distance": [0, 0.1, 0.2]"#, "cloth.max_distance", "is a list, not of two numbers: it must be metres"),
+            (r#""max_distance": {"map": "green"}"#, "cloth.max_distance.map", "is `green`: it must be `_NAME`"),
+            (r#""max_distance": {"map": 1}"#, "cloth.max_distance.map", "is a number: it must be `_NAME`"),
+            (r#""max_distance": {"hihg": 1}"#, "cloth.max_distance.hihg", "is not known: the keys are map, low, high"),
+            (r#""max_distance": {"low": null}"#, "cloth.max_distance.low", "is null: it must be a number"),
+            (r#""backstop": "yes""#, "cloth.backstop", "is `yes`: it must be metres, true"),
+            (r#""backstop": {"distance": "far"}"#, "cloth.backstop.distance", "is `far`: it must be metres or [low, high]"),
+            (r#""backstop": {"radius": []}"#, "cloth.backstop.radius", "is a list: it must be a number"),
+            (r#""backstop": {"low": 0}"#, "cloth.backstop.low", "is not known: the keys are distance, radius, map"),
+            (r#""drive": true"#, "cloth.drive", "is a bool: it must be hertz"),
+            (r#""drive": {"damping_ratio": 1}"#, "cloth.drive.frequency", "is missing: it must be hertz"),
+            (r#""drive": {"frequency": 4, "damping": 1}"#, "cloth.drive.damping", "is not known: the keys are frequency"),
+        ] {
+            let mut problems = Vec::new();
+            let node = node(&format!(r#"{{"cloth": {{{extras}, "layer": 3}}}}"#), &mut problems);
+            assert_eq!(node.cloth.and_then(|cloth| cloth.layer), Some(3), "{extras}: the rest does not work");
+            assert_eq!(problems.len(), 1, "{extras}: {problems:?}");
+            assert!(problems[0].key == key && problems[0].what.starts_with(what), "{extras}: {problems:?}");
+        }
+    }
+
+    #[test]
     fn a_long_key_or_name_is_shortened() {
         let long = "k".repeat(20_000);
-        let text = format!("{{\"cloth\": {{\"{long}\": 1, \"material\": \"{long}\", \"pin\": \"{long}\"}}}}");
+        let text = format!(
+            "{{\"cloth\": {{\"{long}\": 1, \"material\": \"{long}\", \"pin\": \"{long}\", \"drive\": \"{long}\", \"backstop\": {{\"{long}\": 1}}}}}}"
+        );
         let mut problems = Vec::new();
         let _ = node(&text, &mut problems);
-        assert_eq!(problems.len(), 3);
+        assert_eq!(problems.len(), 5);
         assert!(problems.iter().all(|problem| format!("{problem:?}").len() < 500), "{problems:?}");
     }
 

@@ -7,19 +7,31 @@
 //! |---|---|
 //! | `cloth` | `true`, or an object with the keys below |
 //! | `cloth.material` | a preset name, a path to a `.cloth.ron` relative to the glTF, or an object with fields of [`ClothMaterial`] |
-//! | `cloth.pin` | a list of vertex indices (the primitive must have normals), `"_NAME"` of a float attribute, or `"color.r"` (`g`, `b`, `a`) |
+//! | `cloth.pin` | a list of vertex indices (the primitive must have normals), `"_NAME"` of a float attribute, `"_NAME.g"` of one of its components, or `"color.r"` (`g`, `b`, `a`) |
 //! | `cloth.self_collision` | bool, default true: whether it folds on itself and is untangled from itself |
 //! | `cloth.layer` | integer, higher lies outside where cloths cross |
 //! | `cloth.thickness` | metres |
 //! | `cloth.substep_rate` | Hz |
-//! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, or `{"shape": …, "friction": …}` |
+//! | `cloth.max_distance` | metres from the skin; or `[low, high]` over the attribute `_CLOTH_MAXDIST`; or `{"map": "color.g", "low": 0, "high": 0.4}`: [`ClothLimits`](crate::ClothLimits) |
+//! | `cloth.backstop` | metres behind the skin, or `true` for 0; or `[low, high]` over `_CLOTH_BACKSTOP`; or `{"distance": …, "radius": …, "map": …}` |
+//! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
+//! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
 //!
 //! | scene extras | value |
 //! |---|---|
 //! | `gravity` | `[x, y, z]` `[m/s²]` |
 //! | `wind` | `[x, y, z]` `[m/s]` |
 //!
+//! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a character, or on
+//! its armature.
+//!
 //! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
+//!
+//! A `map` names what was painted as `cloth.pin` does; a single number beside it counts where the paint is 1, and 0 where it is 0. A mesh with
+//! `_CLOTH_MAXDIST` and no `cloth.max_distance` has that of 0 to 1 m; `false` switches it off.
+//!
+//! `_CLOTH_PAINT` holds four maps in one colour: red is `_PIN`, green `_CLOTH_MAXDIST`, blue `_CLOTH_BACKSTOP`, alpha `_CLOTH_DRIVE`. Each stands
+//! in where the mesh does not have the attribute of its own. Red pins without `cloth.pin`, too.
 //!
 //! Bevy only reads vertex attributes that it was told of before it loads. One line does that:
 //!
@@ -27,38 +39,55 @@
 //! # use bevy::prelude::*;
 //! # use bevy::gltf::GltfPlugin;
 //! # fn plugins() -> impl PluginGroup {
-//! DefaultPlugins.set(bevy_drape::gltf::pin_attribute(GltfPlugin::default(), "_PIN"))
+//! DefaultPlugins.set(bevy_drape::gltf::cloth_attributes(GltfPlugin::default()))
 //! # }
 //! ```
 
 mod extras;
+mod maps;
 
+use bevy::ecs::system::SystemParam;
 use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues, VertexFormat};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
-    Cloth, ClothCollider, ClothColliderShape, ClothCollision, ClothGlobalWind, ClothGravity, ClothMaterial, ClothMeshFit,
-    ClothPinSelect, ClothPins, ClothSolver,
+    Cloth, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
+    ClothMaterial, ClothMeshFit, ClothPinSelect, ClothPins, ClothSolver,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
-use extras::{ClothExtras, MaterialExtras, Problem};
+use extras::{ClothExtras, ColliderExtras, ColliderFit, MaterialExtras, Problem};
+use maps::BackstopExtras;
 
 /// The systems, for `plugin.rs` to order: before anything is bound.
 pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::system::ScheduleSystem> {
     (scenes, nodes).chain().in_set(ClothSystems::Prepare)
 }
 
-/// Tells Bevy's glTF loader of a float attribute that pins name, such as `"_PIN"`. Call it for each, before the plugin is added.
+/// Tells Bevy's glTF loader of the attributes that cloth is painted in: `_PIN`, `_CLOTH_MAXDIST`, `_CLOTH_BACKSTOP` and `_CLOTH_DRIVE`, each a
+/// float, and `_CLOTH_PAINT`, a colour of four floats. Call it before the plugin is added.
+#[must_use]
+pub fn cloth_attributes(plugin: GltfPlugin) -> GltfPlugin {
+    let singles = [maps::PIN, maps::MAX_DISTANCE, maps::BACKSTOP, maps::DRIVE];
+    register(singles.into_iter().fold(plugin, pin_attribute), maps::PAINT, VertexFormat::Float32x4)
+}
+
+/// Tells Bevy's glTF loader of another float attribute that pins or maps name, such as `"_CUFF"`. Call it for each, before the plugin is added;
+/// [`cloth_attributes`] does it for those with names of their own.
 #[must_use]
 pub fn pin_attribute(plugin: GltfPlugin, name: &'static str) -> GltfPlugin {
+    register(plugin, name, VertexFormat::Float32)
+}
+
+fn register(plugin: GltfPlugin, name: &'static str, format: VertexFormat) -> GltfPlugin {
     // Attributes with one name get one id in every run: FNV-1a, kept apart from Bevy's own small ids.
     let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
     // The loader compares names without their first underscore.
     let seen = name.strip_prefix('_').unwrap_or(name);
-    plugin.add_custom_vertex_attribute(seen, MeshVertexAttribute::new(name, hash | 1 << 63, VertexFormat::Float32))
+    plugin.add_custom_vertex_attribute(seen, MeshVertexAttribute::new(name, hash | 1 << 63, format))
 }
 
 /// Gravity and wind of scenes that were just spawned.
@@ -87,8 +116,8 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
+    nodes: Nodes,
     assets: Res<Assets<Mesh>>,
-    parents: Query<&ChildOf>,
     roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
 ) {
@@ -98,17 +127,18 @@ pub(crate) fn nodes(
         if node.cloth.is_none() && node.collider.is_none() && problems.is_empty() {
             continue;
         }
-        let file = file_of(entity, &parents, &roots);
+        let file = file_of(entity, &nodes.parents, &roots);
         let primitives: Vec<Entity> = if meshes.contains(entity) {
             vec![entity]
         } else {
             children.into_iter().flatten().copied().filter(|child| meshes.contains(*child)).collect()
         };
-        let lone_plane = node.collider.as_ref().is_some_and(|c| c.fit == ClothMeshFit::HalfSpace);
+        let fit = node.collider.as_ref().map(|collider| collider.fit);
+        let lone_plane = fit == Some(ColliderFit::Mesh(ClothMeshFit::HalfSpace));
         if primitives.is_empty() && node.cloth.is_some() {
             problems.push(Problem::new("cloth", "needs a mesh on the node"));
         }
-        if primitives.is_empty() && node.collider.is_some() && !lone_plane {
+        if primitives.is_empty() && matches!(fit, Some(ColliderFit::Mesh(_))) && !lone_plane {
             problems.push(Problem::new("collider", "needs a mesh on the node to be fitted to"));
         }
         if let Some(cloth) = &node.cloth {
@@ -125,22 +155,67 @@ pub(crate) fn nodes(
                 problems.push(Problem::new("cloth.pin", what));
             }
             for &primitive in &primitives {
-                make_cloth(&mut commands, primitive, cloth, &file, server.as_deref(), &mut problems);
+                let mesh = meshes.get(primitive).ok().and_then(|mesh| assets.get(&mesh.0));
+                make_cloth(&mut commands, (primitive, mesh), cloth, &file, server.as_deref(), &mut problems);
             }
         }
-        if let Some(collider) = &node.collider {
-            let shape = ClothColliderShape::Mesh(collider.fit);
-            let mut component = ClothCollider::new(shape);
-            if let Some(friction) = collider.friction {
-                component = component.with_friction(friction);
+        match node.collider {
+            None => {}
+            Some(ColliderExtras { fit: ColliderFit::Skeleton, friction }) => {
+                let body = ClothBody::default();
+                let body = friction.map_or(body, |friction| body.with_friction(friction));
+                let bodies = nodes.bodies_below(entity);
+                if bodies.is_empty() {
+                    let what = "is `skeleton` and needs a skinned mesh, which is no cloth, at the node or below it: \
+                                export the mesh with its armature, or choose another shape";
+                    problems.push(Problem::new("collider", what));
+                }
+                for bearer in bodies {
+                    commands.entity(bearer).try_insert(body);
+                }
             }
-            let bearers = if lone_plane { std::slice::from_ref(&entity) } else { &primitives[..] };
-            for &bearer in bearers {
-                commands.entity(bearer).try_insert(component.clone());
+            Some(ColliderExtras { fit: ColliderFit::Mesh(fit), friction }) => {
+                let collider = ClothCollider::new(ClothColliderShape::Mesh(fit));
+                let collider = match friction {
+                    Some(friction) => collider.with_friction(friction),
+                    None => collider,
+                };
+                let bearers = if lone_plane { std::slice::from_ref(&entity) } else { &primitives[..] };
+                for &bearer in bearers {
+                    commands.entity(bearer).try_insert(collider.clone());
+                }
             }
         }
         let node_name = name.map_or_else(|| entity.to_string(), |n| format!("`{n}`"));
         warn_all(&file, &format!("node {node_name}"), &problems);
+    }
+}
+
+/// Nodes and the skinned meshes among them.
+#[derive(SystemParam)]
+pub(crate) struct Nodes<'w, 's> {
+    parents: Query<'w, 's, &'static ChildOf>,
+    children: Query<'w, 's, &'static Children>,
+    extras: Query<'w, 's, &'static GltfExtras>,
+    skinned: Query<'w, 's, (), With<SkinnedMesh>>,
+}
+
+impl Nodes<'_, '_> {
+    /// Skinned meshes at a node or below it that are no cloth.
+    fn bodies_below(&self, node: Entity) -> Vec<Entity> {
+        let all = core::iter::once(node).chain(self.children.iter_descendants(node));
+        all.filter(|&entity| self.skinned.contains(entity) && !self.is_cloth(entity)).collect()
+    }
+
+    /// Whether a mesh is to be a cloth, by the extras of its own or of its node.
+    fn is_cloth(&self, mesh: Entity) -> bool {
+        let node = self.parents.get(mesh).ok().map(ChildOf::parent);
+        let is_cloth = |entity| {
+            let extras = self.extras.get(entity).ok();
+            // Its problems are told with its own node.
+            extras.is_some_and(|extras| extras::node(&extras.value, &mut Vec::new()).cloth.is_some())
+        };
+        core::iter::once(mesh).chain(node).any(is_cloth)
     }
 }
 
@@ -163,12 +238,18 @@ fn without_normals(mesh: &Mesh) -> bool {
 
 fn make_cloth(
     commands: &mut Commands,
-    entity: Entity,
+    (entity, mesh): (Entity, Option<&Mesh>),
     extras: &ClothExtras,
     file: &SourceFile,
     server: Option<&AssetServer>,
     problems: &mut Vec<Problem>,
 ) {
+    if let Some(mesh) = mesh {
+        maps::tell_of_idle(mesh, extras.backstop.is_some(), extras.drive.is_some(), problems);
+    }
+    let max_distance = extras.max_distance.clone().map(|map| maps::over(mesh, map));
+    let backstop = extras.backstop.clone().map(|given| BackstopExtras { distance: maps::over(mesh, given.distance), ..given });
+    let drive = extras.drive.clone().map(|given| ClothDrive { frequency: maps::over(mesh, given.frequency), ..given });
     let mut material = ClothMaterial::default();
     let mut entity = commands.entity(entity);
     match &extras.material {
@@ -182,6 +263,9 @@ fn make_cloth(
                         substep_rate: extras.substep_rate,
                         self_collision: extras.self_collision,
                         garment_layer: extras.layer,
+                        max_distance: max_distance.clone(),
+                        backstop: backstop.clone().map(|given| (given.distance, given.radius)),
+                        drive: drive.clone(),
                     };
                     entity.try_insert((ClothPresetHandle(server.load(path)), overrides));
                 }
@@ -197,13 +281,19 @@ fn make_cloth(
     if let Some(rate) = extras.substep_rate {
         solver.substep_rate = rate;
     }
-    let pins = extras.pin.clone().map_or(ClothPins::NONE, ClothPins::from);
+    let pins = maps::pins(mesh, extras.pin.as_ref()).map_or(ClothPins::NONE, ClothPins::from);
     let collision = ClothCollision {
         self_collision: extras.self_collision.unwrap_or(true),
         garment_layer: extras.layer.unwrap_or(0),
         ..default()
     };
     entity.try_insert((Cloth, material, solver, pins, collision));
+    if let Some(limits) = maps::limits(mesh, max_distance.as_ref(), backstop.as_ref()) {
+        entity.try_insert(limits);
+    }
+    if let Some(drive) = drive.filter(|drive| !drive.frequency.is_off()) {
+        entity.try_insert(drive);
+    }
 }
 
 /// The file a scene was loaded from, if any.

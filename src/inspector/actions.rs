@@ -55,8 +55,7 @@ fn reset(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
     let (rest, mut inputs, mut particles, mut scratch) = cloths.get_mut(world, cloth).map_err(|_| NOT_BOUND)?;
     let pose: Vec<Vec3> = inputs.pose(&rest.0, particles.origin).collect();
     particles.place(pose.into_iter());
-    let anchors = &mut inputs.anchors;
-    anchors.from.clone_from(&anchors.to);
+    inputs.stay();
     // Contacts and forces that are held over frames have seen it elsewhere.
     scratch.solver = default();
     scratch.fresh = true;

@@ -8,7 +8,7 @@ use ron::extensions::Extensions;
 use super::setting::Setting;
 use super::settings::{ClothSettings, Edit};
 use super::table::settings;
-use crate::components::{ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost};
+use crate::components::{ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod, ClothMaterial, ClothOnTargetLost};
 use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
@@ -33,6 +33,12 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     add(&mut lines, &settings.sleep);
     if settings.sleep_disabled {
         lines.push("ClothSleepDisabled".into());
+    }
+    if let Some(limits) = &settings.limits {
+        lines.push(over(limits, &ClothLimits::default(), "default()"));
+    }
+    if let Some(drive) = &settings.drive {
+        lines.push(over(drive, &ClothDrive::default(), "default()"));
     }
     if let Some(lod) = &settings.lod {
         lines.push(over(lod, &ClothLod::default(), "default()"));
@@ -116,14 +122,21 @@ fn literal(value: &dyn PartialReflect) -> String {
     if let Some(vector) = value.try_downcast_ref::<Vec3>() {
         return format!("Vec3::new({})", vector.to_array().map(number_as_rust).join(", "));
     }
+    if let Some(text) = value.try_downcast_ref::<String>() {
+        return format!("{text:?}.into()");
+    }
     match value.reflect_ref() {
         ReflectRef::Enum(variant) => {
             let path = format!("{}::{}", value.reflect_short_type_path(), variant.variant_name());
-            let fields = (0..variant.field_len())
-                .filter_map(|i| Some(format!("{}: {}", variant.name_at(i)?, literal(variant.field_at(i)?))));
+            let fields = (0..variant.field_len()).filter_map(|i| {
+                let field = literal(variant.field_at(i)?);
+                Some(variant.name_at(i).map_or_else(|| field.clone(), |name| format!("{name}: {field}")))
+            });
+            let fields = fields.collect::<Vec<_>>().join(", ");
             match variant.variant_type() {
-                VariantType::Struct => format!("{path} {{ {} }}", fields.collect::<Vec<_>>().join(", ")),
-                VariantType::Tuple | VariantType::Unit => path,
+                VariantType::Struct => format!("{path} {{ {fields} }}"),
+                VariantType::Tuple => format!("{path}({fields})"),
+                VariantType::Unit => path,
             }
         }
         _ => format!("{value:?}"),
@@ -166,7 +179,8 @@ pub fn from_ron(text: &str, file: &str) -> Result<(ClothPreset, Vec<String>), St
 mod tests {
     use super::*;
     use crate::components::{
-        ClothCollision, ClothPins, ClothSkipFrame, ClothSkipPolicy, ClothSolver, ClothTeleportMode, ClothUntangling,
+        ClothCollision, ClothColorChannel, ClothMap, ClothPins, ClothSkipFrame, ClothSkipPolicy, ClothSolver,
+        ClothTeleportMode, ClothUntangling,
     };
 
     #[test]
@@ -196,6 +210,22 @@ mod tests {
         assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLod::default(),\n");
         settings.lod = Some(ClothLod { full_within: 5.0, ..default() });
         assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLod {\n    full_within: 5.0,\n    ..default()\n},\n");
+    }
+
+    #[test]
+    fn limits_and_drive_follow_where_they_are_with_their_maps() {
+        let mut settings =
+            ClothSettings { limits: Some(ClothLimits::default()), drive: Some(ClothDrive::default()), ..default() };
+        assert_eq!(as_rust(&settings), "ClothMaterial::default(),\nClothLimits::default(),\nClothDrive::default(),\n");
+        let max_distance = ClothMap::attribute("_CLOTH_MAXDIST", 0.0, 0.25);
+        settings.limits = Some(ClothLimits { max_distance, backstop_distance: ClothMap::Uniform(0.01), ..default() });
+        settings.drive = Some(ClothDrive { frequency: ClothMap::color(ClothColorChannel::A, 0.0, 4.0), damping_ratio: 0.5 });
+        let expected = "ClothMaterial::default(),\nClothLimits {\n    \
+                        max_distance: ClothMap::Painted { paint: ClothPaint::Attribute(\"_CLOTH_MAXDIST\".into()), low: 0.0, high: 0.25 },\n    \
+                        backstop_distance: ClothMap::Uniform(0.01),\n    ..default()\n},\nClothDrive {\n    \
+                        frequency: ClothMap::Painted { paint: ClothPaint::Color(ClothColorChannel::A), low: 0.0, high: 4.0 },\n    \
+                        damping_ratio: 0.5,\n},\n";
+        assert_eq!(as_rust(&settings), expected);
     }
 
     #[test]
@@ -239,9 +269,18 @@ mod tests {
             collision: Some(ClothCollision { garment_layer: -7, ..default() }),
             untangle: Some(ClothUntangling { iterations: 65, ..default() }),
             skip_frame: Some(ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..default() }),
+            limits: Some(ClothLimits { max_distance: ClothMap::attribute("_CLOTH_MAXDIST", 0.0, 200.0), ..default() }),
+            drive: Some(ClothDrive { frequency: ClothMap::Uniform(4.0), damping_ratio: 11.0 }),
             wind: Some(ClothGlobalWind { turbulence: 9.0, ..ClothGlobalWind::new(Vec3::X) }),
         };
-        let clamped = ["material density", "solver substep_rate", "untangle iterations", "own wind turbulence"];
+        let clamped = [
+            "material density",
+            "solver substep_rate",
+            "untangle iterations",
+            "limits max_distance.high",
+            "drive damping_ratio",
+            "own wind turbulence",
+        ];
         assert_eq!(from_ron(&as_ron(&preset), ""), Ok((preset, clamped.map(String::from).to_vec())));
     }
 

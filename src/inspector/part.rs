@@ -15,6 +15,10 @@ pub enum Part {
     Skip,
     /// [`ClothSleep`](crate::ClothSleep).
     Sleep,
+    /// [`ClothLimits`](crate::ClothLimits).
+    Limits,
+    /// [`ClothDrive`](crate::ClothDrive).
+    Drive,
     /// [`ClothLod`](crate::ClothLod).
     Lod,
     /// [`ClothWind`](crate::ClothWind).
@@ -29,13 +33,15 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the panel.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Material,
         Self::Solver,
         Self::Collision,
         Self::Untangle,
         Self::Skip,
         Self::Sleep,
+        Self::Limits,
+        Self::Drive,
         Self::Lod,
         Self::OwnWind,
         Self::Pins,
@@ -53,6 +59,8 @@ impl Part {
             Self::Untangle => "untangle",
             Self::Skip => "skip",
             Self::Sleep => "sleep",
+            Self::Limits => "limits",
+            Self::Drive => "drive",
             Self::Lod => "lod",
             Self::OwnWind => "own wind",
             Self::Pins => "pins",
@@ -71,6 +79,8 @@ impl Part {
             Self::Untangle => "Untangling",
             Self::Skip => "Shown while tangled",
             Self::Sleep => "Sleep at rest",
+            Self::Limits => "Distance from the skin",
+            Self::Drive => "Drive to the skin",
             Self::Lod => "Level of detail",
             Self::OwnWind => "Wind at this cloth",
             Self::Pins => "Pins",

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use super::part::Part;
 use crate::components::{
-    ClothCollision, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothPins, ClothSkipFrame, ClothSleep,
-    ClothSleepDisabled, ClothSolver, ClothUntangling, ClothUntanglingDisabled, ClothWind,
+    ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod, ClothMaterial, ClothPins, ClothSkipFrame,
+    ClothSleep, ClothSleepDisabled, ClothSolver, ClothUntangling, ClothUntanglingDisabled, ClothWind,
 };
 use crate::presets::ClothPreset;
 
@@ -28,6 +28,10 @@ pub struct ClothSettings {
     pub sleep: ClothSleep,
     /// Whether it has [`ClothSleepDisabled`].
     pub sleep_disabled: bool,
+    /// How far it may be from the skin; without, as far as it goes.
+    pub limits: Option<ClothLimits>,
+    /// How firmly it is drawn to the skin; without, not at all.
+    pub drive: Option<ClothDrive>,
     /// What it costs far away; without, as much as near.
     pub lod: Option<ClothLod>,
     /// Its own wind; without, that of the world.
@@ -62,6 +66,8 @@ impl ClothSettings {
             skip: part(&entity),
             sleep: part(&entity),
             sleep_disabled: entity.contains::<ClothSleepDisabled>(),
+            limits: entity.get::<ClothLimits>().cloned(),
+            drive: entity.get::<ClothDrive>().cloned(),
             lod: entity.get::<ClothLod>().copied(),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
@@ -90,6 +96,8 @@ impl ClothSettings {
                         put(&mut entity, self.sleep);
                         put_or_remove(&mut entity, self.sleep_disabled.then_some(ClothSleepDisabled));
                     }
+                    Part::Limits => put_or_remove(&mut entity, self.limits.clone()),
+                    Part::Drive => put_or_remove(&mut entity, self.drive.clone()),
                     Part::Lod => put_or_remove(&mut entity, self.lod),
                     Part::Pins => put(&mut entity, self.pins.clone()),
                     Part::OwnWind => put_or_remove(&mut entity, self.own_wind),
@@ -99,7 +107,7 @@ impl ClothSettings {
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, and a wind of its own. Sleep, level of detail, pins, the
+    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep, level of detail, pins, the
     /// world, and whether it is untangled at all are not in files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
@@ -112,6 +120,8 @@ impl ClothSettings {
             collision: changed(&self.collision),
             untangle: changed(&self.untangle),
             skip_frame: changed(&self.skip),
+            limits: self.limits.clone(),
+            drive: self.drive.clone(),
             wind: self.own_wind.map(|wind| wind.0),
         }
     }
@@ -124,8 +134,18 @@ impl ClothSettings {
 }
 
 /// Parts that [`ClothSettings::take`] takes over.
-pub(super) const OWN: [Part; 8] =
-    [Part::Material, Part::Solver, Part::Collision, Part::Untangle, Part::Skip, Part::Sleep, Part::Lod, Part::OwnWind];
+pub(super) const OWN: [Part; 10] = [
+    Part::Material,
+    Part::Solver,
+    Part::Collision,
+    Part::Untangle,
+    Part::Skip,
+    Part::Sleep,
+    Part::Limits,
+    Part::Drive,
+    Part::Lod,
+    Part::OwnWind,
+];
 
 fn put<T: Component<Mutability = bevy::ecs::component::Mutable>>(entity: &mut EntityWorldMut<'_>, value: T) {
     match entity.get_mut::<T>() {
@@ -166,7 +186,7 @@ impl Edit {
 
     /// Takes over what a file holds, as a cloth with a [`ClothPresetHandle`](crate::ClothPresetHandle) does: the rest stays.
     pub fn take(&mut self, preset: ClothPreset) {
-        let ClothPreset { material, solver, collision, untangle, skip_frame, wind } = preset;
+        let ClothPreset { material, solver, collision, untangle, skip_frame, limits, drive, wind } = preset;
         let own = &mut self.settings;
         own.material = material;
         let mut given = vec![Part::Material];
@@ -185,6 +205,14 @@ impl Edit {
         if let Some(skip) = skip_frame {
             own.skip = skip;
             given.push(Part::Skip);
+        }
+        if let Some(limits) = limits {
+            own.limits = Some(limits);
+            given.push(Part::Limits);
+        }
+        if let Some(drive) = drive {
+            own.drive = Some(drive);
+            given.push(Part::Drive);
         }
         if let Some(wind) = wind {
             own.own_wind = Some(ClothWind(wind));

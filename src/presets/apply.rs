@@ -4,11 +4,11 @@ use bevy::asset::LoadState;
 use bevy::prelude::*;
 
 use super::{ClothPreset, ClothPresetHandle};
-use crate::components::{Cloth, ClothCollision, ClothMaterial, ClothSolver, ClothWind};
+use crate::components::{Cloth, ClothCollision, ClothDrive, ClothLimits, ClothMap, ClothMaterial, ClothSolver, ClothWind};
 use crate::notices::{Notices, label};
 
 /// What goes over a file: what else the glTF says about the cloth.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Debug, Default, PartialEq)]
 pub(crate) struct PresetOverrides {
     /// `[m]`
     pub thickness: Option<f32>,
@@ -16,6 +16,25 @@ pub(crate) struct PresetOverrides {
     pub substep_rate: Option<f32>,
     pub self_collision: Option<bool>,
     pub garment_layer: Option<i32>,
+    /// `[m]`
+    pub max_distance: Option<ClothMap>,
+    /// Distance and radius of the backstop `[m]`.
+    pub backstop: Option<(ClothMap, Option<f32>)>,
+    pub drive: Option<ClothDrive>,
+}
+
+impl PresetOverrides {
+    /// The limits of a file, except what the glTF says of them.
+    fn limits(&self, mut limits: ClothLimits) -> ClothLimits {
+        if let Some(max_distance) = &self.max_distance {
+            limits.max_distance = max_distance.clone();
+        }
+        if let Some((distance, radius)) = &self.backstop {
+            limits.backstop_distance = distance.clone();
+            limits.backstop_radius = radius.unwrap_or(limits.backstop_radius);
+        }
+        limits
+    }
 }
 
 /// Gives cloths what their files hold: once loaded, when they change, and when a cloth or its handle is new.
@@ -36,7 +55,7 @@ pub(crate) fn apply(
     for (entity, name, cloth, handle, overrides) in &cloths {
         if let Some(preset) = presets.get(&handle.0) {
             if cloth.is_added() || handle.is_changed() || arrived.contains(&handle.id()) {
-                give(&mut commands, entity, preset, overrides.copied().unwrap_or_default());
+                give(&mut commands, entity, preset, overrides.cloned().unwrap_or_default());
                 notices.settle(entity, "preset");
             }
         } else if let Some(LoadState::Failed(error)) = server.as_ref().and_then(|s| s.get_load_state(handle.id()))
@@ -48,7 +67,7 @@ pub(crate) fn apply(
 }
 
 fn give(commands: &mut Commands, entity: Entity, preset: &ClothPreset, overrides: PresetOverrides) {
-    let ClothPreset { material, solver, collision, untangle, skip_frame, wind } = preset.clone();
+    let ClothPreset { material, solver, collision, untangle, skip_frame, limits, drive, wind } = preset.clone();
     let mut entity = commands.entity(entity);
     let thickness = overrides.thickness.unwrap_or(material.thickness);
     entity.try_insert(ClothMaterial { thickness, ..material });
@@ -66,6 +85,12 @@ fn give(commands: &mut Commands, entity: Entity, preset: &ClothPreset, overrides
     }
     if let Some(skip_frame) = skip_frame {
         entity.try_insert(skip_frame);
+    }
+    if let Some(limits) = limits {
+        entity.try_insert(overrides.limits(limits));
+    }
+    if let Some(drive) = drive.filter(|_| overrides.drive.is_none()) {
+        entity.try_insert(drive);
     }
     if let Some(wind) = wind {
         entity.try_insert(ClothWind(wind));

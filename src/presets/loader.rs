@@ -145,6 +145,7 @@ fn of_material() -> &'static [&'static str] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::components::{ClothColorChannel, ClothDrive, ClothLimits, ClothMap};
 
     fn wrong(text: &str) -> String {
         match ClothPreset::from_ron(text, "a.cloth.ron") {
@@ -176,7 +177,21 @@ mod tests {
         assert_eq!(preset.material.strain_limit, f32::INFINITY);
         assert_eq!(preset.solver.map(|s| s.substep_rate), Some(600.0));
         assert_eq!(preset.wind.map(|w| w.velocity), Some(Vec3::new(1.0, 0.0, 2.0)));
-        assert_eq!(preset.collision, None);
+        assert_eq!((preset.collision, preset.limits, preset.drive), (None, None, None));
+    }
+
+    #[test]
+    fn maps_are_read_by_the_names_of_their_variants() {
+        let text = "(limits: (max_distance: Painted(paint: Attribute(\"_CLOTH_PAINT.g\"), low: 0.01, high: 0.3), backstop_distance: Uniform(0.02)),
+                     drive: (frequency: Painted(paint: Color(A), low: 0, high: 4), damping_ratio: 0.5))";
+        let preset = ClothPreset::from_ron(text, "").expect("a preset");
+        let max_distance = ClothMap::attribute("_CLOTH_PAINT.g", 0.01, 0.3);
+        let limits = ClothLimits { max_distance, backstop_distance: ClothMap::Uniform(0.02), ..ClothLimits::default() };
+        assert_eq!(preset.limits, Some(limits));
+        let frequency = ClothMap::color(ClothColorChannel::A, 0.0, 4.0);
+        assert_eq!(preset.drive, Some(ClothDrive { frequency, damping_ratio: 0.5 }));
+        let misspelt = wrong("(limits: (max_distanse: Off))");
+        assert!(misspelt.ends_with("`limits.max_distanse` is not known: did you mean `max_distance`?"), "{misspelt}");
     }
 
     #[test]

@@ -25,7 +25,9 @@ use bevy::ecs::template::FromTemplate;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::components::{ClothCollision, ClothGlobalWind, ClothMaterial, ClothSkipFrame, ClothSolver, ClothUntangling};
+use crate::components::{
+    ClothCollision, ClothDrive, ClothGlobalWind, ClothLimits, ClothMaterial, ClothSkipFrame, ClothSolver, ClothUntangling,
+};
 
 /// A fabric in a file: what a cloth with [`ClothPresetHandle`] takes over. See the [module](self) for how a file is written.
 ///
@@ -49,6 +51,12 @@ pub struct ClothPreset {
     /// What is shown while it is tangled. Default `None`: the cloth keeps its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skip_frame: Option<ClothSkipFrame>,
+    /// How far it may be from the animated skin. Default `None`: the cloth keeps its own, or has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limits: Option<ClothLimits>,
+    /// How firmly it is drawn to the animated skin. Default `None`: the cloth keeps its own, or has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drive: Option<ClothDrive>,
     /// Wind at the cloth, as [`ClothWind`](crate::ClothWind). Default `None`: it keeps its own, or the [`ClothGlobalWind`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wind: Option<ClothGlobalWind>,

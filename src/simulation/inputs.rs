@@ -4,8 +4,9 @@ use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
 use super::coupling::Coupled;
+use super::motion::Motion;
 use super::slumber::Slumber;
-use crate::bind::{AnchorSets, Placement, Skin};
+use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
 use crate::components::{ClothDetail, ClothLod, ClothPins};
 use crate::solver::anchors::Anchors;
@@ -15,6 +16,7 @@ use crate::solver::island::UntangleSettings;
 use crate::solver::recover::Limits;
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
+use crate::solver::skinned::Skinned;
 use crate::solver::slew::Slew;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
@@ -41,6 +43,12 @@ pub(crate) struct ClothInputs {
     pub carried: bool,
     /// Whether it was carried anywhere in this frame.
     pub rode: bool,
+    /// The character it belongs to.
+    pub character: Option<Entity>,
+    /// How its carrier moved in this frame, unless it jumped; whether it did; and what the cloth was carried along with, unfelt.
+    pub journey: Option<Motion>,
+    pub jumped: bool,
+    pub carried_by: Option<Motion>,
     /// Level of detail, if it has any.
     pub lod: Option<ClothLod>,
     /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
@@ -53,10 +61,18 @@ pub(crate) struct ClothInputs {
     pub anchors: Anchors,
     pub sets: AnchorSets,
     pub skin: Option<Skin>,
-    /// Skinning matrices in the frame of simulation.
+    /// What is asked of the skin, and what the solver is given of it.
+    pub followed: Followed,
+    pub skinned: Skinned,
+    /// Whether places on the skin are taken out of bodies.
+    pub avoids_bodies: bool,
+    /// Skinning matrices in the frame of simulation, and those of the frame before.
     pub joints: Vec<Affine3A>,
-    /// Where the cloth's own entity is.
+    pub joints_before: Vec<Affine3A>,
+    /// Where the cloth's own entity or its skin is.
     pub placement: Placement,
+    /// Middle of what carries the skin `[m]`, as [`Self::placement`] sees it: how far that went is how far the carrier did.
+    pub center: Vec3,
     /// Radius of the ball around the shape at rest `[m]`.
     pub radius: f32,
     pub bodies: Vec<Body>,
@@ -75,7 +91,8 @@ pub(crate) struct ClothInputs {
 impl ClothInputs {
     /// Inputs of a frame in which the clock of the schedule moves by `dt` `[s]`.
     pub fn frame(&self, dt: f32) -> FrameInput<'_> {
-        FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind }
+        let skinned = Some(&self.skinned).filter(|skinned| skinned.is_active());
+        FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned }
     }
 
     /// Defaults for everything that the frame fills in.
@@ -100,6 +117,10 @@ impl ClothInputs {
             time_scale: 1.0,
             carried: false,
             rode: false,
+            character: None,
+            journey: None,
+            jumped: false,
+            carried_by: None,
             lod: None,
             by_distance: ClothDetail::Full,
             unseen_for: 0.0,
@@ -108,8 +129,13 @@ impl ClothInputs {
             anchors,
             sets,
             skin,
+            followed: Followed::default(),
+            avoids_bodies: true,
+            skinned: Skinned::of_radius(radius),
             joints,
+            joints_before: Vec::new(),
             placement,
+            center: Vec3::ZERO,
             radius,
             bodies: Vec::new(),
             body_entities: Vec::new(),
@@ -153,10 +179,49 @@ impl ClothInputs {
         }
     }
 
-    /// Puts the anchors where their targets are now, so that nothing is dragged there in the first frame.
-    pub fn settle(&mut self, origin: DVec3) {
+    /// Starts the frame of the skin where the last one ended, and ends it where the skin is now, as seen from `origin`.
+    pub fn follow(&mut self, rest: &RestShape, origin: DVec3) {
+        let mut skinned = core::mem::take(&mut self.skinned);
+        let Skinned { from, to, normals_from, normals_to, .. } = &mut skinned;
+        core::mem::swap(from, to);
+        core::mem::swap(normals_from, normals_to);
+        to.clear();
+        normals_to.clear();
+        if skinned.is_active() {
+            let Skinned { from, to, normals_from, normals_to, .. } = &mut skinned;
+            to.extend(self.pose(rest, origin));
+            normals_to.extend(self.followed.normals.iter().enumerate().map(|(i, &normal)| match &self.skin {
+                Some(skin) => skin.turn(&self.joints, i, normal).normalize_or_zero(),
+                None => self.placement.rotation * normal,
+            }));
+            if from.len() != to.len() {
+                from.clone_from(to);
+            }
+            if normals_from.len() != normals_to.len() {
+                normals_from.clone_from(normals_to);
+            }
+        }
+        self.skinned = skinned;
+    }
+
+    /// Puts anchors and targets where they are now, so that nothing is dragged there in the first frame.
+    pub fn settle(&mut self, rest: &RestShape, origin: DVec3) {
         self.aim(origin);
+        self.follow(rest, origin);
+        self.stay();
+    }
+
+    /// Begins the frame where it ends: nothing is dragged along.
+    pub fn stay(&mut self) {
         self.anchors.from.clone_from(&self.anchors.to);
+        let Skinned { from, to, normals_from, normals_to, .. } = &mut self.skinned;
+        from.clone_from(to);
+        normals_from.clone_from(normals_to);
+    }
+
+    /// Moves where anchors and targets were last, to be [swapped](Self::aim) in.
+    pub fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
+        self.anchors.to.iter_mut().chain(&mut self.skinned.to).for_each(|x| *x = motion(*x));
     }
 
     /// Lets go of the anchors whose sets were released.

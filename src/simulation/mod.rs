@@ -8,6 +8,7 @@ mod binding;
 mod bodies;
 mod coupling;
 mod inputs;
+mod motion;
 mod particles;
 mod rest;
 mod scratch;
@@ -16,8 +17,9 @@ mod slumber;
 
 pub(crate) use air::{WorldAir, reaches};
 pub(crate) use binding::{Binding, Change, TakenSkin, WaitingSince};
-pub(crate) use bodies::{LEAST_JUMP, NEAR, WorldBodies, WorldBody, WorldRigid, is_near, jumped};
+pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldBody, WorldRigid, is_near, jumped};
 pub(crate) use inputs::ClothInputs;
+pub(crate) use motion::Motion;
 pub use particles::ClothParticles;
 pub use rest::ClothRest;
 pub(crate) use scratch::ClothScratch;

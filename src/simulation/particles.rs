@@ -22,6 +22,8 @@ pub struct ClothParticles {
     pub(crate) display: Display,
     /// Where the carrier was in the last simulated frame.
     pub(crate) carrier: Option<Isometry3d>,
+    /// The space whose motion it does not feel, and where that was in the last simulated frame.
+    pub(crate) space: Option<(Entity, Isometry3d)>,
     /// Whether something other than a step moved it: it wakes.
     pub(crate) disturbed: bool,
 }

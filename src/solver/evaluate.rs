@@ -239,6 +239,16 @@ impl Evaluator {
         snapshot.time = self.time;
     }
 
+    /// Moves the last clean shape to where the skin of a character has gone in a frame: `place` tells where particle `i`, which was at `x` `[m]`, is now.
+    /// Where it does not know, the particle goes along with `pose`. Call it before [`Self::judge`], in every frame since the shape was kept.
+    pub fn follow(&mut self, pose: Pose, place: impl Fn(usize, Vec3) -> Option<Vec3>) {
+        let snapshot = &mut self.ring[self.newest];
+        for (i, x) in snapshot.positions.iter_mut().enumerate() {
+            *x = place(i, *x).unwrap_or_else(|| pose.carry(&snapshot.pose, *x));
+        }
+        snapshot.pose = pose;
+    }
+
     /// Writes the positions to show `[m]`. `tangled` weighs each particle, 1 at a tangle and 0 away from it;
     /// [`SkipPolicy::UntilClean`] holds the whole cloth instead.
     pub fn present(&self, positions: &[Vec4], tangled: &[f32], pose: Pose, settings: &EvaluateSettings, shown: &mut Vec<Vec3>) {

@@ -9,6 +9,7 @@ pub mod slew;
 pub mod rest;
 pub mod state;
 pub mod anchors;
+pub mod skinned;
 pub mod body;
 pub mod couple;
 pub mod wind;

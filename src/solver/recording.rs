@@ -12,15 +12,23 @@ use super::evaluate::{EvaluateSettings, Outcome, Pose};
 use super::fit::fit;
 use super::integrate::spring;
 use super::island::{Display, Island, Member, Members, UntangleSettings};
-use super::recover::{Limits, Recovery};
+use super::recover::{Level, Limits, Recovery};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
+use super::skinned::Skinned;
 use super::state::ClothState;
 use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 use super::wind::Wind;
 
 /// What files of this form begin with: the name and the number of the form. Another number is another form.
-const MAGIC: &[u8; 8] = b"drape\0\0\x01";
+const MAGIC: &[u8; 8] = b"drape\0\0\x02";
+/// The version that wrote a file stands in it: what is recorded is private, and changes.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// FNV-1a (Fowler, Noll, Vo 1991) of 64 bits.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+}
 
 /// A frame of cloths that were stepped together: what they were before it, what they were given, and where they were after it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -60,6 +68,8 @@ pub struct RecordedCloth {
     pub bodies: Vec<Body>,
     /// Wind.
     pub wind: Wind,
+    /// What its skin asks of it.
+    pub skinned: Option<Skinned>,
     /// Particles.
     pub state: ClothState,
     /// What the solver remembers.
@@ -75,7 +85,7 @@ pub struct RecordedCloth {
     /// The animated pose, or the shape at rest where its carrier is `[m]`.
     pub pose: Vec<Vec3>,
     /// Whether that is an animated one.
-    pub skinned: bool,
+    pub animated: bool,
     /// Whether the solver is to be prepared first.
     pub unprepared: bool,
     /// Where what carries it is.
@@ -121,14 +131,20 @@ pub struct Replay {
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
     /// It begins otherwise.
-    #[error("it is no recording of this version of bevy_drape: record the frame again")]
+    #[error("it is no recording of this version: record the frame again")]
     Form,
     /// What follows is damaged.
-    #[error("the recording is damaged: {0}")]
+    #[error("the recording is damaged ({0}): record the frame again")]
     Damaged(String),
     /// It cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
+}
+
+impl RecordingError {
+    fn cut() -> Self {
+        Self::Damaged("its checksum does not fit".into())
+    }
 }
 
 impl Recording {
@@ -137,27 +153,34 @@ impl Recording {
     /// # Errors
     /// [`RecordingError::Io`] when `to` takes no more.
     pub fn write(&self, mut to: impl Write) -> Result<(), RecordingError> {
+        let mut body = Vec::new();
+        ciborium::into_writer(&(VERSION, self), &mut body).map_err(|error| RecordingError::Damaged(error.to_string()))?;
         to.write_all(MAGIC)?;
-        ciborium::into_writer(self, to).map_err(|error| match error {
-            ciborium::ser::Error::Io(error) => RecordingError::Io(error),
-            ciborium::ser::Error::Value(what) => RecordingError::Damaged(what),
-        })
+        to.write_all(&checksum(&body).to_le_bytes())?;
+        to.write_all(&body)?;
+        Ok(to.flush()?)
     }
 
-    /// Reads what [`Self::write`] wrote.
+    /// Reads what [`Self::write`] wrote. Nothing that was changed on the way is read: what is in a file is trusted by the solver.
     ///
     /// # Errors
     /// [`RecordingError`] when it is something else, damaged, or cannot be read.
     pub fn read(mut from: impl Read) -> Result<Self, RecordingError> {
-        let mut magic = [0; MAGIC.len()];
-        from.read_exact(&mut magic)?;
-        if &magic != MAGIC {
+        let mut bytes = Vec::new();
+        from.read_to_end(&mut bytes)?;
+        let sum_and_body = bytes.strip_prefix(MAGIC).ok_or(RecordingError::Form)?;
+        let (sum, body) = sum_and_body.split_first_chunk::<8>().ok_or_else(RecordingError::cut)?;
+        if u64::from_le_bytes(*sum) != checksum(body) {
+            return Err(RecordingError::cut());
+        }
+        let damaged = |error: ciborium::de::Error<io::Error>| RecordingError::Damaged(error.to_string());
+        // The version stands first: what follows is read only if it is the same.
+        let mut rest = body;
+        let (version, recording): (String, ciborium::Value) = ciborium::from_reader(&mut rest).map_err(damaged)?;
+        if version != VERSION {
             return Err(RecordingError::Form);
         }
-        ciborium::from_reader(from).map_err(|error| match error {
-            ciborium::de::Error::Io(error) => RecordingError::Io(error),
-            other => RecordingError::Damaged(other.to_string()),
-        })
+        recording.deserialized().map_err(|error| RecordingError::Damaged(error.to_string()))
     }
 
     /// Steps the frame again.
@@ -171,18 +194,33 @@ impl Recording {
             Some(island) if *together => island.integrate(&mut stepped),
             _ => {
                 for (part, cloth) in stepped.cloths.iter_mut().enumerate().filter(|(_, cloth)| cloth.moves) {
-                    let RecordedCloth { rest, fabric, stepping, anchors, gravity, bodies, wind, state, scratch, clock, .. } =
-                        cloth;
-                    let input = FrameInput { dt: *clock, gravity: *gravity, bodies, wind };
+                    let RecordedCloth {
+                        rest,
+                        fabric,
+                        stepping,
+                        anchors,
+                        gravity,
+                        bodies,
+                        wind,
+                        skinned,
+                        state,
+                        scratch,
+                        clock,
+                        ..
+                    } = cloth;
+                    let input = FrameInput { dt: *clock, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
                     stepped.reports.push((part, step(rest, fabric, stepping, anchors, &input, state, scratch)));
                 }
             }
         }
         let mut replay = Replay::default();
         for (part, report) in core::mem::take(&mut stepped.reports) {
-            let RecordedCloth { state, scratch, recovery, limits, pose, .. } = &mut stepped.cloths[part];
-            if recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)).is_some() {
+            let RecordedCloth { state, scratch, display, recovery, limits, pose, .. } = &mut stepped.cloths[part];
+            if let Some((level, _)) = recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)) {
                 *scratch = Scratch::default();
+                if level != Level::LastGood {
+                    display.reset();
+                }
                 replay.recovered = true;
             }
         }
@@ -241,6 +279,7 @@ impl Members for Again<'_> {
             gravity,
             bodies,
             wind,
+            skinned,
             state,
             scratch,
             display,
@@ -255,7 +294,7 @@ impl Members for Again<'_> {
             ..
         } = self.cloths.get_mut(part)?;
         let dt = if *moves { *clock } else { 0.0 };
-        let input = FrameInput { dt, gravity: *gravity, bodies, wind };
+        let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
         Some(Member {
             cloth: Stepped { rest, fabric, anchors, input },
             stepping,
@@ -280,7 +319,7 @@ impl Members for Again<'_> {
     fn pose(&mut self, part: usize, pose: &mut Vec<Vec3>) {
         pose.clear();
         match self.cloths.get(part) {
-            Some(cloth) if cloth.skinned => pose.extend_from_slice(&cloth.pose),
+            Some(cloth) if cloth.animated => pose.extend_from_slice(&cloth.pose),
             Some(cloth) => fit(&cloth.rest, &cloth.state.positions, pose),
             None => {}
         }

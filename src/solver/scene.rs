@@ -267,7 +267,7 @@ impl Scene {
     fn together(&mut self, dt: f32) -> Option<(&mut Untangling, Together<'_>)> {
         let Self { cloths, bodies, wind, gravity, untangle, .. } = self;
         let untangling = untangle.as_mut()?;
-        let input = FrameInput { dt, gravity: *gravity, bodies, wind };
+        let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: None };
         let (contact, last_resort) = (untangling.contact, untangling.skip.last_resort);
         Some((untangling, Together { cloths, input, contact, last_resort }))
     }
@@ -315,7 +315,7 @@ impl Scene {
         match self.together(dt) {
             Some((Untangling { island, contact: true, .. }, mut cloths)) => island.integrate(&mut cloths),
             _ => {
-                let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind };
+                let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned: None };
                 self.cloths.iter_mut().for_each(|cloth| cloth.step(&input));
             }
         }

@@ -13,12 +13,12 @@ use bevy::prelude::*;
 
 use super::release::take_apart;
 use crate::bind::{
-    AnchorSet, AnchorSets, Authored, Continuing, Placement, Resolved, RestCache, Skin, Sources, Surface, Transforms, corners,
-    instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
+    AnchorSet, AnchorSets, Asked, Authored, Continuing, Followed, Placement, Resolved, RestCache, Skin, Sources, Surface,
+    Transforms, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
-    Cloth, ClothBuildReport, ClothDisabled, ClothError, ClothErrorKind, ClothFailed, ClothMaterial, ClothPinSet, ClothPins,
-    ClothReport, ClothSolver, ClothStatus, WaitingFor,
+    Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothMaterial,
+    ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
@@ -26,7 +26,7 @@ use crate::simulation::{
 };
 use crate::solver::island::Display;
 use crate::solver::recover::Recovery;
-use crate::solver::rest::RestShape;
+use crate::solver::rest::{RestError, RestShape};
 use crate::solver::state::ClothState;
 
 /// A cloth, bound or not.
@@ -44,6 +44,8 @@ pub(crate) struct Bindable {
     build: &'static mut ClothBuildReport,
     error: Option<&'static ClothError>,
     material: Ref<'static, ClothMaterial>,
+    limits: Option<&'static ClothLimits>,
+    drive: Option<&'static ClothDrive>,
     solver: Ref<'static, ClothSolver>,
     waiting: Option<&'static mut WaitingSince>,
     skinned: Option<&'static SkinnedMesh>,
@@ -110,6 +112,8 @@ struct Wanted {
 
 /// Everything that binding makes, before anything is written.
 struct Made {
+    /// Where the cloth's own entity or its skin is.
+    placement: Placement,
     rest: Arc<RestShape>,
     report: ClothBuildReport,
     authored: Authored,
@@ -119,6 +123,9 @@ struct Made {
     known: Vec<Option<usize>>,
     skin: Option<Skin>,
     joints: Vec<Affine3A>,
+    followed: Followed,
+    /// What of the skin could not be used, and why.
+    unfollowed: Vec<(&'static str, String)>,
     surface: Surface,
     instance: Option<(Mesh, Option<(Vec3, Vec3)>)>,
     origin: DVec3,
@@ -140,6 +147,7 @@ fn bind_one(
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
         tell_of_pins(notices, cloth, &made.resolved);
+        tell_of_skin(notices, cloth, &made.unfollowed);
         record(commands, assembly, cloth, wanted, made);
         activate(commands, cloth);
     } else if let Some(inputs) = &mut cloth.inputs
@@ -168,6 +176,15 @@ fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved
     }
 }
 
+/// Warns of maps that cannot be used: the cloth does without them.
+fn tell_of_skin(notices: &mut Notices, cloth: &BindableItem, unfollowed: &[(&'static str, String)]) {
+    for &(name, ref reason) in unfollowed {
+        if notices.first(cloth.entity, name) {
+            warn!("cloth {} does without `{name}`, whose map is to {reason}", label(cloth.entity, cloth.name));
+        }
+    }
+}
+
 /// Compares what is there with what was bound. A change is remembered before anything is waited for.
 fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacle> {
     let news = news(assembly, cloth);
@@ -184,10 +201,12 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
     };
     let skinned = cloth.skinned.cloned().or_else(|| cloth.taken.map(TakenSkin::skin));
     let placement = match &skinned {
-        Some(skinned) => match (skin_placement(assembly, skinned), &cloth.inputs) {
+        Some(skinned) => match &cloth.inputs {
             // A joint that is gone or broken is where it was last.
-            (Err(_), Some(inputs)) if cloth.skinned.is_none() => inputs.placement,
-            (placement, _) => placement?,
+            Some(inputs) if cloth.skinned.is_none() => {
+                inputs.skin.as_ref().and_then(|skin| skin.placement(&assembly.transforms)).unwrap_or(inputs.placement)
+            }
+            _ => skin_placement(assembly, skinned)?,
         },
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Scale))?,
     };
@@ -207,7 +226,8 @@ fn news(assembly: &Assembly, cloth: &BindableItem) -> Change {
     let failed = cloth.error.is_some();
     let unstable = cloth.error.is_some_and(|e| e.kind == ClothErrorKind::Unstable);
     let tuned = unstable && (cloth.material.is_changed() || cloth.solver.is_changed());
-    let repinned = cloth.pins.is_changed();
+    let followed = cloth.inputs.as_ref().is_some_and(|inputs| inputs.followed.asked.is_of(cloth.limits, cloth.drive));
+    let repinned = cloth.pins.is_changed() || (cloth.inputs.is_some() && !followed);
     let arrived = assembly.sources.modified.contains(&source) || (failed && assembly.sources.added.contains(&source));
     if arrived || tuned || (failed && repinned) {
         Change::Mesh
@@ -230,10 +250,11 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     }
     let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(WaitingFor::Asset))?;
     let authored = read(mesh)?;
-    let (rest, built) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(|error| ClothError {
+    let bad_mesh = |error: RestError| ClothError {
         kind: ClothErrorKind::BadMesh,
         detail: format!("{error}: check the mesh in the program it was made with"),
-    })?;
+    };
+    let (mut rest, built) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(bad_mesh)?;
     let frozen = cloth.particles.as_ref().is_none_or(|p| p.recovery.is_frozen());
     let continues = cloth.error.is_none() && !frozen && cloth.rest.is_some_and(|old| same_topology(&old.0, &rest));
     let old = cloth.inputs.as_ref().filter(|_| continues);
@@ -242,10 +263,18 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         _ => placement.translation.as_dvec3(),
     };
     let joined = join(&cloth.pins, old.map(|o| &o.sets), &assembly.transforms, placement)?;
-    let (sets, known): (Vec<AnchorSet>, Vec<Option<usize>>) = joined.into_iter().unzip();
-    let resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
+    let (mut sets, mut known): (Vec<AnchorSet>, Vec<Option<usize>>) = joined.into_iter().unzip();
+    let mut resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
+    let mut unfollowed = Vec::new();
+    let asked = Asked::of(cloth.limits, cloth.drive);
+    let before = old.map(|old| &old.followed);
+    let followed = Followed::new(asked, mesh, &rest, &placement.bake, before, |name, reason| unfollowed.push((name, reason)));
+    if resolved.pin(followed.pinned(), sets.len()) {
+        known.push(old.and_then(|old| old.sets.sets.iter().position(|set| set.target.is_none())));
+        sets.push(AnchorSet::own(placement));
+    }
     let mut joints = last_joints(cloth, origin);
-    let skin = match skinned {
+    let mut skin = match skinned {
         Some(skinned) => Skin::new(mesh, &authored, &rest, Skin::joints(skinned, bindposes(assembly, skinned)?)),
         None => None,
     };
@@ -253,6 +282,15 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         && !skin.matrices(&assembly.transforms, origin, &mut joints)
     {
         return Err(Obstacle::Wait(WaitingFor::Skin));
+    }
+    let mut placement = *placement;
+    if let Some(skin) = &mut skin {
+        skin.find_carriers(&resolved.particles);
+        let bake = placement.bake;
+        placement = skin.placement(&assembly.transforms).unwrap_or(placement);
+        if !placement.fits(&bake) {
+            (rest, _) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(bad_mesh)?;
+        }
     }
     let surface = Surface::new(mesh, &authored);
     let instance = if *change == Change::Mesh {
@@ -262,13 +300,45 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     };
     let mut report = ClothBuildReport::new(&built);
     report.bad_pins.clone_from(&resolved.bad_pins);
-    Ok(Made { rest, report, authored, resolved, sets, known, skin, joints, surface, instance, origin, continues })
+    Ok(Made {
+        placement,
+        rest,
+        report,
+        authored,
+        resolved,
+        sets,
+        known,
+        skin,
+        joints,
+        followed,
+        unfollowed,
+        surface,
+        instance,
+        origin,
+        continues,
+    })
 }
 
 /// Writes what was made to the entity.
 fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut BindableItem, wanted: Wanted, made: Made) {
-    let Made { rest, report, authored, resolved, sets, known, skin, joints, surface, instance, origin, continues } = made;
-    let placement = wanted.placement;
+    let Made {
+        placement,
+        rest,
+        report,
+        authored,
+        resolved,
+        sets,
+        known,
+        skin,
+        joints,
+        followed,
+        unfollowed: _,
+        surface,
+        instance,
+        origin,
+        continues,
+    } = made;
+    let center = skin.as_ref().map_or(Vec3::ZERO, |skin| placement.bake * skin.center());
     if *cloth.build != report {
         debug!("{} is bound: {report:?}", label(cloth.entity, cloth.name));
         *cloth.build = report;
@@ -287,6 +357,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
         inputs.pins.clone_from(&cloth.pins);
+        (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled);
         shown.surface = surface;
         shown.fit(vertices);
@@ -300,7 +371,9 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let mut inputs = ClothInputs::new(placement, radius, anchors, sets, skin, joints);
         inputs.pins.clone_from(&cloth.pins);
         inputs.active = !cloth.disabled;
-        inputs.settle(origin);
+        (inputs.followed, inputs.center) = (followed, center);
+        inputs.followed.advance(0.0, &mut inputs.skinned);
+        inputs.settle(&rest, origin);
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };
         shown.fit(vertices);
@@ -312,7 +385,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
     }
     cloth.report.pinned = pinned;
     if let Some((instance, bounds)) = instance {
-        give_instance(&mut entity, assembly, cloth, wanted, instance, bounds);
+        give_instance(&mut entity, assembly, cloth, wanted, placement.bake, instance, bounds);
     }
 }
 
@@ -322,6 +395,7 @@ fn give_instance(
     assembly: &mut Assembly,
     cloth: &mut BindableItem,
     wanted: Wanted,
+    bake: Mat3,
     instance: Mesh,
     bounds: Option<(Vec3, Vec3)>,
 ) {
@@ -340,7 +414,6 @@ fn give_instance(
         let bounds = cloth.skinned_bounds || cloth.taken.is_some_and(|taken| taken.bounds);
         entity.try_insert(TakenSkin { inverse_bindposes, joints, bounds });
     }
-    let bake = wanted.placement.bake;
     entity.try_insert(Binding { source: wanted.source, instance: Some(handle), bake, own_bounds, pending: Change::None });
     entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
     entity.try_insert(NoAutoAabb);
@@ -362,6 +435,7 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
         recovery,
         display: Display::default(),
         carrier: Some(inputs.carrier()),
+        space: None,
         disturbed: false,
     }
 }
@@ -376,7 +450,7 @@ fn rescale_about(particles: &mut ClothParticles, inputs: &mut ClothInputs, resca
     let (matrix, at) = (turn * rescale * turn.transpose(), placement.translation_from(particles.origin));
     let motion = |x: Vec3| matrix * (x - at) + at;
     particles.carry(motion);
-    inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
+    inputs.carry(motion);
     particles.display.reset();
 }
 
@@ -418,7 +492,7 @@ fn bindposes<'a>(assembly: &'a Assembly, skinned: &SkinnedMesh) -> Result<&'a Sk
     bindposes.ok_or(Obstacle::Wait(WaitingFor::Skin))
 }
 
-/// A skinned cloth is where its first joint takes it; its scale is that of the joint, and even.
+/// Where the first joint of a skin takes it, before anything is known of its weights; its scale is that of the joint, and even.
 fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placement, Obstacle> {
     let missing = Obstacle::Wait(WaitingFor::Skin);
     let (Some(&joint), Some(inverse_bind)) = (skinned.joints.first(), bindposes(assembly, skinned)?.first()) else {

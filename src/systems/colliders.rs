@@ -2,12 +2,16 @@
 
 use bevy::prelude::*;
 
+use super::carriers::character_of;
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::body::{ColliderBody, Stage};
-use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
+use crate::components::{
+    ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit,
+};
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{WorldBodies, WorldBody, jumped};
 use crate::solver::body::shape;
+use crate::time::ClothTime;
 
 /// Makes shapes of new colliders, and of those whose data, scale or mesh changed.
 pub(crate) fn shapes(
@@ -97,8 +101,11 @@ fn needs_mesh(shape: &ClothColliderShape) -> bool {
 
 /// Records where every body was in the last simulated frame and is now.
 pub(crate) fn poses(
+    time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     mut notices: ResMut<Notices>,
+    parents: Query<&ChildOf>,
+    characters: Query<(), With<ClothCharacter>>,
     mut colliders: Query<(
         Entity,
         Option<&Name>,
@@ -111,6 +118,7 @@ pub(crate) fn poses(
 ) {
     let WorldBodies { bodies, checked, .. } = &mut *world;
     bodies.clear();
+    let dt = time.delta_secs();
     for (entity, name, collider, disabled, global, layers, mut body) in &mut colliders {
         let Some(shape) = body.shape.clone().filter(|_| !disabled) else {
             body.pose = None;
@@ -126,10 +134,22 @@ pub(crate) fn poses(
         notices.clamped(entity, name, "collider", checked);
         let to = if finite { Some(Isometry3d::new(translation, rotation.normalize())) } else { body.pose };
         let Some(to) = to else { continue };
-        let from = body.pose.filter(|from| !jumped(from, &to, body.reach)).unwrap_or(to);
+        let from = body.pose.filter(|from| !jumped(from, &to, body.reach, dt)).unwrap_or(to);
         body.pose = Some(to);
         let layers = layers.copied().unwrap_or_default();
-        bodies.push(WorldBody { entity, shape, from, to, layers, margin, static_friction, dynamic_friction, rigid: None });
+        let character = character_of(entity, &parents, &characters);
+        bodies.push(WorldBody {
+            entity,
+            character,
+            shape,
+            from,
+            to,
+            layers,
+            margin,
+            static_friction,
+            dynamic_friction,
+            rigid: None,
+        });
     }
     bodies.sort_unstable_by_key(|body| body.entity);
 }

@@ -7,8 +7,9 @@ use super::release::forget;
 use crate::components::body::{ColliderBody, CoupledBody};
 use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, LEAST_JUMP, WorldBodies, WorldRigid};
+use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, WorldBodies, WorldRigid, jumped};
 use crate::solver::couple::{Given, Rigid};
+use crate::time::ClothTime;
 
 /// Finds the entity that takes what is done to another: itself or the nearest ancestor that says so.
 #[derive(SystemParam)]
@@ -32,6 +33,7 @@ impl Takers<'_, '_> {
 
 /// Lists the bodies that take part, and tells colliders which is theirs.
 pub(crate) fn bodies(
+    time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     mut notices: ResMut<Notices>,
     takers: Takers,
@@ -47,6 +49,7 @@ pub(crate) fn bodies(
 ) {
     let WorldBodies { bodies, rigids, checked } = &mut *world;
     rigids.clear();
+    let dt = time.delta_secs();
     for (entity, name, coupling, rigid, global, mut body, mut reaction) in &mut coupled {
         let (_, rotation, translation) = global.to_scale_rotation_translation();
         if *coupling == ClothCoupling::OneWay || !(rotation.is_finite() && translation.is_finite()) {
@@ -56,7 +59,7 @@ pub(crate) fn bodies(
             continue;
         }
         let to = Isometry3d::new(translation, rotation.normalize());
-        let known = body.pose.filter(|from| from.translation.distance(to.translation) <= LEAST_JUMP);
+        let known = body.pose.filter(|from| !jumped(from, &to, 0.0, dt));
         let from = known.unwrap_or(to);
         body.pose = Some(to);
         checked.clear();

@@ -55,6 +55,11 @@ pub(crate) fn judge(
             let carrier = inputs.carrier();
             let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
             let pose = Pose { translation, rotation: carrier.rotation };
+            if let Some(skin) = inputs.skin.as_ref().filter(|_| !verdict.is_clean()) {
+                // Held shapes stay on a character that moves.
+                let moves = [inputs.joints_before.as_slice(), inputs.joints.as_slice()];
+                particles.display.follow(pose, |i, x| skin.motion(moves, i).map(|motion| motion.transform_point3(x)));
+            }
             let outcome = particles.display.settle(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
 
             report.crossings = verdict.crossings;

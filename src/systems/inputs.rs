@@ -1,25 +1,19 @@
 //! Prepare: what each cloth is given in this frame: settings, carrier, anchors, bodies, wind.
 
-use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::bind::{AnchorSet, Placement, Transforms, slew_weights};
+use crate::bind::{Placement, slew_weights};
 use crate::components::{
-    Cloth, ClothBuildReport, ClothCollisionLayers, ClothGlobalWind, ClothGravity, ClothLod, ClothMaterial, ClothOnTargetLost,
-    ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothUntangling,
-    ClothWind, ClothWindZone, ClothWindZoneShape,
+    Cloth, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod,
+    ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind, ClothWindZone,
+    ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::schedule::ClothClock;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
+use crate::simulation::{ClothInputs, ClothParticles, WorldAir, WorldBodies, WorldBody, reaches};
 use crate::solver::body::{Body, Pose};
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
-
-/// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
-/// units in the last place, at 16 m only 22.
-const REBASE: f32 = 2.0;
 
 /// Reads global wind, gravity and zones, and lets the gusts travel.
 pub(crate) fn air(
@@ -62,6 +56,7 @@ pub(crate) fn settings(
             &ClothUntangling,
             &ClothSkipFrame,
             Option<&ClothLod>,
+            (Option<&ClothLimits>, Option<&ClothDrive>),
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -71,7 +66,9 @@ pub(crate) fn settings(
     >,
     time: Res<ClothTime>,
 ) {
-    for (entity, name, material, solver, pins, untangle, skip, lod, own_wind, build, mut inputs, mut report) in &mut cloths {
+    for (entity, name, material, solver, pins, untangle, skip, lod, (limits, drive), own_wind, build, mut inputs, mut report) in
+        &mut cloths
+    {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
         checked.clear();
@@ -87,6 +84,15 @@ pub(crate) fn settings(
         inputs.limits = solver.limits(checked);
         inputs.untangle = untangle.settings(checked);
         inputs.evaluate = skip.settings(checked);
+        let scale = inputs.followed.scale;
+        let skinned = &mut inputs.skinned;
+        (skinned.backstop_radius, skinned.scale) = limits.map_or((scale, 1.0), |limits| {
+            let (radius, distances) = limits.checked(checked);
+            (radius * scale, distances)
+        });
+        inputs.avoids_bodies = limits.is_none_or(|limits| limits.avoid_bodies);
+        skinned.damping_ratio = drive.map_or(1.0, |drive| drive.checked(checked));
+        inputs.followed.advance(dt, skinned);
         inputs.lod = lod.map(|lod| lod.checked(checked));
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);
@@ -114,166 +120,6 @@ pub(crate) fn settings(
             );
         }
     }
-}
-
-/// Moves what carries the cloth: its anchors, and after a jump the cloth itself.
-pub(crate) fn anchors(
-    mut commands: Commands,
-    clock: Res<ClothClock>,
-    transforms: Transforms,
-    mut cloths: Query<
-        (Entity, &ClothRest, &ClothSolver, &ClothPins, &mut ClothInputs, &mut ClothParticles, &mut ClothReport),
-        With<Cloth>,
-    >,
-) {
-    for (entity, rest, solver, pins, mut inputs, mut particles, mut report) in &mut cloths {
-        let (inputs, particles) = (&mut *inputs, &mut *particles);
-        if !inputs.active || (inputs.time_scale == 0.0 && !inputs.carried) {
-            continue;
-        }
-        if follow_targets(&mut commands, &transforms, entity, pins, inputs) {
-            commands.entity(entity).try_despawn();
-            continue;
-        }
-        let pinned = u32::try_from(inputs.anchors.particles.len()).unwrap_or(u32::MAX);
-        if report.pinned != pinned {
-            report.pinned = pinned;
-        }
-        inputs.rode = inputs.carried && ride(inputs, particles, clock.interpolates);
-        if inputs.carried {
-            continue;
-        }
-        let jump = jump(inputs, particles, solver);
-        if let Some(jump) = &jump {
-            if solver.teleport == ClothTeleportMode::Keep {
-                carry(jump, inputs, particles);
-            }
-            commands.trigger(ClothTeleported { entity, distance: jump.distance, angle: jump.angle });
-        }
-        rebase(inputs, particles);
-        if let Some(skin) = inputs.skin.take() {
-            skin.matrices(&transforms, particles.origin, &mut inputs.joints);
-            inputs.skin = Some(skin);
-        }
-        inputs.aim(particles.origin);
-        if jump.is_some() && solver.teleport == ClothTeleportMode::Reset {
-            particles.place(inputs.pose(&rest.0, particles.origin));
-            inputs.anchors.from.clone_from(&inputs.anchors.to);
-        }
-    }
-}
-
-/// Reads where the targets are. True when one is gone and the cloth is to go with it.
-fn follow_targets(
-    commands: &mut Commands,
-    transforms: &Transforms,
-    entity: Entity,
-    pins: &ClothPins,
-    inputs: &mut ClothInputs,
-) -> bool {
-    let own = AnchorSet::own(&inputs.placement);
-    let mut released = false;
-    for set in &mut inputs.sets.sets {
-        let Some(target) = set.target else {
-            set.at = own.at;
-            continue;
-        };
-        match transforms.get(target) {
-            Ok(global) => {
-                set.lost = false;
-                // A target that is flat or not finite holds where it was.
-                if Placement::of(&global.affine()).is_some() {
-                    set.at = global.affine();
-                }
-            }
-            Err(_) if set.lost => {}
-            Err(_) => {
-                set.lost = true;
-                commands.trigger(ClothTargetLost { entity, target });
-                match pins.on_target_lost {
-                    ClothOnTargetLost::Hold => {}
-                    ClothOnTargetLost::Release => {
-                        set.released = true;
-                        released = true;
-                    }
-                    ClothOnTargetLost::Despawn => return true,
-                }
-            }
-        }
-    }
-    if released {
-        inputs.drop_released();
-    }
-    false
-}
-
-/// A carrier that moved too far in a frame to have been there in between.
-struct Jump {
-    from: Isometry3d,
-    to: Isometry3d,
-    distance: f32,
-    angle: f32,
-}
-
-impl Jump {
-    /// The rigid motion of the jump, as seen from `origin`.
-    fn motion(&self, origin: DVec3) -> impl Fn(Vec3) -> Vec3 + use<> {
-        let seen = |at: &Isometry3d| (Vec3::from(at.translation).as_dvec3() - origin).as_vec3();
-        let (from, to) = (seen(&self.from), seen(&self.to));
-        let turn = self.to.rotation * self.from.rotation.inverse();
-        move |x| turn * (x - from) + to
-    }
-}
-
-/// Carries a cloth that stands still along with what it hangs on; whether it went anywhere. One that is pinned nowhere stays.
-fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles, interpolates: bool) -> bool {
-    let to = inputs.carrier();
-    let from = particles.carrier.replace(to).filter(|from| *from != to && !inputs.anchors.particles.is_empty());
-    let mut before = core::mem::take(&mut particles.before);
-    before.clear();
-    if let Some(from) = from {
-        if interpolates {
-            before.extend(particles.state.positions.iter().map(|x| x.truncate()));
-        }
-        carry(&Jump { from, to, distance: 0.0, angle: 0.0 }, inputs, particles);
-    }
-    particles.before = before;
-    if from.is_some() {
-        rebase(inputs, particles);
-    }
-    from.is_some()
-}
-
-/// Moves a cloth and its anchors rigidly along.
-fn carry(jump: &Jump, inputs: &mut ClothInputs, particles: &mut ClothParticles) {
-    let motion = jump.motion(particles.origin);
-    particles.carry(&motion);
-    inputs.anchors.to.iter_mut().for_each(|x| *x = motion(*x));
-}
-
-/// Whether the carrier jumped since the last frame: further than 1 m and three radii, or by more than 60 degrees, by default.
-fn jump(inputs: &ClothInputs, particles: &mut ClothParticles, solver: &ClothSolver) -> Option<Jump> {
-    let to = inputs.carrier();
-    let from = particles.carrier.replace(to)?;
-    let (least, turn) = inputs.teleport;
-    let distance = from.translation.distance(to.translation);
-    let angle = from.rotation.angle_between(to.rotation);
-    let far = !(distance <= least.max(3.0 * inputs.radius)) || !(angle <= turn);
-    (far && solver.teleport != ClothTeleportMode::None).then_some(Jump { from, to, distance, angle })
-}
-
-/// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
-fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
-    let Some(first) = particles.state.positions.first().map(|x| x.truncate()) else { return };
-    if first.length() <= REBASE.max(2.0 * inputs.radius) || !first.is_finite() {
-        return;
-    }
-    let shift = first.round();
-    particles.origin += shift.as_dvec3();
-    particles.carry(|x| x - shift);
-    inputs.anchors.to.iter_mut().for_each(|x| *x -= shift);
-    // A joint that is gone keeps its matrix.
-    inputs.joints.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
 }
 
 fn blow(air: &mut Wind, wind: &ClothGlobalWind) {
@@ -319,6 +165,7 @@ pub(crate) fn surroundings(
         (Entity, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
         With<Cloth>,
     >,
+    mut planes: Local<Vec<Vec4>>,
 ) {
     for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
         if inputs.asleep || inputs.carried {
@@ -336,16 +183,29 @@ pub(crate) fn surroundings(
         let meets = |body: &&WorldBody| body.entity != entity && layers.touches(body.layers);
         inputs.body_entities.clear();
         inputs.body_entities.extend(world.bodies.iter().filter(meets).map(|body| body.entity));
+        let (character, carried, jumped) = (inputs.character, inputs.carried_by, inputs.jumped);
+        // What the cloth does not feel of its carrier's motion, it does not feel of bodies either; after a jump, of those of its character.
+        let goes_along =
+            |body: &WorldBody| body.rigid.is_none() && (!jumped || (character.is_some() && body.character == character));
+        let from = |body: &WorldBody| match carried.filter(|_| goes_along(body)) {
+            Some(_) if jumped && body.from == body.to => pose(&body.to),
+            Some(carried) => pose(&carried.moved(body.from)),
+            None => pose(&body.from),
+        };
         inputs.bodies.extend(world.bodies.iter().filter(meets).map(|body| Body {
             shape: body.shape.clone(),
-            from: pose(&body.from),
+            from: from(body),
             to: pose(&body.to),
             static_friction: body.static_friction,
             dynamic_friction: body.dynamic_friction,
             margin: body.margin,
             // Its place in the world's list, until `couple` makes a slot of it.
             rigid: body.rigid,
+            bone: character.is_some() && body.character == character,
         }));
+        if inputs.avoids_bodies && inputs.skinned.is_active() {
+            inputs.skinned.avoid(&inputs.bodies, inputs.fabric.thickness, time.delta_secs() * inputs.time_scale, &mut planes);
+        }
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
         inputs.wind.origin = origin;
         inputs.wind.zones.clear();
@@ -402,6 +262,7 @@ mod tests {
             recovery: Recovery::default(),
             display: Display::default(),
             carrier: None,
+            space: None,
             disturbed: false,
         };
         let cloth = world.spawn((Cloth, inputs, particles)).id();

@@ -4,10 +4,13 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
+use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 
-use crate::components::body::ColliderBody;
-use crate::components::{Cloth, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothReport, ClothStatus, ClothWindZone};
+use crate::components::body::{ColliderBody, FittedBody, FittedColliders, Stage};
+use crate::components::{
+    Cloth, ClothBody, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothReport, ClothStatus, ClothWindZone,
+};
 use crate::notices::Notices;
 use crate::simulation::{
     Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, TakenSkin, WaitingSince,
@@ -74,6 +77,30 @@ pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut command
     }
 }
 
+/// Despawns the colliders of a body's bones; bodies that were fitted together with it are fitted anew.
+pub(crate) fn on_remove_body(
+    removed: On<Remove, ClothBody>,
+    mut commands: Commands,
+    mut bodies: Query<(Entity, &mut FittedBody), Allow<Disabled>>,
+    colliders: Query<&FittedColliders, Allow<Disabled>>,
+) {
+    let body = removed.entity;
+    forget(&mut commands, body);
+    // Now, since a body that is despawned has no list of them any more when commands run.
+    for collider in colliders.get(body).into_iter().flat_map(RelationshipTarget::iter) {
+        commands.entity(collider).try_despawn();
+    }
+    let members = bodies.get_mut(body).map(|(_, mut fitted)| std::mem::take(&mut fitted.members)).unwrap_or_default();
+    for (other, mut fitted) in &mut bodies {
+        if other != body && (members.contains(&other) || fitted.members.contains(&body)) {
+            fitted.stage = Stage::New;
+        }
+    }
+    if let Ok(mut body) = commands.get_entity(body) {
+        body.try_remove::<FittedBody>();
+    }
+}
+
 /// Forgets what was told of a wind zone.
 pub(crate) fn on_remove_zone(removed: On<Remove, ClothWindZone>, mut commands: Commands) {
     forget(&mut commands, removed.entity);
@@ -89,6 +116,7 @@ pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
     commands.queue(move |world: &mut World| {
         let is_meant = world.get_entity(entity).is_ok_and(|entity| {
             entity.contains::<Cloth>()
+                || entity.contains::<ClothBody>()
                 || entity.contains::<ClothCollider>()
                 || entity.contains::<ClothCoupling>()
                 || entity.contains::<ClothGrab>()

@@ -116,6 +116,8 @@ fn what_is_saved_is_read_by_the_loader_and_comes_back_in_another_cloth() {
         ClothCollision { garment_layer: 3, contact: false, ..Default::default() },
         ClothUntangling { iterations: 9, ..Default::default() },
         ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 3 }, ..Default::default() },
+        ClothLimits { max_distance: ClothMap::Uniform(0.3), scale: 0.5, ..Default::default() },
+        ClothDrive { frequency: ClothMap::attribute("_CLOTH_PAINT.a", 0.0, 4.0), damping_ratio: 0.5 },
         ClothWind::new(bevy::math::Vec3::X),
     ));
     panel.steps(2);

@@ -13,13 +13,16 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::panel::Panel;
 
-/// A panel in which every row exists: with a wind of its own, a level of detail, and a maximum until clean.
+/// A panel in which every row exists: with limits and drive that are painted, a wind of its own, a level of detail, and a maximum until clean.
 fn with_all_rows() -> Panel {
     let mut panel = Panel::new();
     let cloth = panel.cloth;
     let world = panel.app().world_mut();
     let mut entity = world.entity_mut(cloth);
-    entity.insert((ClothWind::default(), ClothLod::default()));
+    let painted = |low: f32, high: f32| ClothMap::color(ClothColorChannel::G, low, high);
+    let limits = ClothLimits { max_distance: painted(0.05, 0.3), backstop_distance: painted(0.01, 0.06), ..default() };
+    let drive = ClothDrive { frequency: painted(1.0, 5.0), ..default() };
+    entity.insert((ClothWind::default(), ClothLod::default(), limits, drive));
     entity.get_mut::<ClothSkipFrame>().expect("a cloth").policy = ClothSkipPolicy::UntilClean { max: 3 };
     panel.opened()
 }
@@ -50,6 +53,8 @@ fn part_of(component: &str) -> Option<Part> {
         "ClothUntangling" => Part::Untangle,
         "ClothSkipFrame" => Part::Skip,
         "ClothSleep" => Part::Sleep,
+        "ClothLimits" => Part::Limits,
+        "ClothDrive" => Part::Drive,
         "ClothLod" => Part::Lod,
         "ClothWind" => Part::OwnWind,
         "ClothGlobalWind" => Part::Wind,
@@ -260,6 +265,58 @@ fn a_level_of_detail_comes_and_goes_with_its_switch() {
     panel.harness.get_by_role_and_label(Role::CheckBox, "lod enabled").click();
     panel.steps(4);
     assert_eq!((panel.settings().lod, panel.others().lod), (None, None));
+}
+
+#[test]
+fn limits_come_and_go_with_their_switch_and_a_map_has_the_rows_of_what_it_is() {
+    let mut panel = Panel::new().opened();
+    let switch = |panel: &mut Panel| {
+        panel.harness.get_by_role_and_label(Role::CheckBox, "limits enabled").click();
+        panel.steps(4);
+    };
+    let distance = |panel: &mut Panel| panel.settings().limits.map(|limits| limits.max_distance);
+    let rows = |panel: &Panel| ["low", "high"].map(|end| panel.shows(&format!("limits max_distance.{end}")));
+    assert_eq!((panel.settings().limits, panel.shows("limits scale")), (None, false));
+    switch(&mut panel);
+    assert_eq!(panel.settings().limits, Some(ClothLimits::default()));
+    assert_eq!(rows(&panel), [false, false]);
+    panel.click("limits max_distance: Uniform");
+    panel.steps(4);
+    assert_eq!(rows(&panel), [false, true]);
+    panel.type_into("limits max_distance.high", "0.4");
+    assert_eq!(distance(&mut panel), Some(ClothMap::Uniform(0.4)));
+    panel.click("limits max_distance: Painted");
+    panel.steps(4);
+    assert_eq!(rows(&panel), [true, true]);
+    panel.type_into("limits max_distance.low", "0.1");
+    assert_eq!(distance(&mut panel), Some(ClothMap::attribute("_CLOTH_MAXDIST", 0.1, 0.4)));
+    panel.type_into("limits scale", "0.5");
+    assert_eq!(panel.settings().limits.map(|limits| limits.scale), Some(0.5));
+    panel.click("copy as Rust");
+    let copied =
+        "max_distance: ClothMap::Painted { paint: ClothPaint::Attribute(\"_CLOTH_MAXDIST\".into()), low: 0.1, high: 0.4 }";
+    assert!(panel.copied.as_deref().is_some_and(|text| text.contains(copied)), "{:?}", panel.copied);
+    switch(&mut panel);
+    assert_eq!((panel.settings().limits, panel.others().limits), (None, None));
+}
+
+#[test]
+fn a_drive_comes_and_goes_with_its_switch() {
+    let mut panel = Panel::new().opened();
+    let switch = |panel: &mut Panel| {
+        panel.harness.get_by_role_and_label(Role::CheckBox, "drive enabled").click();
+        panel.steps(4);
+    };
+    assert_eq!((panel.settings().drive, panel.shows("drive damping_ratio")), (None, false));
+    switch(&mut panel);
+    panel.click("drive frequency: Uniform");
+    panel.steps(4);
+    panel.type_into("drive frequency.high", "6");
+    panel.type_into("drive damping_ratio", "0.5");
+    let drive = ClothDrive { frequency: ClothMap::Uniform(6.0), damping_ratio: 0.5 };
+    assert_eq!(panel.settings().drive, Some(drive));
+    switch(&mut panel);
+    assert_eq!((panel.settings().drive, panel.others().drive), (None, None));
 }
 
 #[test]

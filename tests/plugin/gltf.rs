@@ -39,7 +39,8 @@ fn write_gltf(path: &std::path::Path, nodes: &[String], scene_extras: &str) {
     write_gltf_of(path, whole, nodes, scene_extras);
 }
 
-/// As [`write_gltf`], with other primitives of the mesh.
+/// As [`write_gltf`], with other primitives of the mesh. Accessor 4 is a colour: red is 1 where accessor 2 is, green goes from 0 there to 1 at the
+/// other end, blue is 0.5, alpha 0.25. Accessor 5 is its green alone.
 fn write_gltf_of(path: &std::path::Path, primitives: &str, nodes: &[String], scene_extras: &str) {
     let mesh = sheet(5);
     let points = vectors(&mesh, Mesh::ATTRIBUTE_POSITION);
@@ -56,6 +57,14 @@ fn write_gltf_of(path: &std::path::Path, primitives: &str, nodes: &[String], sce
     let indices: Vec<u16> = mesh.indices().expect("indices").iter().map(|i| i as u16).collect();
     let start = bytes.len();
     bytes.extend(indices.iter().flat_map(|i| i.to_le_bytes()));
+    let after = bytes.len();
+    for p in &points {
+        let red = if p.z < -0.49 { 1.0 } else { 0.0 };
+        bytes.extend([red, p.z + 0.5, 0.5, 0.25_f32].into_iter().flat_map(f32::to_le_bytes));
+    }
+    for p in &points {
+        bytes.extend((p.z + 0.5).to_le_bytes());
+    }
     let list: Vec<String> = (0..nodes.len()).map(|i| i.to_string()).collect();
     let text = format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0,
@@ -66,17 +75,22 @@ fn write_gltf_of(path: &std::path::Path, primitives: &str, nodes: &[String], sce
             {{"bufferView": 0, "componentType": 5126, "count": 25, "type": "VEC3", "min": [-0.5, 0, -0.5], "max": [0.5, 0, 0.5]}},
             {{"bufferView": 1, "componentType": 5126, "count": 25, "type": "VEC3"}},
             {{"bufferView": 2, "componentType": 5126, "count": 25, "type": "SCALAR"}},
-            {{"bufferView": 3, "componentType": 5123, "count": {count}, "type": "SCALAR"}}],
+            {{"bufferView": 3, "componentType": 5123, "count": {count}, "type": "SCALAR"}},
+            {{"bufferView": 4, "componentType": 5126, "count": 25, "type": "VEC4"}},
+            {{"bufferView": 5, "componentType": 5126, "count": 25, "type": "SCALAR"}}],
         "bufferViews": [
             {{"buffer": 0, "byteOffset": 0, "byteLength": 300}},
             {{"buffer": 0, "byteOffset": 300, "byteLength": 300}},
             {{"buffer": 0, "byteOffset": 600, "byteLength": 100}},
-            {{"buffer": 0, "byteOffset": {start}, "byteLength": {index_bytes}}}],
+            {{"buffer": 0, "byteOffset": {start}, "byteLength": {index_bytes}}},
+            {{"buffer": 0, "byteOffset": {after}, "byteLength": 400}},
+            {{"buffer": 0, "byteOffset": {single}, "byteLength": 100}}],
         "buffers": [{{"byteLength": {length}, "uri": "data:application/octet-stream;base64,{data}"}}]}}"#,
         nodes_in = list.join(","),
         nodes = nodes.join(","),
         count = indices.len(),
         index_bytes = 2 * indices.len(),
+        single = after + 400,
         length = bytes.len(),
         data = base64(&bytes),
     );
@@ -87,7 +101,7 @@ fn gltf_app(folder: &std::path::Path) -> App {
     let mut app = App::new();
     let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
     app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
-    let gltf = bevy_drape::gltf::pin_attribute(GltfPlugin::default(), "_PIN");
+    let gltf = bevy_drape::gltf::cloth_attributes(GltfPlugin::default());
     app.add_plugins((WorldSerializationPlugin, gltf, ClothPlugin::default()));
     app.init_asset::<AnimationClip>();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(FRAME)));
@@ -216,5 +230,252 @@ fn pins_by_index_without_normals_and_meshes_in_several_pieces_are_told_of() {
     let lines = told("two.gltf", &format!("{smooth}, {smooth}"), pins);
     assert_eq!(lines.len(), 1, "{lines:#?}");
     assert!(["two.gltf", "`Curtain`", "2 primitives"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+/// A glTF of a character: an armature with the extras above a body of two primitives, a thigh and a calf, and a skirt on the same skin.
+fn write_character(path: &std::path::Path, extras: &str) {
+    const COUNT: usize = 21 * 16;
+    let mut bytes = Vec::new();
+    for part in 0..2 {
+        for i in 0..COUNT {
+            let (ring, turn) = (i / 16, (i % 16) as f32 / 16.0 * core::f32::consts::TAU);
+            let x = 0.5 * (part as f32 + ring as f32 / 20.0);
+            bytes.extend([x, 0.1 * turn.cos(), 0.1 * turn.sin()].into_iter().flat_map(f32::to_le_bytes));
+        }
+    }
+    for part in 0..2_u16 {
+        bytes.extend([part, 0, 0, 0].repeat(COUNT).into_iter().flat_map(u16::to_le_bytes));
+    }
+    bytes.extend([1.0_f32, 0.0, 0.0, 0.0].repeat(COUNT).into_iter().flat_map(f32::to_le_bytes));
+    for matrix in [Mat4::IDENTITY, Mat4::from_translation(Vec3::X * -0.5)] {
+        bytes.extend(matrix.to_cols_array().into_iter().flat_map(f32::to_le_bytes));
+    }
+    let (points, joints, weights) = (12 * COUNT, 8 * COUNT, 16 * COUNT);
+    let (first_joint, first_weight) = (2 * points, 2 * points + 2 * joints);
+    let first_bind = first_weight + weights;
+    let primitive =
+        |part: usize| format!(r#"{{"attributes": {{"POSITION": {part}, "JOINTS_0": {}, "WEIGHTS_0": 4}}}}"#, 2 + part);
+    let text = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
+        "nodes": [
+            {{"name": "Armature", "children": [1, 2, 3], "extras": {extras}}},
+            {{"name": "Body", "mesh": 0, "skin": 0}},
+            {{"name": "Skirt", "mesh": 1, "skin": 0, "extras": {{"cloth": true}}}},
+            {{"name": "thigh", "children": [4]}},
+            {{"name": "calf", "translation": [0.5, 0, 0]}}],
+        "skins": [{{"joints": [3, 4], "inverseBindMatrices": 5}}],
+        "meshes": [{{"primitives": [{thigh}, {calf}]}}, {{"primitives": [{thigh}]}}],
+        "accessors": [
+            {{"bufferView": 0, "componentType": 5126, "count": {COUNT}, "type": "VEC3", "min": [0, -0.1, -0.1], "max": [0.5, 0.1, 0.1]}},
+            {{"bufferView": 1, "componentType": 5126, "count": {COUNT}, "type": "VEC3", "min": [0.5, -0.1, -0.1], "max": [1, 0.1, 0.1]}},
+            {{"bufferView": 2, "componentType": 5123, "count": {COUNT}, "type": "VEC4"}},
+            {{"bufferView": 3, "componentType": 5123, "count": {COUNT}, "type": "VEC4"}},
+            {{"bufferView": 4, "componentType": 5126, "count": {COUNT}, "type": "VEC4"}},
+            {{"bufferView": 5, "componentType": 5126, "count": 2, "type": "MAT4"}}],
+        "bufferViews": [
+            {{"buffer": 0, "byteOffset": 0, "byteLength": {points}}},
+            {{"buffer": 0, "byteOffset": {points}, "byteLength": {points}}},
+            {{"buffer": 0, "byteOffset": {first_joint}, "byteLength": {joints}}},
+            {{"buffer": 0, "byteOffset": {second_joint}, "byteLength": {joints}}},
+            {{"buffer": 0, "byteOffset": {first_weight}, "byteLength": {weights}}},
+            {{"buffer": 0, "byteOffset": {first_bind}, "byteLength": 128}}],
+        "buffers": [{{"byteLength": {length}, "uri": "data:application/octet-stream;base64,{data}"}}]}}"#,
+        thigh = primitive(0),
+        calf = primitive(1),
+        second_joint = first_joint + joints,
+        length = bytes.len(),
+        data = base64(&bytes),
+    );
+    std::fs::write(path, text).expect("a file");
+}
+
+#[test]
+fn a_skeleton_is_one_set_of_colliders_for_all_skinned_meshes_below_its_node_that_are_no_cloth() {
+    let folder = folder("skeleton");
+    write_character(&folder.join("leg.gltf"), r#"{"collider": {"shape": "skeleton", "friction": 0.25}}"#);
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "leg.gltf");
+        run(app, 20);
+        let mut bodies = app.world_mut().query::<(&ClothBody, Has<Cloth>)>();
+        let bodies: Vec<_> = bodies.iter(app.world()).map(|(body, is_cloth)| (*body, is_cloth)).collect();
+        assert_eq!(bodies, [(ClothBody::default().with_friction(0.25), false); 2]);
+        let mut colliders = app.world_mut().query_filtered::<&Name, With<ClothCollider>>();
+        let mut names: Vec<String> = colliders.iter(app.world()).map(ToString::to_string).collect();
+        names.sort();
+        assert_eq!(names, ["calf collider", "thigh collider"]);
+    });
+    assert!(!lines.iter().any(|line| line.contains("leg.gltf")), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+/// A node that stands `place` metres aside, so that it meets no other.
+fn aside(name: &str, place: u32, extras: &str) -> String {
+    format!(r#"{{"name": "{name}", "mesh": 0, "translation": [{}, 0, 0], "extras": {extras}}}"#, 5 * place)
+}
+
+#[test]
+fn the_attributes_of_cloth_are_registered_each_with_its_format() {
+    use bevy::mesh::VertexFormat;
+    let plugin = bevy_drape::gltf::cloth_attributes(GltfPlugin::default());
+    let plugin = bevy_drape::gltf::pin_attribute(plugin, "_CUFF");
+    let mut ids = Vec::new();
+    for (seen, format) in [
+        ("PIN", VertexFormat::Float32),
+        ("CLOTH_MAXDIST", VertexFormat::Float32),
+        ("CLOTH_BACKSTOP", VertexFormat::Float32),
+        ("CLOTH_DRIVE", VertexFormat::Float32),
+        ("CLOTH_PAINT", VertexFormat::Float32x4),
+        ("CUFF", VertexFormat::Float32),
+    ] {
+        let attribute = plugin.custom_vertex_attributes.get(seen).unwrap_or_else(|| panic!("{seen} is not registered"));
+        assert_eq!((attribute.name, attribute.format), (format!("_{seen}").as_str(), format));
+        ids.push(attribute.id);
+    }
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!((ids.len(), plugin.custom_vertex_attributes.len()), (6, 6));
+}
+
+#[test]
+fn distances_from_the_skin_come_out_of_an_attribute_numbers_and_files() {
+    let folder = folder("distances");
+    let lined = "(material: (density: 0.9), limits: (max_distance: Uniform(0.5), scale: 0.5), drive: (frequency: Uniform(1)))";
+    std::fs::write(folder.join("lined.cloth.ron"), lined).expect("a file");
+    write_gltf_of(
+        &folder.join("skirt.gltf"),
+        r#"{"attributes": {"POSITION": 0, "NORMAL": 1, "_CLOTH_MAXDIST": 5}, "indices": 3}"#,
+        &[
+            aside("Alone", 0, r#"{"cloth": true}"#),
+            aside("Range", 1, r#"{"cloth": true, "cloth.max_distance": [0.01, 0.4], "cloth.backstop": true}"#),
+            aside("Number", 2, r#"{"cloth": {"max_distance": 0.3}}"#),
+            aside("Driven", 3, r#"{"cloth": {"max_distance": false, "drive": 4}}"#),
+            aside("Lined", 4, r#"{"cloth": {"material": "lined.cloth.ron", "max_distance": 0.2}}"#),
+        ],
+        "{}",
+    );
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "skirt.gltf");
+        for _ in 0..90 {
+            app.update();
+            std::thread::sleep(core::time::Duration::from_millis(2));
+        }
+        let [alone, range, number, driven, lined] =
+            ["Alone", "Range", "Number", "Driven", "Lined"].map(|name| primitive(app, name));
+        let limits = |entity: Entity| app.world().get::<ClothLimits>(entity).cloned();
+        let drive = |entity: Entity| app.world().get::<ClothDrive>(entity).cloned();
+        let painted = |low: f32, high: f32| ClothMap::attribute("_CLOTH_MAXDIST", low, high);
+        let within = |max_distance: ClothMap| ClothLimits { max_distance, ..default() };
+        assert_eq!(limits(alone), Some(within(painted(0.0, 1.0))));
+        let backstop = ClothLimits { backstop_distance: ClothMap::Uniform(0.0), ..within(painted(0.01, 0.4)) };
+        assert_eq!(limits(range), Some(backstop));
+        assert_eq!(limits(number), Some(within(ClothMap::Uniform(0.3))));
+        assert_eq!(limits(driven), None);
+        assert_eq!(limits(lined), Some(ClothLimits { scale: 0.5, ..within(ClothMap::Uniform(0.2)) }));
+        let springs = |frequency: f32| Some(ClothDrive { frequency: ClothMap::Uniform(frequency), ..default() });
+        assert_eq!([alone, range, number].map(drive), [None, None, None]);
+        assert_eq!([driven, lined].map(drive), [springs(4.0), springs(1.0)]);
+        for cloth in [alone, range, number, driven, lined] {
+            assert_eq!(status(app, cloth), ClothStatus::Active, "{:?}", app.world().get::<ClothError>(cloth));
+        }
+        // Where the paint is 0 it is pinned to the skin.
+        assert_eq!([alone, range, number].map(|cloth| report(app, cloth).pinned), [5, 0, 0]);
+        let [number, driven] = [number, driven].map(|cloth| lowest(&world_positions(app, cloth)));
+        assert!((-0.31..-0.25).contains(&number), "it falls as far as it may, to {number} m");
+        assert!((-0.05..-0.005).contains(&driven), "springs of 4 Hz hold it at {driven} m");
+    });
+    assert_eq!(lines, [""; 0], "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn a_skeleton_without_a_skinned_mesh_is_told_of() {
+    let folder = folder("skinless");
+    write_gltf(&folder.join("rock.gltf"), &[node("Rock", r#"{"collider": "skeleton"}"#)], "{}");
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "rock.gltf");
+        run(app, 20);
+    });
+    let lines: Vec<_> = lines.iter().filter(|line| line.contains("rock.gltf")).collect();
+    let words = ["`Rock`", "`collider`", "skinned mesh"];
+    assert!(lines.len() == 1 && words.iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn one_colour_holds_four_maps() {
+    let folder = folder("paint");
+    let all = r#"{"cloth": {"pin": "_PIN", "max_distance": [0.01, 0.3], "backstop": [0, 0.1],
+        "drive": {"frequency": [0, 4], "damping_ratio": 2}}}"#;
+    write_gltf_of(
+        &folder.join("coat.gltf"),
+        r#"{"attributes": {"POSITION": 0, "NORMAL": 1, "_CLOTH_PAINT": 4}, "indices": 3}"#,
+        &[
+            aside("Coat", 0, r#"{"cloth": true}"#),
+            aside("All", 1, all),
+            aside("Named", 2, r#"{"cloth": {"pin": [0], "max_distance": {"map": "_CLOTH_PAINT.b", "high": 0.2}}}"#),
+        ],
+        "{}",
+    );
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "coat.gltf");
+        run(app, 20);
+        let [coat, all, named] = ["Coat", "All", "Named"].map(|name| primitive(app, name));
+        let limits = |entity: Entity| app.world().get::<ClothLimits>(entity).cloned();
+        let channel = |channel: &str, low: f32, high: f32| ClothMap::attribute(format!("_CLOTH_PAINT.{channel}"), low, high);
+        assert_eq!(limits(coat), Some(ClothLimits { max_distance: channel("g", 0.0, 1.0), ..default() }));
+        let (max_distance, backstop_distance) = (channel("g", 0.01, 0.3), channel("b", 0.0, 0.1));
+        assert_eq!(limits(all), Some(ClothLimits { max_distance, backstop_distance, ..default() }));
+        assert_eq!(limits(named), Some(ClothLimits { max_distance: channel("b", 0.0, 0.2), ..default() }));
+        let drive = ClothDrive { frequency: channel("a", 0.0, 4.0), damping_ratio: 2.0 };
+        assert_eq!(app.world().get::<ClothDrive>(all), Some(&drive));
+        for cloth in [coat, all] {
+            assert_eq!(app.world().get::<ClothPins>(cloth), Some(&ClothPins::attribute("_CLOTH_PAINT.r")));
+        }
+        assert_eq!([coat, all, named].map(|cloth| report(app, cloth).pinned), [5, 5, 1]);
+        for cloth in [coat, all, named] {
+            assert_eq!(status(app, cloth), ClothStatus::Active, "{:?}", app.world().get::<ClothError>(cloth));
+        }
+    });
+    assert_eq!(lines, [""; 0], "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn a_wrong_map_is_one_warning_with_the_key_and_the_cure_and_the_rest_works() {
+    let folder = folder("wrong_maps");
+    write_gltf_of(
+        &folder.join("wrong_maps.gltf"),
+        r#"{"attributes": {"POSITION": 0, "NORMAL": 1, "_CLOTH_BACKSTOP": 5}, "indices": 3}"#,
+        &[
+            aside("Far", 0, r#"{"cloth": {"max_distance": "far", "backstop": {"radius": "big"}, "pin": [0]}}"#),
+            aside("Idle", 1, r#"{"cloth": {"drive": {"damping_ratio": 1}}}"#),
+            aside("Bare", 2, r#"{"cloth": {"drive": [0, 4], "backstop": false}}"#),
+        ],
+        "{}",
+    );
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "wrong_maps.gltf");
+        run(app, 20);
+        for name in ["Far", "Idle", "Bare"] {
+            let cloth = primitive(app, name);
+            assert_eq!(status(app, cloth), ClothStatus::Active, "{name}");
+        }
+        let far = primitive(app, "Far");
+        assert_eq!(report(app, far).pinned, 1);
+        let backstop = ClothLimits { backstop_distance: ClothMap::Uniform(0.0), ..default() };
+        assert_eq!(app.world().get::<ClothLimits>(far), Some(&backstop));
+    });
+    for words in [
+        ["wrong_maps.gltf", "`Far`", "`cloth.max_distance` is `far`: it must be metres, [low, high]"],
+        ["wrong_maps.gltf", "`Far`", "`cloth.backstop.radius` is `big`: it must be a number"],
+        ["wrong_maps.gltf", "`Idle`", "`cloth.drive.frequency` is missing: it must be hertz"],
+        ["wrong_maps.gltf", "`Idle`", "`cloth.backstop` is missing beside the attribute `_CLOTH_BACKSTOP`"],
+        ["does without `frequency`", "`_CLOTH_DRIVE`", "cloth_attributes"],
+    ] {
+        let count = lines.iter().filter(|line| words.iter().all(|word| line.contains(word))).count();
+        assert_eq!(count, 1, "{words:?} in {lines:#?}");
+    }
+    assert_eq!(lines.len(), 5, "{lines:#?}");
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }

@@ -208,6 +208,8 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             (
                 ClothSleep { delay: 2.0, ..default() },
                 ClothLod { unseen: ClothDetail::Still, ..default() },
+                ClothLimits { max_distance: ClothMap::attribute("_CLOTH_PAINT.g", 0.0, 0.3), scale: 0.5, ..default() },
+                ClothDrive { frequency: ClothMap::color(ClothColorChannel::A, 1.0, 4.0), damping_ratio: 2.0 },
                 ClothContactEvents { patience: 0.5 },
                 (ClothDisabled, ClothSleepDisabled, ClothUntanglingDisabled),
                 ClothDraggable { radius: 0.2, ..default() },
@@ -232,6 +234,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             Name::new("body"),
             (ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01), ClothColliderDisabled),
             ClothWindZone::cuboid(Vec3::ONE, Vec3::Y),
+            ClothBody { margin: 0.03, ..default() },
             (ClothCoupling::TwoWay, NoClothCollision, ClothReaction { linear: Vec3::Y, ..default() }),
             ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },
         ))

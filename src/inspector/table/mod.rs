@@ -2,6 +2,7 @@
 
 mod air;
 mod contact;
+mod follow;
 mod lod;
 mod material;
 mod sleep;
@@ -20,6 +21,8 @@ pub const fn settings_of(part: Part) -> &'static [Setting] {
         Part::Untangle => &contact::UNTANGLE,
         Part::Skip => &contact::SKIP,
         Part::Sleep => &sleep::SLEEP,
+        Part::Limits => &follow::LIMITS,
+        Part::Drive => &follow::DRIVE,
         Part::Lod => &lod::LOD,
         Part::OwnWind => &air::OWN_WIND,
         Part::Pins => &[],
@@ -41,7 +44,9 @@ mod tests {
 
     use super::*;
     use crate::components::checked::Checked;
-    use crate::components::{ClothGravity, ClothLod, ClothSkipPolicy, ClothWind};
+    use crate::components::{
+        ClothColorChannel, ClothDrive, ClothGravity, ClothLimits, ClothLod, ClothMap, ClothSkipPolicy, ClothWind,
+    };
     use crate::inspector::setting::{Kind, Scale};
     use crate::inspector::settings::ClothSettings;
 
@@ -57,6 +62,12 @@ mod tests {
         settings.untangle.settings(&mut checked);
         settings.skip.settings(&mut checked);
         settings.sleep.checked(&mut checked);
+        if let Some(limits) = &settings.limits {
+            limits.checked(&mut checked);
+        }
+        if let Some(drive) = &settings.drive {
+            drive.checked(&mut checked);
+        }
         if let Some(lod) = &settings.lod {
             lod.checked(&mut checked);
         }
@@ -73,6 +84,10 @@ mod tests {
         let (own_wind, lod) = (Some(ClothWind::default()), Some(ClothLod::default()));
         let mut all = ClothSettings { own_wind, lod, gravity: ClothGravity(Vec3::ZERO), ..default() };
         all.skip.policy = ClothSkipPolicy::UntilClean { max: 30 };
+        let painted = ClothMap::color(ClothColorChannel::G, 0.0, 0.5);
+        let (max_distance, backstop_distance) = (painted.clone(), painted.clone());
+        all.limits = Some(ClothLimits { max_distance, backstop_distance, ..default() });
+        all.drive = Some(ClothDrive { frequency: painted, ..default() });
         all
     }
 
@@ -81,6 +96,25 @@ mod tests {
         let mut with = ClothSettings { lod: Some(ClothLod::default()), ..default() };
         for setting in &lod::LOD[1..] {
             assert_eq!(setting.default_value(), setting.get(&mut with), "{}", setting.label());
+        }
+    }
+
+    #[test]
+    fn limits_and_drive_begin_with_their_defaults_and_maps_with_what_their_rows_start_with() {
+        let mut with = ClothSettings { limits: Some(ClothLimits::default()), drive: Some(ClothDrive::default()), ..default() };
+        let rows = || follow::LIMITS[1..].iter().chain(&follow::DRIVE[1..]);
+        for setting in rows().filter(|setting| !setting.name.contains('.')) {
+            assert_eq!(setting.default_value(), setting.get(&mut with), "{}", setting.label());
+        }
+        for setting in rows().filter(|setting| setting.name.contains('.')) {
+            assert_eq!(setting.get(&mut with), None, "{} of a map that is off", setting.label());
+        }
+        // Uniform, then painted: the number that it was stays where the paint is 1.
+        for chosen in [1.0, 2.0] {
+            rows().filter(|s| matches!(s.kind, Kind::Choice { .. })).for_each(|s| s.set(&mut with, chosen));
+            for setting in rows().filter(|s| s.name.ends_with(".high") || chosen == 2.0 && s.name.ends_with(".low")) {
+                assert_eq!(setting.default_value(), setting.get(&mut with), "{} of {chosen}", setting.label());
+            }
         }
     }
 

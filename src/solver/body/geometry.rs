@@ -78,6 +78,14 @@ impl<'a> Geometry<'a> {
     }
 }
 
+/// Half of how thick a part of a body is `[m]`: the radius of a ball inside it, of a hull half the shortest side of its box. 0 for surfaces.
+pub(super) fn half_thickness(shape: &dyn Shape) -> f32 {
+    match shape.as_typed_shape() {
+        TypedShape::ConvexPolyhedron(_) => shape.compute_local_aabb().half_extents().min_element(),
+        _ => Geometry::of(shape, &[]).inner_radius(),
+    }
+}
+
 /// Faces of a hull as `(n, c)`, `n · q = c`.
 pub(super) fn hull_planes(polyhedron: &ConvexPolyhedron, planes: &mut Vec<Vec4>) {
     for face in polyhedron.faces() {

@@ -27,6 +27,7 @@ mod respond;
 mod room;
 pub mod shape;
 mod sweep;
+mod take_out;
 #[cfg(test)]
 mod tests;
 mod touch;
@@ -40,6 +41,7 @@ pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 pub use shape::ShapeError;
+pub(super) use take_out::take_out;
 pub use touch::Touch;
 
 /// A rigid body as one cloth sees it in one frame.
@@ -64,13 +66,18 @@ pub struct Body {
     /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default none: cloth
     /// does nothing to it.
     pub rigid: Option<u32>,
+    /// Whether it is a bone of the character that wears the cloth: it moves along with it, and has a volume.
+    pub bone: bool,
 }
+
+/// Way of a bone in a substep, over half of how thick it is, that needs no more substeps (dimensionless).
+const BONE_WAY: f32 = 0.25;
 
 impl Body {
     /// A body with default friction and no margin that moves from one pose to another in the frame.
     #[must_use]
     pub fn new(shape: SharedShape, from: Pose, to: Pose) -> Self {
-        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None }
+        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None, bone: false }
     }
 
     /// Whether the box around its way in the frame meets that between `low` and `high` `[m]`. False where a pose is not finite.
@@ -78,6 +85,19 @@ impl Body {
         let (Some(from), Some(to)) = (motion::valid(self.from), motion::valid(self.to)) else { return false };
         let (swept, bulge, _) = motion::swept_box(&*self.shape.0, &from, &to);
         (swept.mins - bulge).cmple(high).all() && (swept.maxs + bulge).cmpge(low).all()
+    }
+
+    /// How many times as far as it may a bone gets in a substep, of `count` in the frame, relative to cloth that goes `along` `[m]`. By its fastest corner:
+    /// a forearm that turns about its elbow is fast at the hand.
+    pub(crate) fn haste_of_bone(&self, along: Vec3, count: f32) -> f32 {
+        let mut inner = f32::INFINITY;
+        geometry::for_each_part(&*self.shape.0, |_, _, shape| {
+            inner = inner.min(geometry::half_thickness(shape));
+        });
+        let (Some(from), Some(to)) = (motion::valid(self.from), motion::valid(self.to)) else { return 0.0 };
+        let corners = self.shape.compute_local_aabb().vertices();
+        let way = |corner: &Vec3| (to * *corner - from * *corner - along).length();
+        corners.iter().map(way).fold(0.0, f32::max) / (count * BONE_WAY * inner)
     }
 
     /// A body at rest.

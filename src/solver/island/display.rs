@@ -45,6 +45,11 @@ impl Display {
         outcome
     }
 
+    /// Moves the last clean shape along with the skin of a character: see [`Evaluator::follow`].
+    pub fn follow(&mut self, pose: Pose, place: impl Fn(usize, Vec3) -> Option<Vec3>) {
+        self.evaluator.follow(pose, place);
+    }
+
     /// Whether no frame was decided yet.
     #[must_use]
     pub fn is_new(&self) -> bool {

@@ -1,0 +1,41 @@
+//! Takes points out of bodies: places that cloth is to go to, where it cannot be.
+
+use glam::{Vec3, Vec3A, Vec4};
+use parry3d::bounding_volume::BoundingVolume;
+
+use super::geometry::{Geometry, for_each_part, half_thickness, hull_planes};
+use super::{Body, motion};
+
+/// Times that all bodies are gone through: out of one may be into another.
+const ROUNDS: u32 = 2;
+
+/// Moves points `[m]` out of bodies, as they are at the end of the frame, to the distance `keep` `[m]` on top of their margins. What is deeper than half
+/// of the way to the middle of a body is moved ever less, and at its middle not at all: there out is as well the other way. `planes` is a buffer.
+pub(in crate::solver) fn take_out(bodies: &[Body], keep: f32, points: &mut [Vec3], planes: &mut Vec<Vec4>) {
+    for _ in 0..ROUNDS {
+        for body in bodies {
+            let Some(pose) = motion::valid(body.to) else { continue };
+            let keep = keep + body.margin;
+            for_each_part(&*body.shape.0, |_, local, shape| {
+                planes.clear();
+                if let Some(polyhedron) = shape.as_convex_polyhedron() {
+                    hull_planes(polyhedron, planes);
+                }
+                let (geometry, at) = (Geometry::of(shape, planes), pose * local);
+                let near = shape.compute_aabb(&at).loosened(keep);
+                let inner = half_thickness(shape);
+                for point in points.iter_mut().filter(|point| near.mins.cmple(**point).all() && near.maxs.cmpge(**point).all())
+                {
+                    let sample = geometry.sample(Vec3A::from(at.inverse_transform_point(*point)), keep);
+                    let depth = -sample.distance;
+                    if sample.distance >= keep || sample.normal == Vec3A::ZERO {
+                        continue;
+                    }
+                    let share =
+                        if inner > 0.0 && inner.is_finite() { (2.0 * (1.0 - depth / inner)).clamp(0.0, 1.0) } else { 1.0 };
+                    *point += at.rotation * Vec3::from(sample.normal) * (share * (keep - sample.distance));
+                }
+            });
+        }
+    }
+}

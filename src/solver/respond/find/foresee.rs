@@ -1,0 +1,75 @@
+//! Where particles are foreseen to be at the next look.
+
+use glam::Vec3A;
+
+use super::looked::Looked;
+use super::{Finder, Moment};
+use crate::solver::detect::Surface;
+use crate::solver::detect::surface::FARTHEST;
+use crate::solver::step::STUCK;
+
+/// Mean way of the cloth until the next look that is not worth knowing, in thicknesses (dimensionless).
+const HARDLY: f32 = 1.0 / 24.0;
+
+/// What is [stuck](STUCK) went less than this since the last look at everything, too, in thicknesses (dimensionless).
+const STILL: f32 = 0.05;
+
+/// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
+pub(super) const FARTHEST_EDGES: f32 = 4.0;
+pub(super) const FARTHEST_THICKNESSES: f32 = 4.0;
+
+impl Finder {
+    /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
+    pub(super) fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
+        let substep = moment.substep;
+        for (face, t) in self.faces.iter_mut().zip(&surface.topology.faces) {
+            *face = Looked::at(t.map(|v| Vec3A::from_vec4(moment.positions[v as usize])), 0.0);
+        }
+        self.astray.fill(false);
+        self.shifted.fill(false);
+        let mut mean = Vec3A::ZERO;
+        for ((part, &h), touch) in surface.parts.iter().zip(substep).zip(moment.touch) {
+            let scale = if h > 0.0 { dt / h } else { 0.0 };
+            for v in part.particles.start as usize..part.particles.end as usize {
+                let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness), FARTHEST);
+                self.start[v] = Vec3A::from_vec4(moment.positions[v]);
+                self.ahead[v] = self.start[v] + motion;
+                mean += motion;
+            }
+        }
+        mean /= surface.len().max(1) as f32;
+        // Cloth that hardly moves is looked at as it is, so that the look holds longer.
+        let hardly = HARDLY * moment.touch.iter().map(|t| t.thickness).fold(f32::INFINITY, f32::min);
+        if mean.length_squared() <= hardly * hardly {
+            mean = Vec3A::ZERO;
+        }
+        self.shared = mean;
+        let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        let mut sum = 0.0;
+        for (ahead, &start) in self.ahead.iter_mut().zip(&self.start) {
+            let motion = *ahead - start - mean;
+            sum += motion.length();
+            *ahead = start + limited(motion, longest);
+        }
+        self.haste = if dt > 0.0 { sum / (surface.len().max(1) as f32 * dt) } else { 0.0 };
+    }
+}
+
+/// The motion of particle `v` until the next look `[m]`: that of the last substep times `scale`. Where constraints pull against
+/// each other the last substep tells nothing. What is as good as where it was `before` moves on as it did since, `ahead` times
+/// as far.
+#[inline]
+pub(super) fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
+    let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
+    let way = Vec3A::from_vec4(moment.positions[v]) - before;
+    let still = (STILL * thickness).powi(2).min(STUCK * STUCK * motion.length_squared());
+    // Not a number where nothing is known.
+    if way.length_squared() < still { way * ahead } else { motion }
+}
+
+/// A motion no longer than `longest` `[m]`: of what goes farther, the rest is looked for when it gets there.
+#[inline]
+pub(super) fn limited(motion: Vec3A, longest: f32) -> Vec3A {
+    let motion = motion.clamp_length_max(longest);
+    if motion.is_finite() { motion } else { Vec3A::ZERO }
+}

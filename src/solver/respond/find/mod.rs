@@ -1,0 +1,133 @@
+//! Which pairs may touch before the next frame.
+//!
+//! Each face is boxed together with where it is foreseen to be, relative to the motion all cloths share. Of two faces whose boxes meet,
+//! each asks with the particles and edges it owns. So every pair is asked for once.
+//!
+//! ```text
+//! begin ─► foresee: boxes swept to where each particle will be
+//! find  ─► for pairs of faces whose boxes meet: ask ─► gap ─► for the particles and edges they own: list
+//! until the next look: strayed ─► find_strayed, within a frame; refresh, at its end
+//! ```
+
+mod own;
+mod moment;
+mod foresee;
+mod looked;
+mod refresh;
+mod strayed;
+mod flat;
+mod gap;
+mod ask;
+mod list;
+
+use glam::{Vec3, Vec3A, Vec4};
+
+pub use moment::Moment;
+
+use super::{Contacts, Touch};
+use crate::solver::detect::Surface;
+use crate::solver::detect::tree::Tree;
+use flat::Flatness;
+use looked::Looked;
+
+/// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
+const MARGIN: f32 = 0.25;
+
+/// Mean way of particles until the next look from which on cloth flutters, in thicknesses (dimensionless).
+const FLUTTER: f32 = 2.0;
+
+/// Which face asks for which particle and edge, and how far each particle goes.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct Finder {
+    /// Bits 0 to 2: corners the face owns; bits 3 to 5: its edges.
+    owns: Vec<u8>,
+    /// Where each particle is foreseen to be in the next frame `[m]`, less the motion that all cloths share.
+    ahead: Vec<Vec3A>,
+    /// Where each particle was at the last look `[m]`.
+    start: Vec<Vec3A>,
+    /// Where each particle was when the time looked ahead began, a frame or half of one ago `[m]`.
+    before: Vec<Vec3A>,
+    /// Particles that are elsewhere than foreseen, those that were so at a substep since the last look, and faces with one.
+    astray: Vec<bool>,
+    shifted: Vec<bool>,
+    marked: Vec<bool>,
+    flatness: Flatness,
+    /// The motion that all share until the next frame `[m]`.
+    shared: Vec3A,
+    /// Mean speed at the last look at everything, less what all cloths share `[m/s]`.
+    haste: f32,
+    /// Each face when it was last looked at.
+    faces: Vec<Looked>,
+    /// How far each particle has drifted, or will, since the last look `[m]`.
+    drift: Vec<f32>,
+    /// Where to `[m]`.
+    there: Vec<Vec3A>,
+    /// Longest edge of each cloth at rest `[m]`.
+    longest: Vec<f32>,
+    /// Particles around which cloth may lie over itself although normals agree.
+    loose: Vec<bool>,
+}
+
+impl Finder {
+    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: with [`Self::ask`], in whatever order
+    /// [`Tree::pairs`] finds faces. The tree is fitted to where particles are and [will be](Self::ahead), and finds faces
+    /// within [`Self::reach`].
+    pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
+        contacts.begin();
+        contacts.fit(surface);
+        self.foresee(surface, moment, dt);
+        self.flatness.forget();
+    }
+
+    /// Finds the pairs that may touch within `dt` `[s]`. `tangled` says how much a particle belongs to a tangle (0 to 1), within which there is no
+    /// right side.
+    pub fn find(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        dt: f32,
+        tangled: impl Fn(u32) -> f32,
+        contacts: &mut Contacts,
+    ) {
+        self.begin(surface, moment, dt, contacts);
+        tree.refit(surface, moment.positions, Some(&self.ahead));
+        let mut ask = self.ask(surface, moment, tangled, contacts, false);
+        tree.pairs(surface, Self::reach(moment), |f, g| {
+            ask(f, g);
+        });
+    }
+
+    /// Where each particle is foreseen to be `[m]`, less the motion that all cloths share.
+    #[must_use]
+    pub fn ahead(&self) -> &[Vec3A] {
+        &self.ahead
+    }
+
+    /// How far ahead to look `[s]` when the next look at everything is due in `dt` `[s]`. It is half of that where cloth
+    /// flutters, as boxes swept half as far meet a third of the faces. It is a whole number of substeps of `h` `[s]`.
+    #[must_use]
+    pub fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
+        let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
+        if self.haste * dt > FLUTTER * thickest { (h * (0.5 * dt / h - 1.0e-3).ceil()).min(dt) } else { dt }
+    }
+
+    /// Moves everything that is known `by` `[m]`.
+    pub fn carry(&mut self, by: Vec3) {
+        let by = Vec3A::from(by);
+        [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten().for_each(|x| *x += by);
+    }
+
+    /// Notes where all particles are `[m]` at the end of a frame, or of the time looked ahead within one. The next look tells
+    /// by it which of them are stuck.
+    pub fn note(&mut self, positions: &[Vec4]) {
+        self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
+    }
+
+    /// How close boxes must come for their faces to be asked `[m]`.
+    #[must_use]
+    pub fn reach(moment: &Moment<'_>) -> f32 {
+        (1.0 + MARGIN) * moment.thickest()
+    }
+}

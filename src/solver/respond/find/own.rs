@@ -1,0 +1,54 @@
+//! Who asks for what: each particle and each edge is asked for by one of its faces.
+
+use glam::Vec3A;
+
+use super::Finder;
+use super::flat::Flatness;
+use super::looked::Looked;
+use crate::solver::detect::Surface;
+use crate::solver::detect::seams::{loose, seams};
+
+impl Finder {
+    /// Prepares finding on a surface.
+    #[must_use]
+    pub fn new(surface: &Surface) -> Self {
+        let topology = &surface.topology;
+        let mut owns = vec![0; topology.faces.len()];
+        let mut owned = vec![false; surface.len()];
+        for (f, t) in topology.faces.iter().enumerate() {
+            for (k, &v) in t.iter().enumerate() {
+                if !std::mem::replace(&mut owned[v as usize], true) {
+                    owns[f] |= 1 << k;
+                }
+                if topology.edge_faces[topology.face_edges[f][k] as usize][0] == f as u32 {
+                    owns[f] |= 8 << k;
+                }
+            }
+        }
+        let length = |e: u32| {
+            let [a, b] = topology.edges[e as usize].map(|v| surface.rest[v as usize]);
+            a.distance(b)
+        };
+        let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
+        let start = vec![Vec3A::ZERO; surface.len()];
+        let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
+        let shifted = astray.clone();
+        Self {
+            owns,
+            ahead: start.clone(),
+            before: vec![Vec3A::NAN; surface.len()],
+            there: start.clone(),
+            start,
+            astray,
+            shifted,
+            marked,
+            flatness: Flatness::new(surface),
+            shared: Vec3A::ZERO,
+            haste: 0.0,
+            faces: vec![Looked::default(); topology.faces.len()],
+            drift: vec![0.0; surface.len()],
+            longest,
+            loose: loose(surface, &seams(surface)),
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Substeps for heavier bodies that lie on the cloth.
+
+use glam::Vec3;
+
+use super::count::MOST_DRIVEN;
+use super::{Scratch, Stepped};
+
+/// Cosine of the angle to gravity within which what cloth gives a body is its own weight: 60°.
+const LIES: f32 = 0.5;
+
+impl Stepped<'_> {
+    /// Finds out how many times as many substeps the cloth takes from now on for heavier bodies that lie on it. From when one
+    /// presses it too far they are as the root of what it is heavier by. Those that the speed of one took stay. Both last until
+    /// none is near. Not by how hard it is pressed: more substeps in cloth that is drawn out already throw it up. What the
+    /// cloth lies on, and presses down, is none of them.
+    pub(super) fn bear(&self, scratch: &mut Scratch) {
+        let (own, bound) = (self.mass(), self.most_pressed());
+        let mut borne = 1;
+        for (index, body) in self.input.bodies.iter().enumerate() {
+            let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
+            let heavier = mass / own;
+            if !(heavier > 1.0 && mass.is_finite()) {
+                continue;
+            }
+            let pushes = scratch.touches().filter(|(body, ..)| *body == index);
+            let (push, count) = pushes.fold((0.0, 0.0), |(push, count), (_, _, load)| (push + load, count + 1.0));
+            if count > 0.0 || scratch.contacts.is_near(index) {
+                borne = borne.max(scratch.borne);
+            }
+            let given = body.rigid.map_or(Vec3::ZERO, |slot| scratch.coupling.given(slot).linear);
+            let lies_on_it = given.dot(self.input.gravity) > LIES * given.length() * self.input.gravity.length();
+            if push > bound * count && !lies_on_it {
+                borne = borne.max(heavier.sqrt().min(MOST_DRIVEN).ceil() as u32);
+            }
+        }
+        scratch.borne = borne;
+    }
+}

@@ -1,0 +1,139 @@
+//! Begins a frame: everything that is found out once, before the first substep.
+
+use super::calm::CALM_DRAG;
+use super::frame::Frame;
+use super::tighten::CALM_SWEEPS;
+use super::{Scratch, StepReport, Stepped, count};
+use crate::solver::body::{Approach, Sheet};
+use crate::solver::integrate::{air, bend, damp};
+use crate::solver::respond::CALM_PASSES;
+use crate::solver::settings::{MembraneModel, Stepping};
+use crate::solver::skinned::Skinned;
+use crate::solver::state::ClothState;
+
+/// Wind forces are evaluated at least this often `[Hz]`.
+const WIND_RATE: f32 = 60.0;
+
+impl Stepped<'_> {
+    /// Prepares a frame of as many substeps as asked for, or as `stepping` says. None begins when no time passes or the
+    /// state does not fit.
+    pub fn begin(&self, stepping: &Stepping, count: Option<u32>, state: &mut ClothState, scratch: &mut Scratch) {
+        scratch.frame = None;
+        let Self { rest, fabric, input, .. } = *self;
+        // NaN fails the comparison; `min` alone would let it pass as a whole frame.
+        if !(input.dt > 0.0) || state.positions.len() != rest.positions.len() {
+            return;
+        }
+        let dt = input.dt.min(stepping.max_frame);
+        let substeps = count.unwrap_or_else(|| self.substeps(stepping, state, scratch)).max(1);
+        let h = dt / substeps as f32;
+        self.weld(dt, state, scratch);
+        // Bodies that pins move go along in substeps, and of a first frame nobody knows whether it is tangled.
+        let steps = if scratch.welded.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
+        self.factor(h / steps as f32, state, scratch);
+        self.choose_membrane(stepping, scratch);
+        let calm = scratch.is_calm();
+        scratch.bends.fold(&rest.bends, fabric, &state.positions, &mut state.folds);
+        self.damp(dt, state, scratch);
+        self.gather_bodies(dt, state, scratch);
+        let (strained, taut) = scratch.judge(fabric);
+        self.take_air(calm || strained, state, scratch);
+        if taut {
+            self.find_tight(calm, state, scratch);
+        }
+        self.make_room(taut, scratch);
+        scratch.before.clone_from(&state.positions);
+        scratch.contacts.leave_out(&scratch.welded);
+        scratch.faces.leave_out(&scratch.welded);
+        scratch.frame = Some(Frame {
+            dt,
+            h,
+            begun: 0,
+            gusts: count::substeps(dt, WIND_RATE).min(substeps),
+            steps,
+            strained,
+            taut,
+            calm,
+            drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
+            report: StepReport { substeps, inner_steps: steps, lost_time: input.dt - dt, ..StepReport::default() },
+        });
+    }
+
+    /// Begins the frame of `dt` `[s]` for the bodies that cloth moves, and lists the particles that are pinned to them.
+    fn weld(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
+        scratch.coupling.begin(dt, self.anchors, &state.positions);
+        scratch.welded.clear();
+        scratch.welded.extend(scratch.coupling.welded(self.anchors));
+        scratch.welded.sort_unstable();
+    }
+
+    /// Computes the factors of springs and of the net for a `step` `[s]`, if they are for another.
+    fn factor(&self, step: f32, state: &ClothState, scratch: &mut Scratch) {
+        if scratch.factors_for != step {
+            scratch.springs.update(&self.rest.springs, self.fabric, &state.positions, step);
+            scratch.hubs.update(&self.rest.net, &state.positions);
+            scratch.factors_for = step;
+        }
+    }
+
+    /// Chooses what holds the cloth together in its plane.
+    fn choose_membrane(&self, stepping: &Stepping, scratch: &mut Scratch) {
+        scratch.triangles = !self.rest.membrane.is_empty()
+            && match stepping.membrane {
+                MembraneModel::Auto => !scratch.along_threads,
+                MembraneModel::Springs => false,
+                MembraneModel::Triangles => true,
+            };
+    }
+
+    /// Takes from velocities what damping and the friction of yarns take in `dt` `[s]`.
+    fn damp(&self, dt: f32, state: &mut ClothState, scratch: &mut Scratch) {
+        let Self { rest, fabric, .. } = *self;
+        if fabric.damping > 0.0 {
+            let Scratch { motion, .. } = scratch;
+            damp::note(&state.positions, &state.previous, motion);
+            bend::rub(&rest.bends, fabric, dt, state.substep, motion);
+            damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
+            damp::apply(&state.positions, motion, &mut state.previous);
+        }
+    }
+
+    /// Lists the particles and faces that may meet a body within `dt` `[s]`.
+    fn gather_bodies(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
+        let Self { rest, fabric, anchors, input } = *self;
+        let skin = input.skinned.map_or(0.0, Skinned::longest_way);
+        let approach = Approach {
+            dt,
+            substep: state.substep,
+            gravity: input.gravity,
+            thickness: fabric.thickness,
+            extra: anchors.longest_way().max(skin) + input.wind.fastest() * dt + scratch.pulls.reach(dt, &state.positions),
+        };
+        scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+        let sheet = Sheet {
+            topology: &rest.topology,
+            longest_edge: scratch.longest_edge,
+            positions: &state.positions,
+            thickness: fabric.thickness,
+        };
+        scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
+    }
+
+    /// Begins to carry air along, if there is any use in it: where `none` is, little moves or something is drawn back.
+    fn take_air(&self, none: bool, state: &ClothState, scratch: &mut Scratch) {
+        let Self { rest, fabric, input, .. } = *self;
+        // Where little moves the air does nothing, and what is drawn back to its length must get there.
+        let air = if none { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };
+        scratch.carried.begin(air, rest, &state.positions);
+    }
+
+    /// Makes room for all that may be laid on bodies in a substep.
+    fn make_room(&self, taut: bool, scratch: &mut Scratch) {
+        let topology = &self.rest.topology;
+        let lie =
+            scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(topology.faces.len() + topology.edges.len());
+        // Not only in calm cloth, since the list would grow when it becomes so.
+        let times = if taut && scratch.faces.candidates() > 0 { CALM_SWEEPS } else { CALM_PASSES };
+        scratch.laid.begin(lie * times as usize);
+    }
+}

@@ -1,0 +1,27 @@
+//! The first half of a substep: forces, and all that holds the cloth together.
+
+use super::frame::Frame;
+use super::{Scratch, Stepped};
+use crate::solver::state::ClothState;
+
+impl Stepped<'_> {
+    /// Begins the next substep: forces, prediction, and all that holds the cloth together. False when the frame is over, or none was begun.
+    pub fn constrain(&self, state: &mut ClothState, scratch: &mut Scratch) -> bool {
+        let Some(frame) = scratch.frame.as_mut().and_then(Frame::next_substep) else { return false };
+        Self::give_back(state, scratch);
+        if self.input.wind.density > 0.0 && frame.is_gusty() {
+            self.blow(&frame, state, scratch);
+        }
+        if frame.begun > 1 {
+            scratch.keep_air(state);
+        }
+        scratch.carried.note(state.substep, &state.positions, &state.previous);
+        if frame.steps > 1 {
+            self.advance_in_steps(&frame, state, scratch);
+        } else {
+            self.advance(&frame, state, scratch);
+        }
+        state.substeps += 1;
+        true
+    }
+}

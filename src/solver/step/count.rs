@@ -1,0 +1,103 @@
+//! How many substeps a frame takes, and how many inner steps each of them.
+
+use glam::Vec3;
+
+use super::{Scratch, Stepped};
+use crate::solver::body::Body;
+use crate::solver::settings::{Stepping, drape_rate};
+use crate::solver::state::ClothState;
+
+/// Most times as many substeps a cloth takes while a body comes through (dimensionless).
+pub(super) const MOST_DRIVEN: f32 = 8.0;
+/// The same of a bone of the character that wears it: the cloth goes along with the rest of the body, and every runner would cost as much.
+const MOST_DRIVEN_BY_BONES: f32 = 2.0;
+/// Way of the body in a substep that needs no more, in thicknesses (dimensionless). Say that it is three, and a ball of 0.1 m
+/// goes through the middle of a hanging sheet at 5 m/s. It is there before the pull is, and edges around it get many times as
+/// long.
+const DRIVEN: f32 = 0.4;
+
+/// How far a heavier body may press cloth in a substep, in the mean over what it touches (dimensionless): a share of how much
+/// longer the strain limit lets an edge be than at rest. What springs cannot draw back in one the next adds to, and the cloth
+/// bears it no longer.
+const PRESSED: f32 = 0.25;
+/// Largest strain limit that counts there (dimensionless): springs of what is elastic draw back no sooner.
+const ELASTIC: f32 = 0.1;
+
+/// Substeps that a cloth that nothing drives takes for a frame of `dt` `[s]`.
+#[must_use]
+pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
+    substeps(dt.min(stepping.max_frame), stepping.substep_rate)
+}
+
+impl Stepped<'_> {
+    /// Substeps that the next frame should take: as many as `stepping` says, or up to eight times as many. More while a body
+    /// that is heavier than the cloth and moves much faster than the pins may meet it, or lies on it.
+    #[must_use]
+    pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
+        let Self { fabric, anchors, input, .. } = *self;
+        let count = substeps_of(stepping, input.dt);
+        scratch.driven = false;
+        if input.bodies.is_empty() {
+            return count;
+        }
+        // Of bodies that cloth cannot stop, and of others: those may stay.
+        let (mut driven, mut borne) = (1, scratch.borne.max(1));
+        // What hangs on a character that runs goes with it.
+        let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
+        let mean = sum / anchors.particles.len().max(1) as f32;
+        // What is lighter than the cloth gives way to it.
+        let own = self.mass();
+        let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
+        // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
+        let haste = |body: &Body| {
+            if body.bone {
+                return body.haste_of_bone(mean, count as f32);
+            }
+            let free = DRIVEN * fabric.thickness;
+            let most = if mass(body).is_finite() { free.max(self.most_pressed()) } else { free };
+            (body.to.translation - body.from.translation - mean).length() / (count as f32 * most)
+        };
+        let drives = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
+        if !input.bodies.iter().any(drives) {
+            return count * borne;
+        }
+        let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
+        let (low, high) = (low.min(low + mean) - fabric.thickness, high.max(high + mean) + fabric.thickness);
+        for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| drives(body)) {
+            let (finite, times) = (
+                mass(body).is_finite(),
+                haste(body).min(if body.bone { MOST_DRIVEN_BY_BONES } else { MOST_DRIVEN }).ceil() as u32,
+            );
+            // What cloth is to stop finds it in small steps already.
+            if body.sweeps(low, high) || (finite && scratch.contacts.is_near(index)) {
+                let most = if finite { &mut borne } else { &mut driven };
+                *most = (*most).max(times);
+            }
+        }
+        (scratch.driven, scratch.borne) = (driven > 1, borne);
+        count * borne.max(driven)
+    }
+
+    /// How far a heavier body may press the cloth in a substep `[m]`.
+    pub(super) fn most_pressed(&self) -> f32 {
+        PRESSED * self.fabric.strain_limit.min(ELASTIC) * self.rest.mean_edge
+    }
+
+    /// Mass of the cloth `[kg]`, if bodies take what it does to them; 0 otherwise.
+    pub(super) fn mass(&self) -> f32 {
+        let takes = self.input.bodies.iter().any(|body| body.rigid.is_some());
+        if takes { self.fabric.density * self.rest.areas.iter().sum::<f32>() } else { 0.0 }
+    }
+
+    /// Inner steps in a substep of `h` `[s]`: as many as tension needs to get along the cloth.
+    pub(super) fn inner_steps(&self, stepping: &Stepping, h: f32) -> u32 {
+        let rate = drape_rate(self.rest.mean_edge).min(stepping.inner_rate);
+        substeps(h, rate)
+    }
+}
+
+/// Substeps of equal length in a frame of `dt` `[s]` at `rate` `[Hz]`: at least one, and not one more for rounding.
+pub(super) fn substeps(dt: f32, rate: f32) -> u32 {
+    ((dt * rate - 1.0e-3).ceil() as u32).max(1)
+}

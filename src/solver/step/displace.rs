@@ -1,0 +1,40 @@
+//! Moves cloth without letting time pass.
+
+use super::Scratch;
+use crate::solver::body::{Body, Touch};
+use crate::solver::settings::Fabric;
+use crate::solver::state::ClothState;
+
+/// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of that. Whether
+/// bodies stopped anything.
+pub fn displace(
+    fabric: &Fabric,
+    bodies: &[Body],
+    state: &mut ClothState,
+    scratch: &mut Scratch,
+    displace: impl FnOnce(&mut ClothState),
+) -> bool {
+    if bodies.is_empty() {
+        displace(state);
+        return false;
+    }
+    let Scratch { before, displaced, contacts, faces, coupling, .. } = scratch;
+    before.clone_from(&state.positions);
+    displace(state);
+    if state.positions == *before {
+        return false;
+    }
+    let x = &mut state.positions;
+    displaced.clone_from(x);
+    let slip = Touch::frictionless(fabric);
+    contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, coupling);
+    faces.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
+    let mut stopped = false;
+    for ((x, old), displaced) in x.iter().zip(&mut state.previous).zip(displaced) {
+        if x != displaced {
+            *old += *x - *displaced;
+            stopped = true;
+        }
+    }
+    stopped
+}

@@ -1,0 +1,39 @@
+//! Ends a frame.
+
+use super::calm::{mean_square_speed, slow_what_is_stuck};
+use super::shorten::shorten;
+use super::{Scratch, StepReport, Stepped};
+use crate::solver::integrate::spring;
+use crate::solver::state::ClothState;
+
+impl Stepped<'_> {
+    /// Ends the frame; nothing when none was begun. `crowded`: whether it may touch cloth.
+    pub fn finish(&self, crowded: bool, state: &mut ClothState, scratch: &mut Scratch) -> Option<StepReport> {
+        let frame = scratch.frame.take()?;
+        let Self { rest, fabric, .. } = *self;
+        let mut report = frame.report;
+        state.time += f64::from(frame.dt);
+        Self::give_back(state, scratch);
+        report.bend_held = scratch.bends.held(frame.h / frame.steps as f32);
+        scratch.keep_air(state);
+        scratch.carried.end();
+        if frame.calm && fabric.damping > 0.0 {
+            slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
+        }
+        let speed2 = mean_square_speed(&state.positions, &scratch.before, frame.dt);
+        (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+        scratch.worst_edge = report.worst_edge;
+        if scratch.is_overlong(fabric) {
+            shorten(self, crowded, state, scratch, report.mean_edge);
+            // Pins on bodies that cloth moves have a mass, and yet stay where they are.
+            scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
+            if let Some(skinned) = self.input.skinned {
+                skinned.limit_silently(&mut state.positions, &mut state.previous);
+            }
+            (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+        }
+        self.bear(scratch);
+        scratch.note_speed(speed2, frame.dt);
+        Some(report)
+    }
+}

@@ -1,0 +1,113 @@
+//! The whole frame of one cloth as one function: what systems, tests, benches and docs call.
+//!
+//! ```text
+//! begin ─► (constrain ─► project)* ─► finish
+//!
+//! begin      count substeps · damp · list what is near of bodies · judge how far it is stretched
+//! constrain  wind · predict · pins · drive · bends · bounds on lengths · springs or triangles · what pins do to bodies
+//! project    keep the cloth out of bodies, and within the limits of the skin
+//! finish     air · slow what is stuck · shorten what is overlong · is it calm?
+//! ```
+
+mod prepare;
+mod count;
+mod begin;
+mod constrain;
+mod forces;
+mod advance;
+mod inner;
+mod hold;
+mod tighten;
+mod project;
+mod finish;
+mod shorten;
+mod bear;
+mod calm;
+mod strain;
+mod displace;
+mod scratch;
+mod frame;
+
+use glam::Vec3;
+
+pub(super) use calm::STUCK;
+pub use count::substeps_of;
+pub use displace::displace;
+pub use hold::relax;
+pub use prepare::prepare;
+pub use scratch::Scratch;
+
+use super::anchors::Anchors;
+use super::body::Body;
+use super::rest::RestShape;
+use super::settings::{Fabric, Stepping};
+use super::skinned::Skinned;
+use super::state::ClothState;
+use super::wind::Wind;
+
+/// Advances one cloth by one frame. [`prepare`] must have been called.
+pub fn step(
+    rest: &RestShape,
+    fabric: &Fabric,
+    stepping: &Stepping,
+    anchors: &Anchors,
+    input: &FrameInput<'_>,
+    state: &mut ClothState,
+    scratch: &mut Scratch,
+) -> StepReport {
+    let cloth = Stepped { rest, fabric, anchors, input: *input };
+    cloth.begin(stepping, None, state, scratch);
+    while cloth.constrain(state, scratch) {
+        cloth.project(state, scratch);
+    }
+    cloth.finish(false, state, scratch).unwrap_or_default()
+}
+
+/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side, and are kept apart
+/// after [`project`](Self::project).
+#[derive(Clone, Copy, Debug)]
+pub struct Stepped<'a> {
+    /// Rest shape.
+    pub rest: &'a RestShape,
+    /// Material.
+    pub fabric: &'a Fabric,
+    /// Pins.
+    pub anchors: &'a Anchors,
+    /// Inputs of the frame.
+    pub input: FrameInput<'a>,
+}
+
+/// Inputs of one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameInput<'a> {
+    /// Length of the frame `[s]`; 0, less or not finite: nothing moves.
+    pub dt: f32,
+    /// Gravity `[m/s²]`.
+    pub gravity: Vec3,
+    /// Bodies, in the frame of simulation.
+    pub bodies: &'a [Body],
+    /// Wind at the cloth, in the frame of simulation.
+    pub wind: &'a Wind,
+    /// What the skin asks of it, if it has one that does.
+    pub skinned: Option<&'a Skinned>,
+}
+
+/// What one frame did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct StepReport {
+    /// Substeps taken.
+    pub substeps: u32,
+    /// Time beyond [`Stepping::max_frame`] that was not simulated `[s]`.
+    pub lost_time: f32,
+    /// Largest edge length over rest length after the frame (dimensionless); infinite when a position is not finite.
+    pub worst_edge: f32,
+    /// Mean edge length over rest length after the frame (dimensionless).
+    pub mean_edge: f32,
+    /// Particles and faces that touched a body in the last substep.
+    pub body_contacts: u32,
+    /// Inner steps in each substep.
+    pub inner_steps: u32,
+    /// Share of the bending stiffness that the substeps held (dimensionless): 1, unless the mesh is very fine for them.
+    pub bend_held: f32,
+}

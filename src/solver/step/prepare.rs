@@ -1,0 +1,52 @@
+//! What is derived from the rest shape, the fabric and the pins, before the first frame and when those change.
+
+use super::Scratch;
+use crate::solver::anchors::{Anchors, RIGID};
+use crate::solver::integrate::{leash, tether};
+use crate::solver::rest::RestShape;
+use crate::solver::settings::Fabric;
+use crate::solver::state::ClothState;
+
+/// Sets inverse masses from density and anchors, constraint factors and tethers.
+///
+/// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them are held
+/// rigidly changed. Keeps positions and velocities.
+pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
+    let rigid = weigh(rest, fabric, anchors, state, scratch);
+    if scratch.rigid != rigid || scratch.factors_for == 0.0 {
+        scratch.tethers = tether::Tethers::new(rest, &rigid);
+        scratch.hubs.hold(rest, &rigid);
+        scratch.leash = leash::Leash::new(rest, &rigid);
+        scratch.rigid = rigid;
+    }
+    let longest =
+        |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
+    scratch.longest_edge = rest.topology.edges.iter().fold(0.0, longest).sqrt();
+    scratch.area = rest.areas.iter().sum();
+    scratch.along_threads = rest.springs.run_along_threads(fabric.warp_angle);
+    scratch.bends.update(&rest.bends, fabric, &rest.areas, &state.positions);
+    scratch.factors_for = 0.0;
+}
+
+/// Sets inverse masses; the particles that are held rigidly, in the order of their pins.
+fn weigh(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) -> Vec<u32> {
+    for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
+        x.w = 1.0 / (fabric.density * area).max(1.0e-9);
+    }
+    scratch.coupling.weigh(anchors);
+    let mut rigid: Vec<u32> =
+        anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= RIGID).map(|(p, _)| *p).collect();
+    for &p in &rigid {
+        state.positions[p as usize].w = 0.0;
+    }
+    for (anchor, w) in scratch.coupling.weights() {
+        if let Some(&p) = anchors.particles.get(anchor) {
+            state.positions[p as usize].w = w;
+        }
+    }
+    rigid.retain(|&p| state.positions[p as usize].w == 0.0);
+    for (x, old) in state.positions.iter().zip(&mut state.previous) {
+        old.w = x.w;
+    }
+    rigid
+}

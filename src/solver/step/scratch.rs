@@ -1,0 +1,144 @@
+//! What is kept of one cloth from frame to frame, beside its state.
+
+use glam::Vec4;
+
+use super::frame::Frame;
+use crate::solver::body::{BodyContacts, FaceContacts, Laid};
+use crate::solver::couple::Coupling;
+use crate::solver::integrate::{air, bend, leash, net, pull, spring, tether};
+use crate::solver::state::ClothState;
+use crate::solver::wind::WindForces;
+
+/// Reused buffers and what [`prepare`](super::prepare) derives for one cloth; no allocation once warm.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct Scratch {
+    pub(super) springs: spring::SpringFactors,
+    /// Whether triangles hold it together in its plane, in place of springs.
+    pub(super) triangles: bool,
+    pub(super) bends: bend::BendFactors,
+    pub(super) tethers: tether::Tethers,
+    pub(super) hubs: net::Hubs,
+    pub(super) leash: leash::Leash,
+    pub(super) overlong: spring::Overlong,
+    pub(super) tight: spring::Tight,
+    pub(super) contacts: BodyContacts,
+    pub(super) faces: FaceContacts,
+    pub(super) laid: Laid,
+    pub(super) carried: air::Carried,
+    /// Area at rest `[m²]`.
+    pub(super) area: f32,
+    /// Longest edge at rest `[m]`.
+    pub(super) longest_edge: f32,
+    pub(super) coupling: Coupling,
+    /// Particles that are pinned to bodies that cloth can move.
+    pub(super) welded: Vec<u32>,
+    pub(super) wind: WindForces,
+    pub(super) pulls: pull::Pulls,
+    pub(super) rigid: Vec<u32>,
+    pub(super) acceleration: Vec<Vec4>,
+    /// What particles did in the last substep `[m]`, `w` their inverse mass `[1/kg]`, while it is damped.
+    pub(super) motion: Vec<Vec4>,
+    pub(super) before: Vec<Vec4>,
+    /// Ways in the substep `[m]` before anything held the cloth together, if it bounces.
+    pub(super) inbound: Vec<Vec4>,
+    pub(super) displaced: Vec<Vec4>,
+    /// How much farther the velocity of the last inner step would have got in the substep `[m]`.
+    pub(super) late: Vec<Vec4>,
+    /// Inner steps of the last substep; 0 before the first.
+    pub(super) inner_steps: u32,
+    /// Whether springs run along the threads of the fabric, as far as anything tells those.
+    pub(super) along_threads: bool,
+    /// Worst edge of the last frame before it was finished (dimensionless).
+    pub(super) worst_edge: f32,
+    /// Whether the last frame took it for strained, and for taut.
+    pub(super) strained: bool,
+    pub(super) taut: bool,
+    /// By how much of their length at rest tethers give way to bodies (dimensionless).
+    pub(super) give: f32,
+    /// Whether a body that cloth cannot stop moves much faster than the pins and may meet the cloth in the frame to come.
+    pub(super) driven: bool,
+    /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
+    pub(super) borne: u32,
+    /// For how long it was slow `[s]`.
+    pub(super) slow_for: f32,
+    pub(super) frame: Option<Frame>,
+    /// Substep the factors were computed for `[s]`; 0: none yet.
+    pub(super) factors_for: f32,
+}
+
+impl Scratch {
+    /// What pulls at the cloth in the frames to come; it stays until it is changed.
+    pub fn pulls_mut(&mut self) -> &mut pull::Pulls {
+        &mut self.pulls
+    }
+
+    /// Number of the body, particle and mean push per substep `[m]` of every contact in the last substep. Of particles, by
+    /// body, then of faces, by body, each as if its nearest corner bore it alone.
+    pub fn touches(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+        self.contacts.loads().chain(self.faces.loads())
+    }
+
+    /// Particles that touched a body in the last substep.
+    pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
+        self.contacts.touching().chain(self.faces.touching())
+    }
+
+    /// The time over which velocities were the last substep's `[s]`: that of its last inner step.
+    pub(super) fn last_step(&self, state: &ClothState) -> f32 {
+        state.substep / self.inner_steps.max(1) as f32
+    }
+
+    /// Takes no air along for the rest of the frame: what is tangled has none between its layers.
+    pub fn leave_air(&mut self) {
+        self.carried.end();
+    }
+
+    /// Notes which particles lie on cloth, once the frame has begun: no air is between.
+    pub fn lies_on_cloth(&mut self, particles: impl Iterator<Item = u32>) {
+        self.carried.leave_out(particles);
+    }
+
+    /// Ends a substep for the air: what it carries keeps of the change of velocity its share.
+    pub(super) fn keep_air(&mut self, state: &mut ClothState) {
+        self.carried.leave_out(self.contacts.touching().chain(self.faces.touching()));
+        self.carried.keep(state.substep, &state.positions, &mut state.previous);
+    }
+
+    /// Particles that touched a body in the last substep, one once for each of its faces that did. Each comes with the force of
+    /// the body on it `[N]`, on average over the last substeps. That is `F = m C / h²`, with the mean push `C` of a substep
+    /// `h`. What other cloth lies on them is not in it.
+    pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
+        self.touches().filter_map(|(_, p, load)| {
+            let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
+            force.is_finite().then_some((p, force))
+        })
+    }
+
+    /// The bodies that take what the cloth gives them.
+    #[must_use]
+    pub fn coupling(&self) -> &Coupling {
+        &self.coupling
+    }
+
+    /// The bodies that take what the cloth gives them; filled before each frame. When the pins on movable bodies or those bodies' masses change,
+    /// [`prepare`](super::prepare) must follow.
+    pub fn coupling_mut(&mut self) -> &mut Coupling {
+        &mut self.coupling
+    }
+
+    /// Memory held by factors, tethers and forces `[B]`; contacts and gusts come on top where there are any.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.springs.bytes()
+            + self.bends.bytes()
+            + self.tethers.bytes()
+            + self.hubs.bytes()
+            + self.leash.bytes()
+            + self.carried.bytes()
+            + size_of_val(&self.acceleration[..])
+            + size_of_val(&self.motion[..])
+            + size_of_val(&self.before[..])
+            + size_of_val(&self.late[..])
+    }
+}

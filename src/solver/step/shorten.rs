@@ -1,0 +1,53 @@
+//! Shortens edges that are overlong at the end of a frame.
+
+use super::{FrameInput, Scratch, Stepped};
+use crate::solver::body::Touch;
+use crate::solver::integrate::spring;
+use crate::solver::state::ClothState;
+
+/// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges. Two that are moved
+/// farther could pass through each other unseen.
+const CROWDED: f32 = 0.5;
+
+/// Passes over edges that are beyond the strain limit at the end of a frame.
+const FINISH_PASSES: u32 = 8;
+
+/// Up to this share of the strain limit in its mean edge a cloth is strained in places, not as a whole (dimensionless).
+const EVEN: f32 = 0.2;
+
+/// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.
+pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: &mut Scratch, mean_edge: f32) {
+    let Stepped { rest, fabric, input: FrameInput { bodies, .. }, .. } = *cloth;
+    let bound = 1.0 + fabric.strain_limit;
+    let x = &mut state.positions;
+    let before = &mut scratch.before;
+    before.clone_from(x);
+    scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
+    // A cloth that is stretched as a whole would be crumpled.
+    if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.leash.is_empty() {
+        let worst = spring::strain(&rest.springs, x).0;
+        scratch.displaced.clone_from(x);
+        scratch.leash.solve(rest, bound, x);
+        // Each particle was drawn to the last of its neighbours: even that out.
+        scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
+        // Where what was drawn to one pin meets what was drawn to another, it does not fit.
+        if spring::strain(&rest.springs, x).0 > worst {
+            x.clone_from(&scratch.displaced);
+        }
+    }
+    // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked for.
+    let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
+    for (x, before) in x.iter_mut().zip(&*before) {
+        let way = *x - *before;
+        let square = way.length_squared();
+        if square > farthest * farthest {
+            *x = *before + way * (farthest / square.sqrt());
+        }
+    }
+    let slip = Touch::frictionless(fabric);
+    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, &mut scratch.coupling);
+    scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
+    for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
+        *old += *x - *before;
+    }
+}

@@ -1,0 +1,55 @@
+//! How far beyond the strain limit the cloth is stretched, and from when on more is done about it.
+
+use super::Scratch;
+use crate::solver::settings::Fabric;
+
+/// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]. Its coarse net is solved in the next
+/// frame, and the frame ends with its overlong edges shortened.
+const STRAINED: f32 = 1.5;
+
+/// The same at the end of a frame of a calm cloth: what is shortened moves, and is shortened in the next frame again.
+const CALM_STRAINED: f32 = 2.5;
+
+/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]. In the substeps of the next frame those of its
+/// springs that are close to the limit are also [swept](super::Stepped::tighten) for it alone.
+const TAUT: f32 = 2.0;
+
+/// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame.
+const WILD: f32 = 8.0;
+
+/// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would
+/// do it every other frame.
+const EASED: f32 = 0.5;
+
+impl Scratch {
+    /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse net, too.
+    #[must_use]
+    pub fn is_strained(&self) -> bool {
+        self.strained
+    }
+
+    /// Finds out whether the cloth is strained, and whether it is taut, in the frame that begins.
+    pub(super) fn judge(&mut self, fabric: &Fabric) -> (bool, bool) {
+        // Of its first frame nothing is known: a cloth may start in a storm.
+        let beyond = |limits: f32, was: bool| self.strain() > if was { EASED } else { limits } * fabric.strain_limit;
+        let (strained, taut) = (beyond(STRAINED, self.strained) || self.worst_edge == 0.0, beyond(TAUT, self.taut));
+        (self.strained, self.taut) = (strained, taut);
+        (strained, taut)
+    }
+
+    /// Whether any spring may get to its limit within the frame.
+    pub(super) fn is_wild(&self, fabric: &Fabric) -> bool {
+        self.strain() > WILD * fabric.strain_limit
+    }
+
+    /// Whether the frame is to end with its overlong edges shortened.
+    pub(super) fn is_overlong(&self, fabric: &Fabric) -> bool {
+        let limits = if self.is_calm() { CALM_STRAINED } else { STRAINED };
+        self.strain() > limits * fabric.strain_limit
+    }
+
+    /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
+    fn strain(&self) -> f32 {
+        self.worst_edge - 1.0
+    }
+}
