@@ -8,7 +8,6 @@ out=docs/gallery
 
 # The picture, then the example and its arguments.
 pictures=(
-    "hello_cloth.png hello_cloth --frames 240 --out"
     "flag.gif flag --frames 240 --out"
     "drape.png drape --frames 240 --out"
     "net.gif net --frames 240 --out"

@@ -1,43 +1,36 @@
-//! The smallest app with cloth: a sheet pinned along one side falls over a ball.
-
-mod stage;
+//! The smallest app with cloth: a sheet, pinned along one side, falls over a ball in a light wind. Copy it into an empty project.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
 
-fn main() -> AppExit {
-    Stage::new("hello_cloth")
-        .camera(OrbitCamera::around(Vec3::new(0.2, 1.1, 0.0), 4.0).from(0.7, 0.25))
-        .report(|cloth: Single<&ClothReport>| format!("worst edge {:.3} of rest", cloth.worst_edge))
-        .build()
-        .add_plugins(ClothPlugin::default())
+fn main() {
+    App::new()
+        .add_plugins((DefaultPlugins, ClothPlugin::default()))
+        .insert_resource(ClothGlobalWind::new(Vec3::new(2.0, 0.0, 0.0))) // [m/s]
         .add_systems(Startup, setup)
-        .run()
+        .run();
 }
 
-fn setup(
-    mut commands: Commands,
-    mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
-    mut images: ResMut<Assets<Image>>,
-) -> Result {
-    let sheet = Plane3d::default().mesh().size(2.0, 2.0).subdivisions(60).build().with_generated_tangents()?;
-    let red = fabric(&mut images, &mut materials, FabricLook::Cotton, Color::srgb(0.75, 0.12, 0.10), 10.0);
+/// A camera, a light, a sheet and a ball.
+pub fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+    commands.spawn((Camera3d::default(), Transform::from_xyz(2.5, 2.2, 3.5).looking_at(Vec3::Y, Vec3::Y)));
     commands.spawn((
-        Mesh3d(meshes.add(sheet)),
-        MeshMaterial3d(red),
+        DirectionalLight { shadow_maps_enabled: true, ..default() },
+        Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    let red = Color::srgb(0.75, 0.12, 0.1);
+    commands.spawn((
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(2.0, 2.0).subdivisions(60))),
+        MeshMaterial3d(materials.add(StandardMaterial { base_color: red, double_sided: true, cull_mode: None, ..default() })),
         Transform::from_xyz(0.0, 2.0, 0.0),
-        Cloth,
+        Cloth, // every other setting has a default
         ClothMaterial::COTTON,
-        ClothPins::where_position(|p| p.z < -0.99),
+        ClothPins::where_position(|p| p.z < -0.99), // in the space of the mesh [m]
     ));
     commands.spawn((
-        Mesh3d(meshes.add(Sphere::new(0.5).mesh().uv(64, 32))),
-        MeshMaterial3d(materials.add(Color::srgb(0.55, 0.55, 0.58))),
+        Mesh3d(meshes.add(Sphere::new(0.5))),
+        MeshMaterial3d(materials.add(Color::WHITE)),
         Transform::from_xyz(0.0, 0.9, -0.1),
         ClothCollider::ball(0.5),
     ));
-    commands.spawn(ClothCollider::ground());
-    Ok(())
 }

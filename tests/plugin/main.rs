@@ -16,6 +16,7 @@ mod frame;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod grab;
+mod hello;
 mod lifecycle;
 mod lod;
 mod picking;

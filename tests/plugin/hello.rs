@@ -1,0 +1,25 @@
+//! The first example, without its window.
+
+use bevy::prelude::*;
+use bevy_drape::prelude::*;
+
+use crate::common::*;
+
+#[path = "../../examples/hello_cloth.rs"]
+#[allow(dead_code, reason = "its main opens a window")]
+mod hello_cloth;
+
+#[test]
+fn the_first_example_has_a_cloth_that_lies_over_its_ball() {
+    let mut app = app();
+    app.init_asset::<StandardMaterial>().insert_resource(ClothGlobalWind::new(Vec3::X * 2.0));
+    app.add_systems(Startup, hello_cloth::setup);
+    // What starts up was over before it was added.
+    app.world_mut().run_schedule(Startup);
+    run(&mut app, 120);
+    let cloth = app.world_mut().query_filtered::<Entity, With<Cloth>>().single(app.world()).expect("one cloth");
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+    let low = lowest(&world_positions(&app, cloth));
+    assert!(finite(&app, cloth) && low < 1.5 && report(&app, cloth).worst_edge < 1.2, "{low}");
+    assert!(report(&app, cloth).body_contacts > 0);
+}
