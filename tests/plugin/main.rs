@@ -20,6 +20,7 @@ mod hello;
 mod lifecycle;
 mod lod;
 mod picking;
+mod mannequin;
 mod pins;
 mod query;
 mod record;

@@ -1,0 +1,162 @@
+//! A human body in clothes, where the data is there: the repository does not hold it.
+
+use std::path::{Path, PathBuf};
+
+use bevy::animation::graph::{AnimationGraph, AnimationGraphHandle};
+use bevy::gltf::{Gltf, GltfPlugin};
+use bevy::mesh::MeshPlugin;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
+use bevy_drape::prelude::*;
+use bevy_drape::solver::body::{Pose, SharedShape};
+
+use crate::common::*;
+
+/// The folder of characters; none where it is not.
+fn characters() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?.join("shared/data/characters");
+    let there = folder.is_dir();
+    if !there {
+        println!("skipped: there are no characters at {}", folder.display());
+    }
+    there.then_some(folder)
+}
+
+/// The mannequin in cape and skirt, playing a clip; frames are of `1 / rate` seconds.
+fn mannequin(clip: &str, rate: f32) -> Option<App> {
+    let folder = characters()?;
+    let mut app = App::new();
+    let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
+    app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
+    app.add_plugins((bevy::animation::AnimationPlugin, WorldSerializationPlugin));
+    app.add_plugins((bevy_drape::gltf::cloth_attributes(GltfPlugin::default()), ClothPlugin::default()));
+    app.init_asset::<StandardMaterial>();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(1.0 / rate)));
+    app.finish();
+    app.cleanup();
+    let gltf: Handle<Gltf> = app.world().resource::<AssetServer>().load("mannequin_clothes.glb");
+    for _ in 0..2000 {
+        app.update();
+        if app.world().resource::<Assets<Gltf>>().contains(&gltf) {
+            break;
+        }
+        std::thread::sleep(core::time::Duration::from_millis(5));
+    }
+    let (scene, animation) = {
+        let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).expect("the mannequin");
+        (gltf.scenes[0].clone(), gltf.named_animations.get(clip).expect("a clip").clone())
+    };
+    app.world_mut().spawn(WorldAssetRoot(scene));
+    for _ in 0..200 {
+        app.update();
+        let mut players = app.world_mut().query::<(Entity, &mut AnimationPlayer)>();
+        let player = players.iter(app.world()).next().map(|(player, _)| player);
+        let Some(player) = player else {
+            std::thread::sleep(core::time::Duration::from_millis(5));
+            continue;
+        };
+        let (graph, node) = AnimationGraph::from_clip(animation.clone());
+        let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
+        app.world_mut().entity_mut(player).insert(AnimationGraphHandle(graph));
+        app.world_mut().get_mut::<AnimationPlayer>(player).expect("a player").play(node).repeat();
+        break;
+    }
+    run(&mut app, 3);
+    let mut bodies = app.world_mut().query_filtered::<Entity, (With<SkinnedMesh>, Without<Cloth>)>();
+    let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
+    for body in bodies {
+        app.world_mut().entity_mut(body).insert(ClothBody::default());
+    }
+    run(&mut app, 3);
+    Some(app)
+}
+
+/// Cloths by the name of their node.
+fn clothes(app: &mut App) -> Vec<(String, Entity)> {
+    let mut cloths = app.world_mut().query_filtered::<(Entity, &ChildOf), With<Cloth>>();
+    let cloths: Vec<(Entity, Entity)> = cloths.iter(app.world()).map(|(cloth, of)| (cloth, of.parent())).collect();
+    let name = |at: Entity| app.world().get::<Name>(at).map_or_else(String::new, ToString::to_string);
+    cloths.into_iter().map(|(cloth, node)| (name(node), cloth)).collect()
+}
+
+/// How deep the deepest particle is in a bone [m], of those that no pin holds.
+fn deepest(app: &mut App, cloth: Entity) -> f32 {
+    let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state().positions.clone();
+    let points: Vec<Vec3> = particles(app, cloth).into_iter().zip(&state).filter(|(_, x)| x.w > 0.0).map(|(p, _)| p).collect();
+    let mut colliders = app.world_mut().query::<(&ClothCollider, &GlobalTransform)>();
+    let mut deepest = 0.0f32;
+    for (collider, at) in colliders.iter(app.world()) {
+        let (scale, rotation, translation) = at.to_scale_rotation_translation();
+        let scale = scale.max_element();
+        let shape = match &collider.shape {
+            ClothColliderShape::Capsule { radius, length } => SharedShape::capsule_y(0.5 * length * scale, radius * scale),
+            ClothColliderShape::ConvexHull { points } => {
+                let points: Vec<Vec3> = points.iter().map(|p| *p * scale).collect();
+                SharedShape::convex_hull(&points).expect("a hull")
+            }
+            other => panic!("{other:?} on a bone"),
+        };
+        let pose = Pose::from_parts(translation, rotation);
+        for point in &points {
+            let projection = shape.project_point(&pose, *point, false);
+            if projection.is_inside {
+                deepest = deepest.max(projection.point.distance(*point));
+            }
+        }
+    }
+    deepest
+}
+
+/// What a clip did to a piece of clothing, from its second cycle on.
+#[derive(Debug, Default)]
+struct Worn {
+    deepest: f32,
+    crossing: u32,
+    held: u32,
+    worst_edge: f32,
+    most_substeps: u32,
+    recoveries: u32,
+    frames: u32,
+    ms: f32,
+}
+
+fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
+    let clothes = clothes(app);
+    let mut worn: Vec<(String, Worn)> = clothes.iter().map(|(name, _)| (name.clone(), Worn::default())).collect();
+    for frame in 0..frames {
+        run(app, 1);
+        if frame < skip {
+            continue;
+        }
+        for ((_, cloth), (_, worn)) in clothes.iter().zip(&mut worn) {
+            let deep = deepest(app, *cloth);
+            let report = report(app, *cloth);
+            assert!(finite(app, *cloth));
+            worn.deepest = worn.deepest.max(deep);
+            worn.crossing += u32::from(report.crossings > 0);
+            worn.held += u32::from(report.held);
+            worn.worst_edge = worn.worst_edge.max(report.worst_edge);
+            worn.most_substeps = worn.most_substeps.max(report.substeps);
+            worn.recoveries = report.restores + report.resets;
+            worn.frames += 1;
+            worn.ms += report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms;
+        }
+    }
+    worn
+}
+
+#[test]
+fn a_human_in_cape_and_skirt_walks_and_runs() {
+    for clip in ["Idle", "Walking_A", "Running_A", "2H_Melee_Attack_Slice", "Sit_Chair_Down", "Lie_Down"] {
+        let Some(mut app) = mannequin(clip, 60.0) else { return };
+        record::<ClothTeleported>(&mut app);
+        let mut colliders = app.world_mut().query_filtered::<(), With<ClothCollider>>();
+        assert!((18..=21).contains(&colliders.iter(app.world()).count()));
+        for (name, worn) in wear(&mut app, 180, 60) {
+            println!("{clip} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
+        }
+        println!("  teleports {}", seen::<ClothTeleported>(&app).len());
+    }
+}
