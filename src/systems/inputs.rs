@@ -230,7 +230,7 @@ pub(crate) fn surroundings(
 #[cfg(test)]
 mod tests {
     use bevy::ecs::system::RunSystemOnce;
-    use bevy::math::{Affine3A, Vec4};
+    use bevy::math::{Affine3A, DVec3, Vec4};
 
     use super::*;
     use crate::bind::AnchorSets;

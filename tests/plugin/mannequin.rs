@@ -30,7 +30,7 @@ fn mannequin(clip: &str, rate: f32) -> Option<App> {
     let mut app = App::new();
     let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
     app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
-    app.add_plugins((bevy::animation::AnimationPlugin, WorldSerializationPlugin));
+    app.add_plugins((AnimationPlugin, WorldSerializationPlugin));
     app.add_plugins((bevy_drape::gltf::cloth_attributes(GltfPlugin::default()), ClothPlugin::default()));
     app.init_asset::<StandardMaterial>();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(1.0 / rate)));
