@@ -88,6 +88,8 @@ pub mod prelude {
 /// The code in the guide compiles, too.
 #[cfg(doctest)]
 mod guide {
+    #[doc = include_str!("../docs/characters.md")]
+    mod characters {}
     #[doc = include_str!("../docs/components.md")]
     mod components {}
     #[doc = include_str!("../docs/fabrics.md")]
