@@ -64,6 +64,10 @@ pub(crate) struct ClothInputs {
     /// What is asked of the skin, and what the solver is given of it.
     pub followed: Followed,
     pub skinned: Skinned,
+    /// Frames since it was bound, as far as they count, and how much of its limits it has got since (dimensionless, 0 to 1): a skinned cloth begins as its
+    /// skin.
+    pub frames: u32,
+    pub fade: f32,
     /// Whether places on the skin are taken out of bodies.
     pub avoids_bodies: bool,
     /// Skinning matrices in the frame of simulation, and those of the frame before.
@@ -130,6 +134,8 @@ impl ClothInputs {
             sets,
             skin,
             followed: Followed::default(),
+            frames: 0,
+            fade: 0.0,
             avoids_bodies: true,
             skinned: Skinned::of_radius(radius),
             joints,

@@ -1,6 +1,6 @@
 //! State: where the particles are, and how they may be moved from outside.
 
-use bevy::math::DVec3;
+use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
 use crate::solver::island::Display;
@@ -101,6 +101,19 @@ impl ClothParticles {
         }
         self.display.carry(&motion);
         self.recovery.carry(motion);
+    }
+
+    /// Moves every particle with what is beneath it; one of which nothing is known stays.
+    pub(crate) fn carry_each(&mut self, motion: impl Fn(usize) -> Option<Affine3A>) {
+        self.disturbed = true;
+        let ClothState { positions, previous, .. } = &mut self.state;
+        for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate() {
+            if let Some(motion) = motion(i) {
+                *x = motion.transform_point3(x.truncate()).extend(x.w);
+                *old = motion.transform_point3(old.truncate()).extend(old.w);
+            }
+        }
+        self.before.clear();
     }
 
     /// Puts every particle at `pose` `[m]`, without velocity.

@@ -8,6 +8,7 @@
 
 use bevy::prelude::*;
 
+use super::inputs::FIRST_FRAMES;
 use crate::bind::{AnchorSet, Placement, Transforms};
 use crate::components::{
     Cloth, ClothCharacter, ClothInertia, ClothOnTargetLost, ClothPins, ClothReport, ClothSolver, ClothTargetLost,
@@ -208,9 +209,11 @@ impl Mean {
 
 /// Aims anchors and skin at where they are now, in a frame of simulation that goes along.
 pub(crate) fn aim(
+    time: Res<ClothTime>,
     transforms: Transforms,
     mut cloths: Query<(&ClothRest, &ClothSolver, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
 ) {
+    let dt = time.delta_secs();
     for (rest, solver, mut inputs, mut particles) in &mut cloths {
         let (inputs, particles) = (&mut *inputs, &mut *particles);
         if !inputs.active || inputs.time_scale == 0.0 || inputs.carried {
@@ -224,6 +227,21 @@ pub(crate) fn aim(
         }
         inputs.aim(particles.origin);
         inputs.follow(&rest.0, particles.origin);
+        if inputs.skin.is_some() && inputs.frames < FIRST_FRAMES {
+            inputs.frames += 1;
+            particles.place(inputs.pose(&rest.0, particles.origin));
+            inputs.stay();
+            continue;
+        }
+        if !inputs.jumped
+            && let Some(skin) = inputs.skin.as_ref().filter(|_| inputs.skinned.is_active())
+            && inputs.skinned.fastest(dt) > TELEPORT_SPEED
+        {
+            // Another clip, without a fade between: cloth goes along, each particle with the skin beneath it.
+            let motions = [inputs.joints_before.as_slice(), inputs.joints.as_slice()];
+            particles.carry_each(|i| skin.motion(motions, i));
+            inputs.stay();
+        }
         if inputs.jumped && solver.teleport == ClothTeleportMode::Reset {
             particles.place(inputs.pose(&rest.0, particles.origin));
             inputs.stay();

@@ -15,6 +15,11 @@ use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
 
+/// Frames for which a skinned cloth is its skin: the player of its animation poses it in the first or in the second.
+pub(crate) const FIRST_FRAMES: u32 = 2;
+/// Time in which it gets its limits after that `[s]`, as in o3de.
+const FADE: f32 = 0.25;
+
 /// Reads global wind, gravity and zones, and lets the gusts travel.
 pub(crate) fn air(
     time: Res<ClothTime>,
@@ -91,6 +96,13 @@ pub(crate) fn settings(
             (radius * scale, distances)
         });
         inputs.avoids_bodies = limits.is_none_or(|limits| limits.avoid_bodies);
+        // A skin that just came is not in the pose that it will have.
+        inputs.fade = match inputs.skin {
+            Some(_) if inputs.frames < FIRST_FRAMES => 0.0,
+            Some(_) => (inputs.fade + dt / FADE).min(1.0),
+            None => 1.0,
+        };
+        skinned.scale *= inputs.fade;
         skinned.damping_ratio = drive.map_or(1.0, |drive| drive.checked(checked));
         inputs.followed.advance(dt, skinned);
         inputs.lod = lod.map(|lod| lod.checked(checked));

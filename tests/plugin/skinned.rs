@@ -317,3 +317,36 @@ fn a_skin_that_turns_carries_its_cloth_and_a_root_that_stands_does_not_hold_it()
     assert_eq!(seen::<ClothTeleported>(&app).len(), 1, "nothing of it hangs on the other");
     assert!(finite(&app, cloth));
 }
+
+#[test]
+fn a_skin_that_is_in_motion_when_it_comes_takes_its_cloth_along() {
+    let mut app = app();
+    let (cloth, joints) = dressed(&mut app, 10, (border(), ClothSleepDisabled));
+    let at = |frame: u32| Transform::from_xyz(6.0 * frame as f32 / 60.0, 0.0, 0.0);
+    for frame in 0..17 {
+        joints.iter().for_each(|joint| put(&mut app, *joint, at(frame)));
+        run(&mut app, 1);
+        let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state();
+        let relative = |i: usize| (state.velocity(i) - Vec3::X * 6.0).length();
+        let fastest = (0..100).map(relative).fold(0.0, f32::max);
+        assert!(frame < 4 || fastest < 0.5, "frame {frame}: {fastest}");
+        assert!(strays(&app, 10, cloth, joints) < 0.12, "frame {frame}: {}", strays(&app, 10, cloth, joints));
+    }
+}
+
+#[test]
+fn another_pose_at_once_tears_nothing() {
+    let mut app = app();
+    let limits = ClothLimits { max_distance: ClothMap::Uniform(0.1), ..default() };
+    let (cloth, joints) = dressed(&mut app, 10, (limits, ClothSleepDisabled));
+    run(&mut app, 60);
+    // The second half of it turns by a right angle about the seam, in a frame.
+    put(&mut app, joints[1], Transform::from_rotation(Quat::from_rotation_z(1.57)));
+    run(&mut app, 1);
+    let worst = report(&app, cloth).worst_edge;
+    let fastest = {
+        let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state();
+        (0..100).map(|i| state.velocity(i).length()).fold(0.0, f32::max)
+    };
+    assert!(worst < 1.5 && fastest < 10.0, "worst edge {worst}, {fastest} m/s");
+}

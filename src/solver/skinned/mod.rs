@@ -81,6 +81,14 @@ impl Skinned {
         self.from[i].lerp(self.to[i], s)
     }
 
+    /// Speed `[m/s]` of the target that moves fastest against the mean of all, in a frame of `dt` `[s]`.
+    #[must_use]
+    pub fn fastest(&self, dt: f32) -> f32 {
+        let ways = || self.from.iter().zip(&self.to).map(|(from, to)| *to - *from);
+        let mean = ways().sum::<Vec3>() / self.to.len().max(1) as f32;
+        ways().map(|way| way.distance_squared(mean)).fold(0.0, f32::max).sqrt() / dt
+    }
+
     /// Longest way of a target in the frame `[m]`.
     pub(super) fn longest_way(&self) -> f32 {
         if !self.is_active() {
