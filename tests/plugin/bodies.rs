@@ -75,7 +75,7 @@ fn a_collider_that_is_off_sweeps_nothing_on_its_way() {
         app.insert_resource(ClothGravity(Vec3::ZERO));
         let cloth = spawn(&mut app, sheet(12), border());
         let place = |y: f32| Transform::from_xyz(0.0, y, 0.0);
-        let body = app.world_mut().spawn((place(-1.0), ClothCollider::ball(0.2))).id();
+        let body = app.world_mut().spawn((place(-0.4), ClothCollider::ball(0.2))).id();
         run(&mut app, 3);
         let before = particles(&app, cloth);
         if off {

@@ -63,7 +63,7 @@ const BACKSTOPS: Scale = Scale::real(-1.0, 1.0).slider(-0.1, 0.2);
 const RADII: Scale = Scale::real(0.01, 1000.0).slider(0.02, 50.0).log();
 const FREQUENCIES: Scale = Scale::real(0.0, 60.0).slider(0.0, 20.0);
 
-pub(super) const LIMITS: [Setting; 9] = [
+pub(super) const LIMITS: [Setting; 10] = [
     Setting::new(
         Part::Limits,
         "enabled",
@@ -186,6 +186,26 @@ pub(super) const LIMITS: [Setting; 9] = [
         ["What the maximum distance is multiplied by.", "At 0 the cloth is its skin.", "It goes farther than was painted."],
         1.0,
     ),
+    Setting::new(
+        Part::Limits,
+        "avoid_bodies",
+        "",
+        Kind::Choice {
+            options: &["no", "yes"],
+            get: |s| s.limits.as_ref().map(|limits| usize::from(limits.avoid_bodies)),
+            set: |s, chosen| {
+                if let Some(limits) = &mut s.limits {
+                    limits.avoid_bodies = chosen != 0;
+                }
+            },
+        },
+        [
+            "Whether places on the skin are taken out of bodies before they limit.",
+            "No: cloth is held where a leg is.",
+            "Yes: it goes around the leg.",
+        ],
+    )
+    .starts(1.0),
 ];
 
 pub(super) const DRIVE: [Setting; 5] = [
