@@ -68,7 +68,7 @@ fn the_fabrics_in_files_are_those_in_code() {
 fn a_cloth_takes_over_what_its_file_holds_and_again_when_the_file_changes() {
     let folder = folder("reload");
     let all = "(material: (density: 0.7), solver: (substep_rate: 500), collision: (layer: 3), untangle: (iterations: 9), \
-               skip_frame: (max_held_frames: 5), limits: (max_distance: Uniform(0.3), scale: 0.5), drive: (frequency: Uniform(4)), \
+               skip_frame: (max_held_frames: 5), limits: (max_distance: Uniform(9), scale: 0.5), drive: (frequency: Uniform(0.1)), \
                wind: (velocity: (0, 0, 2)))";
     write(&folder, all);
     let (mut app, cloth) = start(&folder);
@@ -79,9 +79,9 @@ fn a_cloth_takes_over_what_its_file_holds_and_again_when_the_file_changes() {
     assert_eq!(world.get::<ClothCollision>(cloth), Some(&ClothCollision { garment_layer: 3, ..default() }));
     assert_eq!(world.get::<ClothUntangling>(cloth).map(|u| u.iterations), Some(9));
     assert_eq!(world.get::<ClothSkipFrame>(cloth).map(|s| s.max_held_frames), Some(5));
-    let limits = ClothLimits { max_distance: ClothMap::Uniform(0.3), scale: 0.5, ..default() };
+    let limits = ClothLimits { max_distance: ClothMap::Uniform(9.0), scale: 0.5, ..default() };
     assert_eq!(world.get::<ClothLimits>(cloth), Some(&limits));
-    assert_eq!(world.get::<ClothDrive>(cloth), Some(&ClothDrive { frequency: ClothMap::Uniform(4.0), ..default() }));
+    assert_eq!(world.get::<ClothDrive>(cloth), Some(&ClothDrive { frequency: ClothMap::Uniform(0.1), ..default() }));
     assert_eq!(world.get::<ClothWind>(cloth).map(|w| w.0.velocity), Some(Vec3::new(0.0, 0.0, 2.0)));
     // A file without solver leaves it alone, and the state goes on.
     run(&mut app, 20);

@@ -213,6 +213,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 ClothContactEvents { patience: 0.5 },
                 (ClothDisabled, ClothSleepDisabled, ClothUntanglingDisabled),
                 ClothDraggable { radius: 0.2, ..default() },
+                ClothInertia { linear: 0.5, space: Some(hand), ..default() },
             ),
             ClothCollision { garment_layer: -2, contact: false, ..default() },
             ClothCollisionLayers::new(0b110, 0b011),
@@ -234,7 +235,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             Name::new("body"),
             (ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01), ClothColliderDisabled),
             ClothWindZone::cuboid(Vec3::ONE, Vec3::Y),
-            ClothBody { margin: 0.03, ..default() },
+            (ClothBody { margin: 0.03, ..default() }, ClothCharacter),
             (ClothCoupling::TwoWay, NoClothCollision, ClothReaction { linear: Vec3::Y, ..default() }),
             ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },
         ))
@@ -286,7 +287,7 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
         let (old, new) = (components(app.world(), &registry, old), components(other.world(), &registry, new));
         assert_eq!(old.keys().collect::<Vec<_>>(), new.keys().collect::<Vec<_>>());
         for (name, old) in &old {
-            if !["ClothGrab", "ClothPins", "ClothPresetHandle"].contains(&name.as_str()) {
+            if !["ClothGrab", "ClothInertia", "ClothPins", "ClothPresetHandle"].contains(&name.as_str()) {
                 assert_eq!(old.reflect_partial_eq(&*new[name]), Some(true), "{name}: {old:?} is now {:?}", new[name]);
             }
         }
@@ -296,6 +297,8 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
         assert!(seen.contains(&name) || KEPT.contains(&name.as_str()), "{name} is not in the scene");
     }
     assert_eq!(other.world().get::<ClothGrab>(body).map(|grab| grab.cloth), Some(cloth));
+    let inertia = ClothInertia { linear: 0.5, space: Some(hand), ..default() };
+    assert_eq!(other.world().get::<ClothInertia>(cloth), Some(&inertia));
     // The hand is another entity now, and the cloth hangs on that.
     let [old, mut new] =
         [(&app, spawned[1]), (&other, cloth)].map(|(app, e)| app.world().get::<ClothPins>(e).expect("pins").clone());
