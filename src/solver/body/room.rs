@@ -9,7 +9,7 @@
 use glam::{Vec3, Vec3A};
 
 /// Cosine of two normals beyond which something is between the two parts (dimensionless).
-const OPPOSED: f32 = -0.5;
+pub(super) const OPPOSED: f32 = -0.5;
 /// Least distance that is kept between two parts, as a share of what is kept elsewhere (dimensionless).
 const CLOSEST: f32 = 0.02;
 

@@ -45,6 +45,9 @@ impl Stepped<'_> {
         scratch.before.clone_from(&state.positions);
         scratch.contacts.leave_out(&scratch.welded);
         scratch.faces.leave_out(&scratch.welded);
+        scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
+        scratch.contacts.leave_out(scratch.pinches.particles());
+        scratch.faces.leave_out(scratch.pinches.particles());
         scratch.frame = Some(Frame {
             dt,
             h,

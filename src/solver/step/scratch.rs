@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use super::frame::Frame;
-use crate::solver::body::{BodyContacts, FaceContacts, Laid};
+use crate::solver::body::{BodyContacts, FaceContacts, Laid, Pinches};
 use crate::solver::couple::Coupling;
 use crate::solver::integrate::{air, bend, leash, net, pull, spring, tether};
 use crate::solver::state::ClothState;
@@ -33,6 +33,8 @@ pub struct Scratch {
     pub(super) coupling: Coupling,
     /// Particles that are pinned to bodies that cloth can move.
     pub(super) welded: Vec<u32>,
+    /// Particles between two bones of who wears it.
+    pub(super) pinches: Pinches,
     pub(super) wind: WindForces,
     pub(super) pulls: pull::Pulls,
     pub(super) rigid: Vec<u32>,
