@@ -174,7 +174,15 @@ pub(crate) fn inertia(
             continue;
         }
         let motion = Motion { from: journey.from, to: rest.partly(1.0 - linear, 1.0 - angular), center: journey.center };
-        carry(&motion, inputs, &mut particles);
+        // The frame of simulation goes along, so that nothing is rounded; in it everything turns.
+        let [from, to] = motion.middles();
+        let way = to - from;
+        particles.origin += way.as_dvec3();
+        if motion.angle() > 0.0 {
+            let from = Isometry3d::new(Vec3::from(motion.from.translation) + way, motion.from.rotation);
+            carry(&Motion { from, ..motion }, inputs, &mut particles);
+        }
+        particles.disturbed |= way != Vec3::ZERO;
         inputs.carried_by = Some(motion);
     }
 }
@@ -227,8 +235,9 @@ pub(crate) fn aim(
         }
         inputs.aim(particles.origin);
         inputs.follow(&rest.0, particles.origin);
-        if inputs.skin.is_some() && inputs.frames < FIRST_FRAMES {
-            inputs.frames += 1;
+        let frame = inputs.frames;
+        inputs.frames = (frame + 1).min(FIRST_FRAMES + 1);
+        if inputs.skin.is_some() && frame < FIRST_FRAMES {
             particles.place(inputs.pose(&rest.0, particles.origin));
             inputs.stay();
             continue;

@@ -15,7 +15,8 @@ use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
 
-/// Frames for which a skinned cloth is its skin: the player of its animation poses it in the first or in the second.
+/// Frames in which a skinned cloth is put where its skin is: the player of its animation poses it in the first or in the second. In the next the skin takes
+/// it along, at its own speed.
 pub(crate) const FIRST_FRAMES: u32 = 2;
 /// Time in which it gets its limits after that `[s]`, as in o3de.
 const FADE: f32 = 0.25;
@@ -98,7 +99,7 @@ pub(crate) fn settings(
         inputs.avoids_bodies = limits.is_none_or(|limits| limits.avoid_bodies);
         // A skin that just came is not in the pose that it will have.
         inputs.fade = match inputs.skin {
-            Some(_) if inputs.frames < FIRST_FRAMES => 0.0,
+            Some(_) if inputs.frames <= FIRST_FRAMES => 0.0,
             Some(_) => (inputs.fade + dt / FADE).min(1.0),
             None => 1.0,
         };

@@ -178,27 +178,29 @@ fn cloth_that_feels_nothing_of_its_carrier_hangs_as_if_that_stood() {
 
 #[test]
 fn the_motion_of_a_space_is_not_felt_and_that_within_it_is() {
-    let shape = |lift: f32, sways: bool| {
+    let shape = |lift: f32, sway: f32, frames: u32| {
         let mut app = app();
         let space = app.world_mut().spawn(Transform::default()).id();
         let inertia = ClothInertia { space: Some(space), ..default() };
-        let alone = ClothCollision { self_collision: false, ..default() };
-        let cloth = spawn(&mut app, sheet(10), (border(), inertia, alone, ClothSleepDisabled));
+        let cloth = spawn(&mut app, sheet(10), (border(), inertia, ClothSleepDisabled));
         app.world_mut().entity_mut(cloth).insert(ChildOf(space));
         run(&mut app, 5);
-        for frame in 1..=120 {
+        let mut at = Transform::default();
+        for frame in 1..=frames {
             let time = frame as f32 / 60.0;
-            put(&mut app, space, Transform::from_xyz(0.0, lift * time, 0.0));
-            if sways {
-                put(&mut app, cloth, Transform::from_xyz(0.3 * (4.0 * time).sin(), 0.0, 0.0));
-            }
+            at.translation.y = lift * time;
+            put(&mut app, space, at);
+            put(&mut app, cloth, Transform::from_xyz(0.0, 0.0, sway * (4.0 * time).sin()));
             run(&mut app, 1);
         }
-        seen_by(&app, cloth, Transform::from_xyz(0.0, lift * 2.0, 0.0))
+        seen_by(&app, cloth, at)
     };
-    let off = farthest(&shape(10.0, true), &shape(0.0, true));
+    let off = farthest(&shape(10.0, 0.0, 300), &shape(0.0, 0.0, 300));
     assert!(off < 0.001, "{off}");
-    assert!(farthest(&shape(10.0, true), &shape(10.0, false)) > 0.05);
+    // What swings is not so to the last digit.
+    let off = farthest(&shape(10.0, 0.1, 60), &shape(0.0, 0.1, 60));
+    assert!(off < 0.005, "{off}");
+    assert!(farthest(&shape(10.0, 0.1, 60), &shape(10.0, 0.0, 60)) > 0.02);
 }
 
 #[test]
@@ -324,14 +326,16 @@ fn a_skin_that_is_in_motion_when_it_comes_takes_its_cloth_along() {
     let mut app = app();
     let (cloth, joints) = dressed(&mut app, 10, (border(), ClothSleepDisabled));
     let at = |frame: u32| Transform::from_xyz(6.0 * frame as f32 / 60.0, 0.0, 0.0);
-    for frame in 0..17 {
+    for frame in 0..12 {
         joints.iter().for_each(|joint| put(&mut app, *joint, at(frame)));
         run(&mut app, 1);
         let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state();
         let relative = |i: usize| (state.velocity(i) - Vec3::X * 6.0).length();
         let fastest = (0..100).map(relative).fold(0.0, f32::max);
-        assert!(frame < 4 || fastest < 0.5, "frame {frame}: {fastest}");
-        assert!(strays(&app, 10, cloth, joints) < 0.12, "frame {frame}: {}", strays(&app, 10, cloth, joints));
+        // It begins with the speed of the skin, and falls from there.
+        let falls = 9.81 * (frame as f32 - 2.0).max(0.0) / 60.0;
+        assert!(frame < 3 || fastest < falls + 0.3, "frame {frame}: {fastest} in place of {falls}");
+        assert!(strays(&app, 10, cloth, joints) < 0.2, "frame {frame}: {}", strays(&app, 10, cloth, joints));
     }
 }
 
