@@ -103,7 +103,7 @@ pub(crate) fn resolve(
             }
             ClothPinSelect::Color(channel) => (0..).zip(color(mesh, *channel).map_err(no_paint)?).for_each(|(v, w)| hold(v, w)),
             ClothPinSelect::Attribute(name) => {
-                (0..).zip(attribute(mesh, name).map_err(no_paint)?).for_each(|(v, w)| hold(v, w))
+                (0..).zip(attribute(mesh, name).map_err(no_paint)?).for_each(|(v, w)| hold(v, w));
             }
         }
     }

@@ -6,10 +6,11 @@
 //! aim      anchors and skin, from where they were to where they are now
 //! ```
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::inputs::FIRST_FRAMES;
-use crate::bind::{AnchorSet, Placement, Transforms};
+use crate::bind::{AnchorSet, Placement, Skin, Transforms};
 use crate::components::{
     Cloth, ClothCharacter, ClothInertia, ClothOnTargetLost, ClothPins, ClothReport, ClothSolver, ClothTargetLost,
     ClothTeleportMode, ClothTeleported,
@@ -23,21 +24,26 @@ use crate::time::ClothTime;
 /// units in the last place, at 16 m only 22.
 const REBASE: f32 = 2.0;
 
-/// The nearest of an entity and its ancestors that is a character.
-pub(crate) fn character_of(
-    entity: Entity,
-    parents: &Query<&ChildOf>,
-    characters: &Query<(), With<ClothCharacter>>,
-) -> Option<Entity> {
-    if characters.is_empty() {
-        return None;
-    }
-    core::iter::once(entity).chain(parents.iter_ancestors(entity)).find(|&at| characters.contains(at))
+/// Who is a character, and what hangs on whom.
+#[derive(SystemParam)]
+pub(crate) struct Characters<'w, 's> {
+    parents: Query<'w, 's, &'static ChildOf>,
+    characters: Query<'w, 's, (), With<ClothCharacter>>,
 }
 
-/// The lowest entity above both a cloth and the joint that carries it: what becomes its character, where nobody said which is.
-fn common_ancestor(entity: Entity, joint: Entity, parents: &Query<&ChildOf>) -> Option<Entity> {
-    parents.iter_ancestors(joint).find(|at| parents.iter_ancestors(entity).any(|above| above == *at))
+impl Characters<'_, '_> {
+    /// The nearest of an entity and its ancestors that is a character.
+    pub fn of(&self, entity: Entity) -> Option<Entity> {
+        if self.characters.is_empty() {
+            return None;
+        }
+        core::iter::once(entity).chain(self.parents.iter_ancestors(entity)).find(|&at| self.characters.contains(at))
+    }
+
+    /// The lowest entity above both a cloth and the joint that carries it: what becomes its character, where nobody said which is.
+    fn common_ancestor(&self, entity: Entity, joint: Entity) -> Option<Entity> {
+        self.parents.iter_ancestors(joint).find(|at| self.parents.iter_ancestors(entity).any(|above| above == *at))
+    }
 }
 
 /// Finds where what carries each cloth is now. After a jump the cloth goes along, and so do the others of its character.
@@ -46,8 +52,7 @@ pub(crate) fn travel(
     time: Res<ClothTime>,
     clock: Res<ClothClock>,
     transforms: Transforms,
-    parents: Query<&ChildOf>,
-    characters: Query<(), With<ClothCharacter>>,
+    characters: Characters,
     mut cloths: Query<(Entity, &ClothSolver, &ClothPins, &mut ClothInputs, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
     mut jumped: Local<Vec<Entity>>,
 ) {
@@ -71,9 +76,9 @@ pub(crate) fn travel(
         if inputs.carried {
             continue;
         }
-        inputs.character = character_of(entity, &parents, &characters);
-        if let (None, Some(joint)) = (inputs.character, inputs.skin.as_ref().and_then(|skin| skin.main_joint()))
-            && let Some(root) = common_ancestor(entity, joint, &parents)
+        inputs.character = characters.of(entity);
+        if let (None, Some(joint)) = (inputs.character, inputs.skin.as_ref().and_then(Skin::main_joint))
+            && let Some(root) = characters.common_ancestor(entity, joint)
         {
             commands.entity(root).try_insert(ClothCharacter);
             inputs.character = Some(root);

@@ -2,12 +2,10 @@
 
 use bevy::prelude::*;
 
-use super::carriers::character_of;
+use super::carriers::Characters;
 use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::body::{ColliderBody, Stage};
-use crate::components::{
-    ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit,
-};
+use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{WorldBodies, WorldBody, jumped};
 use crate::solver::body::shape;
@@ -104,8 +102,7 @@ pub(crate) fn poses(
     time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     mut notices: ResMut<Notices>,
-    parents: Query<&ChildOf>,
-    characters: Query<(), With<ClothCharacter>>,
+    characters: Characters,
     mut colliders: Query<(
         Entity,
         Option<&Name>,
@@ -137,7 +134,7 @@ pub(crate) fn poses(
         let from = body.pose.filter(|from| !jumped(from, &to, body.reach, dt)).unwrap_or(to);
         body.pose = Some(to);
         let layers = layers.copied().unwrap_or_default();
-        let character = character_of(entity, &parents, &characters);
+        let character = characters.of(entity);
         bodies.push(WorldBody {
             entity,
             character,

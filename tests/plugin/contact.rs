@@ -134,10 +134,10 @@ fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its
             cloth.get_mut::<ClothMaterial>().expect("one").stretch_stiffness = 8000.0 + 4000.0 * share;
         }),
         ("iterations", 0.002, |cloth, share| {
-            cloth.get_mut::<ClothUntangling>().expect("one").iterations = 4 + (4.0 * share) as u32
+            cloth.get_mut::<ClothUntangling>().expect("one").iterations = 4 + (4.0 * share) as u32;
         }),
         ("patience", 0.002, |cloth, share| {
-            cloth.get_mut::<ClothUntangling>().expect("one").patience = 8 + (8.0 * share) as u32
+            cloth.get_mut::<ClothUntangling>().expect("one").patience = 8 + (8.0 * share) as u32;
         }),
     ];
     for (name, bound, drag) in drags {

@@ -65,7 +65,7 @@ fn a_frame_that_is_held_or_blows_up_is_recorded() {
     record(&mut app, folder("held"));
     // One falls through the other, and is not untangled.
     let through = (ClothCollision { contact: false, ..default() }, ClothUntangling { iterations: 0, ..default() });
-    spawn(&mut app, sheet(14), (border(), through.clone()));
+    spawn(&mut app, sheet(14), (border(), through));
     let tilted = Transform::from_xyz(0.0, 0.1, 0.0).with_rotation(Quat::from_rotation_x(0.1));
     spawn(&mut app, sheet(14), (tilted, through));
     let wild = spawn(&mut app, sheet(8), (border(), Transform::from_xyz(9.0, 0.0, 0.0)));

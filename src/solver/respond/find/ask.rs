@@ -156,10 +156,10 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         let positions = self.positions;
         let at = |v: u32| positions[v as usize].truncate();
         for (side, other) in [(f, g), (g, f)] {
-            let (t, u) = (side.corners, other.corners);
-            for k in 0..3 {
-                if side.owns & (1 << k) != 0 && !u.contains(&t[k]) && side.boxes[k].meets(&other.whole, wide) {
-                    self.list(vertex_face([t[k], u[0], u[1], u[2]], at), 1, faces);
+            let u = other.corners;
+            for (k, (corner, own)) in side.corners.into_iter().zip(&side.boxes).enumerate() {
+                if side.owns & (1 << k) != 0 && !u.contains(&corner) && own.meets(&other.whole, wide) {
+                    self.list(vertex_face([corner, u[0], u[1], u[2]], at), 1, faces);
                 }
             }
         }
