@@ -58,7 +58,7 @@ pub struct Cloth;
 /// cloth goes on from where it was, with the speed it had.
 ///
 /// What carries it may move meanwhile: a long way is a teleport ([`ClothSolver::teleport`](crate::ClothSolver::teleport)), a short one that of
-/// a single frame. A cloth that is to stay where others lie on it is paused, with a [`ClothSolver::time_scale`](crate::ClothSolver::time_scale) of 0.
+/// a single frame. A cloth that is to stay where others lie on it is paused, with a [`time_scale`](field@crate::ClothSolver::time_scale) of 0.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
