@@ -8,7 +8,7 @@ use super::motion::Motion;
 use super::slumber::Slumber;
 use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
-use crate::components::{ClothDetail, ClothLod, ClothPins};
+use crate::components::{ClothDetail, ClothInertia, ClothLod, ClothPins};
 use crate::solver::anchors::Anchors;
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
@@ -45,6 +45,8 @@ pub(crate) struct ClothInputs {
     pub rode: bool,
     /// The character it belongs to.
     pub character: Option<Entity>,
+    /// How much of the motion of its carrier it feels, if that was said.
+    pub inertia: Option<ClothInertia>,
     /// How its carrier moved in this frame, unless it jumped; whether it did; and what the cloth was carried along with, unfelt.
     pub journey: Option<Motion>,
     pub jumped: bool,
@@ -122,6 +124,7 @@ impl ClothInputs {
             carried: false,
             rode: false,
             character: None,
+            inertia: None,
             journey: None,
             jumped: false,
             carried_by: None,

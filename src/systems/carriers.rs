@@ -12,8 +12,8 @@ use bevy::prelude::*;
 use super::inputs::FIRST_FRAMES;
 use crate::bind::{AnchorSet, Placement, Skin, Transforms};
 use crate::components::{
-    Cloth, ClothCharacter, ClothInertia, ClothOnTargetLost, ClothPins, ClothReport, ClothSolver, ClothTargetLost,
-    ClothTeleportMode, ClothTeleported,
+    Cloth, ClothCharacter, ClothOnTargetLost, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleportMode,
+    ClothTeleported,
 };
 use crate::islands::ClothIslands;
 use crate::schedule::ClothClock;
@@ -122,18 +122,18 @@ pub(crate) fn inertia(
     time: Res<ClothTime>,
     transforms: Transforms,
     islands: Res<ClothIslands>,
-    mut cloths: Query<(Entity, Option<&ClothInertia>, &ClothScratch, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothScratch, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
     mut shared: Local<Vec<(Entity, Mean)>>,
     mut apart: Local<Vec<bool>>,
 ) {
     let dt = time.delta_secs();
     let share = |inputs: &ClothInputs| (inputs.stepping.max_frame / (dt * inputs.time_scale)).min(1.0);
-    let felt = |own: Option<&ClothInertia>, inputs: &ClothInputs| own.is_some() || share(inputs) < 1.0;
-    if !cloths.iter().any(|(_, own, _, inputs, _)| felt(own, inputs)) {
+    let is_carried = |inputs: &ClothInputs| inputs.inertia.is_some() || share(inputs) < 1.0;
+    if !cloths.iter().any(|(_, _, inputs, _)| is_carried(inputs)) {
         return;
     }
     shared.clear();
-    for (_, _, _, inputs, _) in &cloths {
+    for (_, _, inputs, _) in &cloths {
         let (Some(character), Some(journey)) = (inputs.character, inputs.journey) else { continue };
         let at = shared.iter().position(|(known, _)| *known == character).unwrap_or_else(|| {
             shared.push((character, Mean::default()));
@@ -145,22 +145,20 @@ pub(crate) fn inertia(
     apart.resize(islands.list.len(), false);
     for (index, island) in islands.list.iter().enumerate() {
         let key =
-            |entity: Entity| cloths.get(entity).map_or(Some(entity), |(_, _, _, inputs, _)| inputs.character.or(Some(entity)));
+            |entity: Entity| cloths.get(entity).map_or(Some(entity), |(_, _, inputs, _)| inputs.character.or(Some(entity)));
         let first = island.members.first().map(|member| key(member.entity));
         apart[index] = island.members.iter().any(|member| Some(key(member.entity)) != first);
     }
-    for (_, own, scratch, mut inputs, mut particles) in &mut cloths {
+    for (_, scratch, mut inputs, mut particles) in &mut cloths {
         let inputs = &mut *inputs;
-        let Some(journey) = inputs.journey.filter(|_| felt(own, inputs)) else { continue };
+        let Some(journey) = inputs.journey.filter(|_| is_carried(inputs)) else { continue };
         let meets_others = scratch.island.is_some_and(|(island, _)| apart.get(island as usize).is_some_and(|apart| *apart));
         if meets_others || inputs.coupled.is_pinned() {
             continue;
         }
         let mean = inputs.character.and_then(|character| shared.iter().find(|(known, _)| *known == character));
         let journey = mean.map_or(journey, |(_, mean)| mean.journey());
-        let checked = &mut inputs.checked;
-        let inertia = own.map_or(ClothInertia::default(), |own| own.checked(checked));
-        let share = (inputs.stepping.max_frame / (dt * inputs.time_scale)).min(1.0);
+        let (inertia, share) = (inputs.inertia.unwrap_or_default(), share(inputs));
         // The motion of the space is not felt, and what it carried is where the carrier began.
         let space =
             inertia.space.and_then(|space| Placement::of(&transforms.get(space).ok()?.affine())).map(|at| at.isometry());

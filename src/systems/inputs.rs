@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use crate::bind::{Placement, slew_weights};
 use crate::components::{
-    Cloth, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod,
-    ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind, ClothWindZone,
+    Cloth, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia, ClothLimits,
+    ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind, ClothWindZone,
     ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
@@ -62,7 +62,7 @@ pub(crate) fn settings(
             &ClothUntangling,
             &ClothSkipFrame,
             Option<&ClothLod>,
-            (Option<&ClothLimits>, Option<&ClothDrive>),
+            (Option<&ClothLimits>, Option<&ClothDrive>, Option<&ClothInertia>),
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -72,8 +72,21 @@ pub(crate) fn settings(
     >,
     time: Res<ClothTime>,
 ) {
-    for (entity, name, material, solver, pins, untangle, skip, lod, (limits, drive), own_wind, build, mut inputs, mut report) in
-        &mut cloths
+    for (
+        entity,
+        name,
+        material,
+        solver,
+        pins,
+        untangle,
+        skip,
+        lod,
+        (limits, drive, inertia),
+        own_wind,
+        build,
+        mut inputs,
+        mut report,
+    ) in &mut cloths
     {
         let inputs = &mut *inputs;
         let checked = &mut inputs.checked;
@@ -106,6 +119,7 @@ pub(crate) fn settings(
         skinned.scale *= inputs.fade;
         skinned.damping_ratio = drive.map_or(1.0, |drive| drive.checked(checked));
         inputs.followed.advance(dt, skinned);
+        inputs.inertia = inertia.map(|inertia| inertia.checked(checked));
         inputs.lod = lod.map(|lod| lod.checked(checked));
         inputs.teleport = solver.teleport_limits(checked);
         inputs.gravity = solver.gravity(air.gravity, checked);

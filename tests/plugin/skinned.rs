@@ -355,3 +355,13 @@ fn another_pose_at_once_tears_nothing() {
     };
     assert!(worst < 1.5 && fastest < 10.0, "worst edge {worst}, {fastest} m/s");
 }
+
+#[test]
+fn inertia_that_is_out_of_range_is_told_of_and_used_clamped() {
+    let mut app = app();
+    let inertia = ClothInertia { linear: 2.0, max_turn: -1.0, ..default() };
+    let cloth = spawn(&mut app, sheet(6), (border(), inertia));
+    run(&mut app, 5);
+    assert_eq!(report(&app, cloth).clamped, ["inertia.linear", "inertia.max_turn"]);
+    assert!(finite(&app, cloth));
+}

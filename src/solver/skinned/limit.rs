@@ -8,9 +8,7 @@ impl Skinned {
     /// Brings particles back within their limits at the end of a substep, from the share `s0` of the frame to `s1`. What takes one farther than its own
     /// way and that of its target gives it no speed: a limit that shrinks, a blend, a jump.
     pub fn limit(&self, [s0, s1]: [f32; 2], positions: &mut [Vec4], previous: &mut [Vec4]) {
-        if (self.max_distance.is_empty() && self.backstop_distance.is_empty() && self.scale >= 1.0)
-            || !self.fits(positions.len())
-        {
+        if !self.limits(positions.len()) {
             return;
         }
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
@@ -31,9 +29,7 @@ impl Skinned {
 
     /// Brings particles back within their limits at the end of the frame, without any speed.
     pub fn limit_silently(&self, positions: &mut [Vec4], previous: &mut [Vec4]) {
-        if (self.max_distance.is_empty() && self.backstop_distance.is_empty() && self.scale >= 1.0)
-            || !self.fits(positions.len())
-        {
+        if !self.limits(positions.len()) {
             return;
         }
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
@@ -42,6 +38,12 @@ impl Skinned {
             *x += by;
             *old += by;
         }
+    }
+
+    /// Whether any of `count` particles has a limit.
+    fn limits(&self, count: usize) -> bool {
+        let any = !self.max_distance.is_empty() || !self.backstop_distance.is_empty() || self.scale < 1.0;
+        any && self.fits(count)
     }
 
     /// The nearest place to `at` `[m]` that the limits of particle `i` allow.
