@@ -9,8 +9,9 @@ use crate::components::{
     ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::simulation::{ClothInputs, ClothParticles, WorldAir, WorldBodies, WorldBody, reaches};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
 use crate::solver::body::{Body, Pose};
+use crate::solver::skinned::Surroundings;
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
@@ -189,12 +190,12 @@ pub(crate) fn surroundings(
     world: Res<WorldBodies>,
     air: Res<WorldAir>,
     mut cloths: Query<
-        (Entity, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
+        (Entity, &ClothRest, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
         With<Cloth>,
     >,
     mut planes: Local<Vec<Vec4>>,
 ) {
-    for (entity, particles, layers, mut inputs, mut report) in &mut cloths {
+    for (entity, rest, particles, layers, mut inputs, mut report) in &mut cloths {
         if inputs.asleep || inputs.carried {
             continue;
         }
@@ -231,7 +232,9 @@ pub(crate) fn surroundings(
             bone: character.is_some() && body.character == character,
         }));
         if inputs.avoids_bodies && inputs.skinned.is_active() {
-            inputs.skinned.avoid(&inputs.bodies, inputs.fabric.thickness, time.delta_secs() * inputs.time_scale, &mut planes);
+            let ClothInputs { bodies, fabric, skinned, time_scale, .. } = inputs;
+            let around = Surroundings { bodies, rest: &rest.0, fabric, positions: &particles.state.positions };
+            skinned.avoid(&around, time.delta_secs() * *time_scale, &mut planes);
         }
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
         inputs.wind.origin = origin;
@@ -256,6 +259,8 @@ pub(crate) fn surroundings(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use bevy::ecs::system::RunSystemOnce;
     use bevy::math::{Affine3A, DVec3, Vec4};
 
@@ -264,6 +269,7 @@ mod tests {
     use crate::solver::anchors::Anchors;
     use crate::solver::island::Display;
     use crate::solver::recover::Recovery;
+    use crate::solver::rest::RestShape;
 
     /// Numbers of the zones that a particle at `at` with the speed `velocity` `[m/s]` is told of in a frame of 0.1 s.
     fn told(at: Vec3, velocity: Vec3, zones: &[(Vec3, f32)]) -> Vec<usize> {
@@ -292,7 +298,7 @@ mod tests {
             space: None,
             disturbed: false,
         };
-        let cloth = world.spawn((Cloth, inputs, particles)).id();
+        let cloth = world.spawn((Cloth, ClothRest(Arc::new(RestShape::default())), inputs, particles)).id();
         world.run_system_once(surroundings).expect("a system");
         let seen = &world.get::<ClothInputs>(cloth).expect("inputs").wind.zones;
         seen.iter().filter_map(|seen| zones.iter().position(|(_, radius)| *radius == seen.velocity.y)).collect()

@@ -61,7 +61,13 @@ fn mannequin(clip: &str, rate: f32) -> Option<App> {
         let (graph, node) = AnimationGraph::from_clip(animation.clone());
         let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
         app.world_mut().entity_mut(player).insert(AnimationGraphHandle(graph));
-        app.world_mut().get_mut::<AnimationPlayer>(player).expect("a player").play(node).repeat();
+        let mut player = app.world_mut().get_mut::<AnimationPlayer>(player).expect("a player");
+        // To sit down again and again is to stand in an instant.
+        if matches!(clip, "Sit_Chair_Down" | "Lie_Down") {
+            player.play(node)
+        } else {
+            player.play(node).repeat()
+        };
         break;
     }
     run(&mut app, 3);
@@ -157,7 +163,10 @@ fn a_human_in_cape_and_skirt_walks_and_runs() {
         assert!((18..=21).contains(&colliders.iter(app.world()).count()));
         for (name, worn) in wear(&mut app, 180, 60) {
             println!("{clip} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
+            // The skin of the cape has an elbow through it, that of the skirt the thighs.
+            assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} {name}: {worn:?}");
+            assert!(worn.recoveries <= 1 && worn.worst_edge < 4.0, "{clip} {name}: {worn:?}");
         }
-        println!("  teleports {}", seen::<ClothTeleported>(&app).len());
+        assert_eq!(seen::<ClothTeleported>(&app).len(), 0, "{clip}");
     }
 }

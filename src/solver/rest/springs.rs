@@ -75,6 +75,13 @@ impl Springs {
         springs
     }
 
+    /// Both ends of each, and one over its squared length at rest `[1/m²]`; what fills up the last lanes of a colour comes twice.
+    pub(in crate::solver) fn each(&self) -> impl Iterator<Item = (usize, usize, f32)> {
+        self.a.iter().zip(&self.b).zip(&self.inverse_square).flat_map(|((a, b), inverse_square)| {
+            (0..LANES).map(move |lane| (a[lane] as usize, b[lane] as usize, inverse_square[lane]))
+        })
+    }
+
     /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as anything tells those: only then are they a membrane that
     /// stretches and shears as the fabric.
     #[must_use]

@@ -4,23 +4,134 @@ use glam::{Vec3, Vec4};
 
 use super::Skinned;
 use crate::solver::body::{Body, take_out};
+use crate::solver::rest::RestShape;
+use crate::solver::settings::Fabric;
 
 /// Fastest that the way out of a body changes `[m/s]`: which side is out may change at once.
 const FASTEST: f32 = 2.0;
 
+/// Sweeps over targets that are too far from their neighbours.
+const SWEEPS: u32 = 16;
+
+/// What targets are taken out of, and what they are targets of.
+pub struct Surroundings<'a> {
+    /// Bodies, in the frame of simulation.
+    pub bodies: &'a [Body],
+    /// Rest shape of the cloth.
+    pub rest: &'a RestShape,
+    /// Its fabric.
+    pub fabric: &'a Fabric,
+    /// Its particles `[m]`; `w` is 0 where they are pinned.
+    pub positions: &'a [Vec4],
+}
+
 impl Skinned {
-    /// Takes the targets at the end of a frame of `dt` `[s]` out of bodies, to the distance `keep` `[m]`. `planes` is a buffer.
-    pub fn avoid(&mut self, bodies: &[Body], keep: f32, dt: f32, planes: &mut Vec<Vec4>) {
+    /// Takes the targets at the end of a frame of `dt` `[s]` out of bodies, to the distance that the fabric keeps. `planes` is a buffer.
+    pub fn avoid(&mut self, around: &Surroundings<'_>, dt: f32, planes: &mut Vec<Vec4>) {
         let Self { to, way_out, .. } = self;
         way_out.resize(to.len(), Vec3::ZERO);
-        if bodies.is_empty() && way_out.iter().all(|way| *way == Vec3::ZERO) {
+        if around.bodies.is_empty() && way_out.iter().all(|way| *way == Vec3::ZERO) {
             return;
         }
         self.skin.clone_from(to);
-        take_out(bodies, keep, to, planes);
-        for ((to, skin), way) in to.iter_mut().zip(&self.skin).zip(way_out) {
-            *way += (*to - *skin - *way).clamp_length_max(FASTEST * dt);
-            *to = *skin + *way;
+        take_out(around.bodies, around.fabric.thickness, to, planes);
+        let mut any = false;
+        for ((to, skin), way) in to.iter_mut().zip(&self.skin).zip(&*way_out) {
+            *to = *skin + *way + (*to - *skin - *way).clamp_length_max(FASTEST * dt);
+            any |= *to != *skin;
         }
+        if any && around.positions.len() == self.to.len() {
+            self.keep_together(around);
+        }
+        for ((to, skin), way) in self.to.iter().zip(&self.skin).zip(&mut self.way_out) {
+            *way = *to - *skin;
+        }
+    }
+
+    /// Brings targets as near to their neighbours as the fabric asks for, or the skin has them. Where a bone goes through the skin, one is taken out on this
+    /// side of it and the next on the other: no cloth can be at both.
+    fn keep_together(&mut self, around: &Surroundings<'_>) {
+        let Self { to, skin, .. } = self;
+        let longest = 1.0 + around.fabric.strain_limit;
+        for _ in 0..SWEEPS {
+            let mut all = true;
+            for (a, b, inverse_square) in around.rest.springs.each() {
+                let square = to[a].distance_squared(to[b]);
+                if square * inverse_square <= longest * longest {
+                    continue;
+                }
+                let bound = (longest * inverse_square.sqrt().recip()).max(skin[a].distance(skin[b]));
+                let off = square.sqrt() - bound;
+                let free = [a, b].map(|i| if around.positions[i].w > 0.0 { 1.0 } else { 0.0 });
+                let both: f32 = free.iter().sum();
+                // What rounding leaves is near enough.
+                if off <= 1.0e-3 * bound || both == 0.0 {
+                    continue;
+                }
+                let along = (to[b] - to[a]).normalize_or_zero() * (off / both);
+                to[a] += along * free[0];
+                to[b] -= along * free[1];
+                all = false;
+            }
+            if all {
+                break;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+    use parry3d::math::Pose;
+    use parry3d::shape::SharedShape;
+
+    use super::*;
+    use crate::solver::rest::SourceMesh;
+
+    /// A sheet of 15 by 15 particles in xy with edges of 20 mm, pinned along one side; and its targets after an arm went through them.
+    fn avoided(arm: SharedShape, at: Vec3) -> (RestShape, Vec<Vec4>, Skinned) {
+        let place = |i: u32| vec3(0.02 * (i % 15) as f32 - 0.14, 0.14 - 0.02 * (i / 15) as f32, 0.0);
+        let quads = (0..14 * 14u32).map(|q| q / 14 * 15 + q % 14);
+        let triangles = quads.flat_map(|i| [[i, i + 15, i + 1], [i + 1, i + 15, i + 16]]).collect();
+        let source = SourceMesh { positions: (0..225).map(place).collect(), triangles, ..SourceMesh::default() };
+        let (rest, _) = RestShape::build(&source).expect("a sheet");
+        let positions: Vec<Vec4> = rest.positions.iter().map(|x| x.extend(if x.y > 0.13 { 0.0 } else { 1.0 })).collect();
+        let mut skinned = Skinned { from: rest.positions.clone(), to: rest.positions.clone(), ..Skinned::of_radius(0.2) };
+        let bodies = [Body { bone: true, ..Body::at_rest(arm, Pose::from_translation(at)) }];
+        let fabric = Fabric::default();
+        let around = Surroundings { bodies: &bodies, rest: &rest, fabric: &fabric, positions: &positions };
+        for _ in 0..30 {
+            // The skin comes anew in each frame.
+            skinned.to.clone_from(&skinned.from);
+            skinned.avoid(&around, 1.0 / 60.0, &mut Vec::new());
+        }
+        (rest, positions, skinned)
+    }
+
+    fn worst_edge(rest: &RestShape, targets: &[Vec3]) -> f32 {
+        let edges = rest.springs.each().map(|(a, b, inverse_square)| targets[a].distance(targets[b]) * inverse_square.sqrt());
+        edges.fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn targets_that_an_arm_goes_through_stay_whole() {
+        // Its axis is across the sheet: half of the targets in it leave to each side.
+        let (rest, _, skinned) = avoided(SharedShape::capsule_z(0.2, 0.045), Vec3::ZERO);
+        let worst = worst_edge(&rest, &skinned.to);
+        assert!(worst < 1.2, "an edge of {worst} of its length at rest");
+    }
+
+    #[test]
+    fn targets_get_out_of_an_arm_that_pushes_the_sheet() {
+        // Its axis is behind the sheet, which bulges over it.
+        let (rest, positions, skinned) = avoided(SharedShape::capsule_y(0.03, 0.045), vec3(0.0, -0.02, -0.035));
+        let keep = Fabric::default().thickness + 0.045;
+        let center = vec3(0.0, 0.0, -0.035);
+        let deepest = skinned.to.iter().map(|q| keep - (*q - center).with_y(0.0).length()).zip(&skinned.to);
+        let deepest = deepest.filter(|(_, q)| (q.y + 0.02).abs() < 0.03).map(|(depth, _)| depth).fold(0.0, f32::max);
+        assert!(deepest < 2.0e-3, "{deepest} m deep");
+        let pins = positions.iter().zip(&skinned.to).zip(&rest.positions).filter(|((x, _), _)| x.w == 0.0);
+        assert!(pins.clone().all(|((_, q), rest)| q == rest), "pins stay where they are");
     }
 }

@@ -41,7 +41,7 @@ impl Skinned {
     }
 
     /// Whether any of `count` particles has a limit.
-    fn limits(&self, count: usize) -> bool {
+    pub(in crate::solver) fn limits(&self, count: usize) -> bool {
         let any = !self.max_distance.is_empty() || !self.backstop_distance.is_empty() || self.scale < 1.0;
         any && self.fits(count)
     }

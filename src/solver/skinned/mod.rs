@@ -15,6 +15,8 @@ mod limit;
 
 use glam::Vec3;
 
+pub use avoid::Surroundings;
+
 /// Below this maximum distance a particle is as good as pinned `[m]`.
 pub const PINNED: f32 = 1.0e-3;
 
@@ -84,9 +86,13 @@ impl Skinned {
     /// Speed `[m/s]` of the target that moves fastest against the mean of all, in a frame of `dt` `[s]`.
     #[must_use]
     pub fn fastest(&self, dt: f32) -> f32 {
-        let ways = || self.from.iter().zip(&self.to).map(|(from, to)| *to - *from);
-        let mean = ways().sum::<Vec3>() / self.to.len().max(1) as f32;
-        ways().map(|way| way.distance_squared(mean)).fold(0.0, f32::max).sqrt() / dt
+        let mean = self.ways().sum::<Vec3>() / self.to.len().max(1) as f32;
+        self.ways().map(|way| way.distance_squared(mean)).fold(0.0, f32::max).sqrt() / dt
+    }
+
+    /// The way of each target in the frame `[m]`.
+    fn ways(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.from.iter().zip(&self.to).map(|(from, to)| *to - *from)
     }
 
     /// Longest way of a target in the frame `[m]`.
@@ -94,7 +100,7 @@ impl Skinned {
         if !self.is_active() {
             return 0.0;
         }
-        self.from.iter().zip(&self.to).map(|(a, b)| a.distance_squared(*b)).fold(0.0, f32::max).sqrt()
+        self.ways().map(Vec3::length_squared).fold(0.0, f32::max).sqrt()
     }
 
     /// Whether there is a target for each of `count` particles.

@@ -48,6 +48,9 @@ impl Stepped<'_> {
         scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
         scratch.contacts.leave_out(scratch.pinches.particles());
         scratch.faces.leave_out(scratch.pinches.particles());
+        scratch.pierced.find(input.bodies, input.skinned, fabric, &rest.springs, scratch.worst_edge, &state.positions);
+        scratch.contacts.let_through(&scratch.pierced);
+        scratch.faces.let_through(&scratch.pierced);
         scratch.frame = Some(Frame {
             dt,
             h,

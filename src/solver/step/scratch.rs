@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use super::frame::Frame;
-use crate::solver::body::{BodyContacts, FaceContacts, Laid, Pinches};
+use crate::solver::body::{BodyContacts, FaceContacts, Laid, Pierced, Pinches};
 use crate::solver::couple::Coupling;
 use crate::solver::integrate::{air, bend, leash, net, pull, spring, tether};
 use crate::solver::state::ClothState;
@@ -35,6 +35,8 @@ pub struct Scratch {
     pub(super) welded: Vec<u32>,
     /// Particles between two bones of who wears it.
     pub(super) pinches: Pinches,
+    /// Particles that bones do not meet, because they go through the cloth there.
+    pub(super) pierced: Pierced,
     pub(super) wind: WindForces,
     pub(super) pulls: pull::Pulls,
     pub(super) rigid: Vec<u32>,

@@ -11,6 +11,7 @@ use parry3d::math::Pose;
 
 pub use gather::Approach;
 
+use super::pierce::{Pair, Pierced};
 use super::respond::Plane;
 use super::room::Rooms;
 
@@ -108,6 +109,18 @@ impl BodyContacts {
         for candidate in &mut self.candidates {
             if particles.binary_search(&candidate.particle).is_ok() {
                 (candidate.left_out, candidate.load) = (true, 0.0);
+            }
+        }
+    }
+
+    /// Takes out the particles that bones go through.
+    pub(crate) fn let_through(&mut self, pierced: &Pierced) {
+        for &Pair { body, part, particle } in pierced.pairs() {
+            let Ok(at) = self.parts.binary_search_by_key(&(body, part), |part| (part.body, part.index)) else { continue };
+            let (first, end) = self.parts[at].candidates;
+            let candidates = &mut self.candidates[first as usize..end as usize];
+            if let Ok(at) = candidates.binary_search_by_key(&particle, |candidate| candidate.particle) {
+                (candidates[at].left_out, candidates[at].load) = (true, 0.0);
             }
         }
     }

@@ -47,6 +47,7 @@ use parry3d::math::Pose;
 pub use list::Sheet;
 
 use super::creases::{Crease, Creases};
+use super::pierce::{Pair, Pierced};
 use super::respond::Plane;
 use super::room::Rooms;
 use piece::Piece;
@@ -149,6 +150,19 @@ impl FaceContacts {
         for candidate in &mut self.candidates {
             if candidate.particles.iter().any(|p| particles.binary_search(p).is_ok()) {
                 (candidate.left_out, candidate.load) = (true, 0.0);
+            }
+        }
+    }
+
+    /// Takes out the faces of particles that bones go through.
+    pub(crate) fn let_through(&mut self, pierced: &Pierced) {
+        for &Pair { body, part, particle } in pierced.pairs() {
+            let Some(part) = self.parts.iter().find(|p| (p.body, p.index) == (body, part)) else { continue };
+            let (first, end) = part.candidates;
+            for candidate in &mut self.candidates[first as usize..end as usize] {
+                if candidate.particles.contains(&particle) {
+                    (candidate.left_out, candidate.load) = (true, 0.0);
+                }
             }
         }
     }
