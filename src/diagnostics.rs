@@ -3,7 +3,7 @@
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
 
-use crate::components::{Cloth, ClothReport};
+use crate::components::{Cloth, ClothDetail, ClothReport};
 use crate::islands::ClothIslands;
 use crate::schedule;
 use crate::simulation::{ClothParticles, ClothRest};
@@ -52,6 +52,8 @@ impl ClothDiagnosticsPlugin {
     pub const CONTOURS: DiagnosticPath = DiagnosticPath::const_new("cloth/contours");
     /// Frames held in a row by the cloth that is held for longest.
     pub const HELD_FRAMES: DiagnosticPath = DiagnosticPath::const_new("cloth/held_frames");
+    /// Cloths that [`ClothBudget`](crate::ClothBudget) leaves less than all detail.
+    pub const LOWERED: DiagnosticPath = DiagnosticPath::const_new("cloth/lowered");
     /// Cloths that sleep.
     pub const SLEEPING: DiagnosticPath = DiagnosticPath::const_new("cloth/sleeping");
 
@@ -59,8 +61,16 @@ impl ClothDiagnosticsPlugin {
     pub const TIMES: [DiagnosticPath; 6] =
         [Self::INTEGRATE, Self::DETECT, Self::RESOLVE, Self::EVALUATE, Self::RESPOND, Self::SYNC];
     /// The counts.
-    pub const COUNTS: [DiagnosticPath; 7] =
-        [Self::PARTICLES, Self::SPRINGS, Self::CONTACTS, Self::CROSSINGS, Self::CONTOURS, Self::HELD_FRAMES, Self::SLEEPING];
+    pub const COUNTS: [DiagnosticPath; 8] = [
+        Self::PARTICLES,
+        Self::SPRINGS,
+        Self::CONTACTS,
+        Self::CROSSINGS,
+        Self::CONTOURS,
+        Self::HELD_FRAMES,
+        Self::LOWERED,
+        Self::SLEEPING,
+    ];
 }
 
 impl Plugin for ClothDiagnosticsPlugin {
@@ -103,5 +113,6 @@ fn measure(
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))
     });
+    diagnostics.add_measurement(&Plugin::LOWERED, || sum(|(report, ..)| usize::from(report.by_budget > ClothDetail::Full)));
     diagnostics.add_measurement(&Plugin::SLEEPING, || sum(|(report, ..)| usize::from(report.asleep)));
 }

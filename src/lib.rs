@@ -33,12 +33,12 @@ pub mod solver;
 pub mod lab;
 
 pub use components::{
-    Cloth, ClothBody, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderPart,
+    Cloth, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderPart,
     ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
     ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind,
     ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap,
     ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet, ClothPins,
-    ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
+    ClothPriority, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
     ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
     ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
     ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, PositionPredicate,
@@ -63,16 +63,16 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothBody, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderShape,
-        ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents, ClothContactStarted,
-        ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed, ClothGlobalWind,
-        ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap, ClothMaterial,
-        ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPinSelect, ClothPinSet, ClothPins,
-        ClothPlugin, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame,
-        ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems,
-        ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
-        ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
-        ClothWoke, NoClothCollision,
+        Cloth, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled,
+        ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
+        ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed,
+        ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap,
+        ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPinSelect, ClothPinSet,
+        ClothPins, ClothPlugin, ClothPriority, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest,
+        ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot,
+        ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
+        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
+        ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

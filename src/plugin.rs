@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve, respond,
-    sleep, sources, sync, touch,
+    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve,
+    respond, sleep, sources, sync, touch,
 };
 use crate::time;
 
@@ -139,6 +139,7 @@ impl Plugin for ClothPlugin {
                         couple::bodies,
                         inputs::air,
                         inputs::settings,
+                        budget::budget,
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
                         (carriers::travel, carriers::inertia, carriers::aim).chain(),

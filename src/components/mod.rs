@@ -4,6 +4,7 @@ pub(crate) mod body;
 pub(crate) mod checked;
 pub(crate) mod grip;
 
+mod budget;
 mod character;
 mod cloth;
 mod collider;
@@ -29,6 +30,7 @@ mod touch;
 mod untangle;
 mod wind;
 
+pub use budget::{ClothBudget, ClothPriority};
 pub use character::{ClothCharacter, ClothInertia};
 pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};

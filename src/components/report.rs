@@ -31,6 +31,8 @@ pub struct ClothReport {
     pub asleep: bool,
     /// How much of its work was done, by [`ClothLod`](crate::ClothLod).
     pub detail: ClothDetail,
+    /// The most that [`ClothBudget`](crate::ClothBudget) leaves of it.
+    pub by_budget: ClothDetail,
     /// Particles, and faces held by what is finer than the mesh, that touched a body at the end of the frame.
     pub body_contacts: u32,
     /// Bodies that could touch the cloth.

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::coupling::Coupled;
 use super::motion::Motion;
+use super::share::Share;
 use super::slumber::Slumber;
 use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
@@ -53,6 +54,9 @@ pub(crate) struct ClothInputs {
     pub carried_by: Option<Motion>,
     /// Level of detail, if it has any.
     pub lod: Option<ClothLod>,
+    /// What it costs, and what the budget leaves of it. Whether a body needs it in full.
+    pub share: Share,
+    pub bears: bool,
     /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
     pub by_distance: ClothDetail,
     pub unseen_for: f32,
@@ -129,6 +133,8 @@ impl ClothInputs {
             jumped: false,
             carried_by: None,
             lod: None,
+            share: Share::default(),
+            bears: false,
             by_distance: ClothDetail::Full,
             unseen_for: 0.0,
             teleport: (f32::INFINITY, f32::INFINITY),

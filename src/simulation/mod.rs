@@ -12,6 +12,7 @@ mod motion;
 mod particles;
 mod rest;
 mod scratch;
+mod share;
 mod shown;
 mod slumber;
 
@@ -23,5 +24,6 @@ pub(crate) use motion::Motion;
 pub use particles::ClothParticles;
 pub use rest::ClothRest;
 pub(crate) use scratch::ClothScratch;
+pub(crate) use share::Share;
 pub(crate) use shown::ClothShown;
 pub(crate) use slumber::{STILL, Seen, SeenBody, Slumber, stays};

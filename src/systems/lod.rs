@@ -12,7 +12,7 @@ const NEARER: f64 = 0.9;
 /// Time unseen after which it counts `[s]`: what only leaves the picture for a moment is not touched.
 const PATIENCE: f32 = 0.5;
 /// Fewest substeps per second `[Hz]`.
-const LEAST_RATE: f32 = 30.0;
+pub(super) const LEAST_RATE: f32 = 30.0;
 
 /// Scales the substeps of every cloth that has a level of detail, and stops what is far away.
 pub(crate) fn detail(
@@ -33,36 +33,38 @@ pub(crate) fn detail(
     >,
     mut eyes: Local<Vec<DVec3>>,
 ) {
-    eyes.clear();
-    let active = cameras.iter().filter(|(camera, at)| camera.is_active && at.translation().is_finite());
-    eyes.extend(active.map(|(_, at)| at.translation().as_dvec3()));
+    self::eyes(&cameras, &mut eyes);
     for (entity, seen, layers, scratch, mut inputs, mut particles, mut report) in &mut cloths {
         let inputs = &mut *inputs;
-        let detail = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
+        let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
+        let (low, high) = scratch.bounds.unwrap_or((at, at));
+        let by_lod = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
             let seen = seen.is_none_or(|seen| seen.get());
             inputs.unseen_for = if seen { 0.0 } else { inputs.unseen_for + time.delta_secs() };
-            let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
-            let (low, high) = scratch.bounds.unwrap_or((at, at));
             let distances = eyes.iter().map(|eye| eye.clamp(low, high).distance(*eye));
             let by_distance = at_distance(&lod, distances.fold(f64::INFINITY, f64::min), inputs.by_distance);
             inputs.by_distance = by_distance;
             let unseen = if inputs.unseen_for > PATIENCE { lod.unseen } else { ClothDetail::Full };
-            let detail = by_distance.max(unseen);
-            let bears = || {
-                let (layers, keep) = (layers.copied().unwrap_or_default(), inputs.fabric.thickness + NEAR);
-                let takes =
-                    |body: &&WorldBody| body.entity != entity && layers.touches(body.layers) && bodies.taker(body).is_some();
-                let mut takers = bodies.bodies.iter().filter(takes);
-                inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3() - keep, high.as_vec3() + keep))
-            };
-            // What a body hangs on or lies in has to hold it, whoever looks.
-            if detail > ClothDetail::Full && bears() { ClothDetail::Full } else { detail }
+            by_distance.max(unseen)
         } else {
             (inputs.by_distance, inputs.unseen_for) = (ClothDetail::Full, 0.0);
             ClothDetail::Full
         };
+        let detail = by_lod.max(inputs.share.detail);
+        let bears = || {
+            let (layers, keep) = (layers.copied().unwrap_or_default(), inputs.fabric.thickness + NEAR);
+            let takes =
+                |body: &&WorldBody| body.entity != entity && layers.touches(body.layers) && bodies.taker(body).is_some();
+            let mut takers = bodies.bodies.iter().filter(takes);
+            inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3() - keep, high.as_vec3() + keep))
+        };
+        // What a body hangs on or lies in has to hold it, whoever looks.
+        inputs.bears = detail > ClothDetail::Full && bears();
+        let detail = if inputs.bears { ClothDetail::Full } else { detail };
         let rate = &mut inputs.stepping.substep_rate;
+        let all = *rate;
         *rate = (*rate * detail.share()).max(rate.min(LEAST_RATE));
+        inputs.share.taken = if detail == ClothDetail::Still { 0.0 } else { *rate / all };
         if detail > ClothDetail::Full {
             // Nobody sees from there how it drapes.
             inputs.stepping.inner_rate = inputs.stepping.substep_rate;
@@ -83,6 +85,13 @@ pub(crate) fn detail(
             report.detail = detail;
         }
     }
+}
+
+/// Where active cameras are `[m]`.
+pub(super) fn eyes(cameras: &Query<(&Camera, &GlobalTransform), Without<Camera2d>>, places: &mut Vec<DVec3>) {
+    places.clear();
+    let active = cameras.iter().filter(|(camera, at)| camera.is_active && at.translation().is_finite());
+    places.extend(active.map(|(_, at)| at.translation().as_dvec3()));
 }
 
 /// The level at a distance `[m]` of a cloth that was at `last`.

@@ -1,6 +1,7 @@
 //! One short system per stage: query, call the solver, record. [`crate::plugin`] orders them.
 
 pub(crate) mod bind;
+pub(crate) mod budget;
 pub(crate) mod carriers;
 pub(crate) mod character;
 pub(crate) mod colliders;

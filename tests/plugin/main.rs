@@ -8,6 +8,7 @@ mod avian;
 mod bind;
 mod bits;
 mod bodies;
+mod budget;
 mod character;
 mod contact;
 mod debug;

@@ -1,0 +1,54 @@
+//! What a cloth costs, and what the budget leaves of it.
+
+use crate::components::{ClothDetail, ClothReport};
+
+/// Least time between two changes of one cloth `[s]`.
+const SETTLED: f32 = 1.0;
+/// Time over which costs are averaged `[s]`.
+const AVERAGED: f32 = 0.25;
+
+/// What a cloth costs, and what the budget leaves of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Share {
+    /// What the budget leaves.
+    pub detail: ClothDetail,
+    /// Time since that changed `[s]`.
+    settled_for: f32,
+    /// What it costs in a frame whatever its substeps, and what all of its substeps cost `[ms]`; none: not measured yet.
+    pub cost: Option<[f32; 2]>,
+    /// Share of its substeps that it took in the last frame (dimensionless).
+    pub taken: f32,
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self { detail: ClothDetail::Full, settled_for: SETTLED, cost: None, taken: 1.0 }
+    }
+}
+
+impl Share {
+    /// Takes in what the last frame cost, `dt` `[s]` after the one before.
+    pub fn measure(&mut self, report: &ClothReport, dt: f32) {
+        self.settled_for += dt;
+        if report.substeps == 0 || !(self.taken > 0.0) {
+            return;
+        }
+        let fixed = report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms + report.sync_ms;
+        let now = [fixed, report.integrate_ms / self.taken];
+        let part = (dt / AVERAGED).min(1.0);
+        let cost = self.cost.get_or_insert(now);
+        for (mean, now) in cost.iter_mut().zip(now) {
+            *mean += (now - *mean) * part;
+        }
+    }
+
+    /// Whether its cost is known, and it did not change for a while.
+    pub fn is_settled(&self) -> bool {
+        self.settled_for >= SETTLED && self.cost.is_some()
+    }
+
+    /// Leaves another level.
+    pub fn change(&mut self, detail: ClothDetail) {
+        (self.detail, self.settled_for) = (detail, 0.0);
+    }
+}
