@@ -243,17 +243,15 @@ mod tests {
     fn what_is_raised_stays_where_costs_tremble() {
         let mut groups: Vec<Group> = (1..=10).map(|i| group(f64::from(i))).collect();
         settle(&mut groups, 2.0);
-        let before: Vec<ClothDetail> = groups.iter().map(|group| group.by_budget).collect();
-        for (second, scale) in [1.05, 0.97, 1.08, 0.95, 1.02].into_iter().enumerate() {
-            let mut now = groups.clone();
-            now.iter_mut().for_each(|group| {
-                (group.fixed, group.steps) = (0.1 * scale, 0.3 * scale);
-                group.settled = true;
-            });
-            govern(&mut now, 2.0);
-            let after: Vec<ClothDetail> = now.iter().map(|group| group.by_budget).collect();
-            assert_eq!(after, before, "second {second}");
+        let mut changes = [0; 10];
+        for scale in [1.05, 0.97, 1.08, 0.95, 1.02, 0.96, 1.07, 0.95, 1.08, 1.0] {
+            let before: Vec<ClothDetail> = groups.iter().map(|group| group.by_budget).collect();
+            groups.iter_mut().for_each(|group| (group.fixed, group.steps) = (0.1 * scale, 0.3 * scale));
+            govern(&mut groups, 2.0);
+            let now = groups.iter().zip(&before).map(|(group, before)| u32::from(group.by_budget != *before));
+            changes.iter_mut().zip(now).for_each(|(changes, now)| *changes += now);
         }
+        assert!(changes.iter().all(|changes| *changes <= 1), "{changes:?}");
     }
 
     #[test]
