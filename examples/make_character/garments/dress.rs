@@ -1,0 +1,63 @@
+//! The dress: a fitted bodice without sleeves and a full long skirt.
+
+use glam::{Vec3, vec3};
+use serde_json::json;
+
+use super::fitted::Fitted;
+use super::turned::{Cut, Turned, uvs};
+use super::{Garment, MAX_DISTANCE, Making};
+use crate::anatomy::Anatomy;
+use crate::field::{ellipsoid, melt, step};
+use crate::weights;
+
+/// Gap of the bodice to the body [m].
+const GAP: f32 = 0.0105;
+/// Its skirt.
+pub const SKIRT: Cut = Cut { top: 1.120, hem: 0.075, gap: 0.0105, flare_top: 1.055, flare: 0.235, folds: 12.0, depth: 0.026 };
+const EDGE: f32 = 0.0155;
+/// How far the armhole is from the arm [m].
+const ARMHOLE: f32 = 0.020;
+/// Where bodice and skirt meet: the waist [m].
+const WAIST: f32 = 1.075;
+
+/// Signed distance to the solid inside the dress.
+pub fn solid(anatomy: &Anatomy, skirt: &Turned, p: Vec3) -> f32 {
+    let below = skirt.distance(p) + 0.5 * (p.y - SKIRT.top + 0.03).max(0.0);
+    melt(anatomy.torso(p) - GAP, below, 0.02)
+}
+
+/// The dress.
+pub fn make(anatomy: &Anatomy) -> Garment {
+    const SMOOTHING: usize = 8;
+    let skirt = Turned::around(anatomy, SKIRT);
+    let field = |p: Vec3| solid(anatomy, &skirt, p);
+    let hem = |p: Vec3| SKIRT.hem - p.y;
+    let neck = |p: Vec3| -ellipsoid(p, vec3(0.0, 1.49, 0.025), vec3(0.088, 0.150, 0.165));
+    let armhole = |p: Vec3| if p.y < 1.15 { -0.1 } else { ARMHOLE - anatomy.arm(p) };
+    let fitted = Fitted {
+        field: &field,
+        lines: &[&hem, &neck, &armhole],
+        low: vec3(-0.52, 0.02, -0.52),
+        high: vec3(0.52, 1.56, 0.52),
+        edge: EDGE,
+    };
+    let mesh = fitted.mesh();
+    let room = |p: &Vec3| ((WAIST - p.y) / (WAIST - SKIRT.hem)).clamp(0.0, 1.0).powf(0.8);
+    let mixed = mesh.positions.iter().map(|&p| {
+        let (body, free) = (weights::shares(anatomy, p), super::weights::skirt(p));
+        let below = step(1.12, 1.00, p.y);
+        std::array::from_fn(|k| body[k] + (free[k] - body[k]) * below)
+    });
+    let making = Making {
+        name: "Dress",
+        color: [0.035, 0.16, 0.17],
+        extras: json!({
+            "cloth": { "material": "satin", "layer": 1, "thickness": 0.004 },
+            "cloth.max_distance": [0.0, 0.45],
+        }),
+        maps: vec![(MAX_DISTANCE, mesh.positions.iter().map(room).collect())],
+        uvs: uvs(&mesh, 0.2),
+        shares: mesh.smoothed(mixed.collect(), SMOOTHING),
+    };
+    making.garment(mesh)
+}
