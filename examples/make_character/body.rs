@@ -24,13 +24,12 @@ pub enum Region {
 pub const REGIONS: [Region; 5] = [Region::Skin, Region::Hair, Region::Boots, Region::Leggings, Region::Top];
 
 /// Size of the cells from which the mesh is made [m].
-const CELL: f32 = 0.0065;
+const CELL: f32 = 0.0058;
 
 /// The mesh of the body and the region of each triangle.
 pub fn mesh(anatomy: &Anatomy) -> (Mesh, Vec<Region>) {
     let field = |p: Vec3| anatomy.figure(p);
     let mut mesh = nets::surface(&field, vec3(-0.75, -0.02, -0.20), vec3(0.75, 1.80, 0.20), CELL);
-    mesh.keep_largest();
     let surface = |p: Vec3| onto(&field, 0.0, p);
     let remesh = Remesh { size: &size, surface: &surface, rim: &surface, rounds: 5 };
     remesh.run(&mut mesh);
@@ -80,7 +79,12 @@ fn armhole(anatomy: &Anatomy, p: Vec3) -> f32 {
 
 /// Below zero within the opening of the neck.
 fn neckline(_: &Anatomy, p: Vec3) -> f32 {
-    ellipsoid(p, vec3(0.0, 1.475, 0.015), vec3(0.088, 0.105, 0.125))
+    scoop(p, vec3(0.0, 1.470, 0.015), vec3(0.088, 0.100, 0.128))
+}
+
+/// The opening of a neck: half an ellipsoid that goes on upward.
+pub fn scoop(p: Vec3, centre: Vec3, radii: Vec3) -> f32 {
+    ellipsoid(vec3(p.x, p.y.min(centre.y), p.z), centre, radii)
 }
 
 fn region(anatomy: &Anatomy, p: Vec3) -> Region {
@@ -90,7 +94,7 @@ fn region(anatomy: &Anatomy, p: Vec3) -> Region {
     if p.y < 0.25 && boot_line(anatomy, p) < 0.0 {
         return Region::Boots;
     }
-    if armhole(anatomy, p) > 0.0 || neckline(anatomy, p) < 0.0 || (p.y > 1.4 && p.x.abs() < 0.06) {
+    if armhole(anatomy, p) > 0.0 || neckline(anatomy, p) < 0.0 {
         return Region::Skin;
     }
     if p.y < 1.0 { Region::Leggings } else { Region::Top }

@@ -12,7 +12,7 @@ use crate::skeleton::{HEAD, mirrored};
 const COLUMNS: u32 = 20;
 const ROWS: u32 = 10;
 /// Half the angle that the iris takes [rad].
-const IRIS: f32 = 0.50;
+const IRIS: f32 = 0.56;
 
 /// Adds the vertices of both eyes; triangles of the whites and of the irises come back.
 pub fn add(surface: &mut SkinnedSurface) -> [Vec<[u32; 3]>; 2] {

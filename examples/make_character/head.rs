@@ -15,25 +15,25 @@ pub const MOUTH: Vec3 = vec3(0.0, 1.5665, 0.093);
 pub fn flesh(p: Vec3) -> f32 {
     let mut d = ellipsoid(p, vec3(0.0, 1.660, -0.012), vec3(0.074, 0.090, 0.094));
     d = melt(d, ellipsoid(p, vec3(0.0, 1.610, 0.030), vec3(0.062, 0.074, 0.062)), 0.030);
-    d = melt(d, bone(p, vec3(0.046, 1.590, 0.004), vec3(0.012, 1.541, 0.064), 0.020, 0.0165), 0.034);
-    d = melt(d, ellipsoid(p, vec3(0.0, 1.541, 0.074), vec3(0.019, 0.015, 0.015)), 0.020);
+    d = melt(d, bone(p, vec3(0.046, 1.590, 0.004), vec3(0.012, 1.541, 0.064), 0.019, 0.0160), 0.038);
+    d = melt(d, ellipsoid(p, vec3(0.0, 1.542, 0.072), vec3(0.017, 0.014, 0.014)), 0.024);
     d = melt(d, ellipsoid(p, vec3(0.040, 1.600, 0.060), vec3(0.020, 0.018, 0.016)), 0.026); // cheek bone
-    d = melt(d, bone(p, vec3(0.0, 1.655, 0.084), vec3(0.046, 1.654, 0.066), 0.009, 0.007), 0.018); // brow
+    d = melt(d, bone(p, vec3(0.0, 1.655, 0.084), vec3(0.046, 1.654, 0.066), 0.007, 0.006), 0.020); // brow
     d = carve(d, ellipsoid(p, EYE + vec3(0.001, -0.001, 0.014), vec3(0.0205, 0.0115, 0.016)), 0.010); // socket
     let lid = ellipsoid(p, EYE + vec3(0.0, 0.0, -0.0012), Vec3::splat(EYE_RADIUS + 0.0018));
-    let slit = ellipsoid(p, EYE + vec3(0.001, -0.0005, 0.016), vec3(0.0150, 0.0056, 0.016));
+    let slit = ellipsoid(p, EYE + vec3(0.001, -0.0005, 0.016), vec3(0.0150, 0.0047, 0.016));
     d = melt(d, carve(lid, slit, 0.002), 0.005);
     d = carve(d, slit, 0.002);
     d = melt(d, nose(p), 0.010);
-    d = melt(d, ellipsoid(p, vec3(0.0, 1.5700, 0.0865), vec3(0.022, 0.0062, 0.0085)), 0.007); // lips
-    d = melt(d, ellipsoid(p, vec3(0.0, 1.5615, 0.0855), vec3(0.018, 0.0066, 0.0090)), 0.006);
+    d = melt(d, ellipsoid(p, vec3(0.0, 1.5700, 0.0855), vec3(0.021, 0.0056, 0.0082)), 0.007); // lips
+    d = melt(d, ellipsoid(p, vec3(0.0, 1.5620, 0.0848), vec3(0.016, 0.0060, 0.0085)), 0.006);
     d = carve(d, bone(p, vec3(0.0, 1.5660, 0.0985), vec3(0.024, 1.5668, 0.087), 0.0020, 0.0015), 0.003);
     melt(d, ear(p), 0.005)
 }
 
 fn nose(p: Vec3) -> f32 {
-    let ridge = bone(p, vec3(0.0, 1.642, 0.085), vec3(0.0, 1.600, 0.1075), 0.0065, 0.0078);
-    let wing = ellipsoid(p, vec3(0.0095, 1.5945, 0.0985), vec3(0.0072, 0.0070, 0.0100));
+    let ridge = bone(p, vec3(0.0, 1.642, 0.085), vec3(0.0, 1.600, 0.1055), 0.0060, 0.0070);
+    let wing = ellipsoid(p, vec3(0.0085, 1.5945, 0.0970), vec3(0.0066, 0.0064, 0.0095));
     melt(ridge, wing, 0.008)
 }
 
@@ -57,8 +57,8 @@ pub fn hair(p: Vec3) -> f32 {
 /// Below zero where hair grows: above a line from the forehead over the ears to the nape.
 fn hairline(p: Vec3) -> f32 {
     let z = p.z;
-    let front = 1.712 - 2.2 * p.x * p.x;
-    let side = 1.630;
+    let front = 1.716 - 2.2 * p.x * p.x;
+    let side = 1.622;
     let back = 1.556;
     let height = if z > 0.0 {
         let t = (z / 0.085).min(1.2);

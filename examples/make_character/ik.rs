@@ -13,7 +13,7 @@ use glam::{Mat3, Quat, Vec3};
 use crate::skeleton::{self, HIPS, Pose, bind};
 
 /// The last part of the reach, which a leg approaches but never gets to [m]: a knee that snaps straight looks wrong.
-const SOFT: f32 = 0.010;
+const SOFT: f32 = 0.006;
 
 /// Turns the joints of a leg so that the ankle comes to a target, or near it, and the foot is turned as told.
 /// The knee points outward by an angle [rad].

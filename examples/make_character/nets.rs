@@ -9,8 +9,36 @@ use crate::mesh::Mesh;
 /// Cells to a side of a block that is skipped as a whole where it is far from the surface.
 const BLOCK: i32 = 8;
 
+/// Places of the grid that are tried, as shares of a cell.
+const SHIFTS: [Vec3; 5] = [
+    Vec3::ZERO,
+    Vec3::new(0.31, 0.17, 0.43),
+    Vec3::new(0.59, 0.73, 0.23),
+    Vec3::new(0.13, 0.47, 0.71),
+    Vec3::new(0.83, 0.29, 0.61),
+];
+
 /// The surface where a field is zero, within a box, by cells of a size [m]. Triangles face where the field grows.
+///
+/// Where a surface grazes a plane of the grid, cells may touch one another at an edge alone, and the mesh is no surface
+/// there. The grid is then shifted: the first place without such edges is taken, or the one with the fewest.
 pub fn surface(field: &dyn Fn(Vec3) -> f32, low: Vec3, high: Vec3, cell: f32) -> Mesh {
+    let mut best: Option<(usize, Mesh)> = None;
+    for shift in SHIFTS {
+        let mut mesh = once(field, low - shift * cell, high, cell);
+        mesh.keep_largest();
+        let bad = mesh.edges().iter().filter(|edge| edge.count > 2).count();
+        if best.as_ref().is_none_or(|(least, _)| bad < *least) {
+            best = Some((bad, mesh));
+        }
+        if bad == 0 {
+            break;
+        }
+    }
+    best.map(|(_, mesh)| mesh).unwrap_or_default()
+}
+
+fn once(field: &dyn Fn(Vec3) -> f32, low: Vec3, high: Vec3, cell: f32) -> Mesh {
     let size = ((high - low) / cell).ceil().as_ivec3() / BLOCK + IVec3::ONE;
     let mut values: BTreeMap<[i32; 3], f32> = BTreeMap::new();
     let place = |c: IVec3| low + c.as_vec3() * cell;

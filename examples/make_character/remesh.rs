@@ -122,8 +122,10 @@ impl Remesh<'_> {
             if corner[b as usize] {
                 continue;
             }
-            let shared = neighbors.of(a).iter().filter(|n| neighbors.of(b).contains(n)).count();
-            if shared != edge.count as usize {
+            let shared = neighbors.of(a).iter().filter(|n| neighbors.of(b).contains(n));
+            // A vertex with three neighbours would be left with two, and its triangles on one another.
+            let thin = shared.clone().any(|&n| neighbors.of(n).len() <= 3);
+            if thin || shared.count() != edge.count as usize {
                 continue;
             }
             let middle = (mesh.positions[a as usize] + mesh.positions[b as usize]) / 2.0;
@@ -258,6 +260,9 @@ fn flip(mesh: &mut Mesh) -> usize {
         let other = |t: usize| mesh.triangles[t].into_iter().find(|v| ![a, b].contains(v));
         let (Some(c), Some(d)) = (other(s), other(t)) else { continue };
         if c == d || neighbors.of(c).contains(&d) || made.contains(&[c.min(d), c.max(d)]) {
+            continue;
+        }
+        if valence[a as usize] <= 3 || valence[b as usize] <= 3 {
             continue;
         }
         let off = |v: u32, change: i32| (valence[v as usize] + change - if rim[v as usize] { 4 } else { 6 }).pow(2);

@@ -4,7 +4,7 @@ use glam::{EulerRot, Quat, Vec3, vec3};
 
 use crate::field::step;
 use crate::ik;
-use crate::measures::{ANKLE, ARM_ANGLE, BALL, HEEL};
+use crate::measures::{ANKLE, ARM_ANGLE, HEEL, TOES};
 use crate::skeleton::{CHEST, HEAD, HIPS, NECK, Pose, ROOT, SPINE, arm, leg, mirrored, sign};
 
 /// A rotation in degrees: to the left about Y, forward about X, and to the right side about Z, in this order.
@@ -44,6 +44,15 @@ pub struct Foot {
     pub toes: f32,
     /// How far the knee points away from the other one [degrees].
     pub knee: f32,
+}
+
+impl Foot {
+    /// The same foot, turned about its ball.
+    pub fn pivoted(self, side: usize, yaw: f32) -> Self {
+        let ball = mirrored(TOES - ANKLE, side);
+        let turned = |degrees: f32| Quat::from_rotation_y(degrees.to_radians()) * ball;
+        Self { at: self.at + turned(self.yaw) - turned(yaw), yaw, ..self }
+    }
 }
 
 /// All controls.
@@ -175,7 +184,7 @@ impl Rig {
         let root = pose.rotations[ROOT];
         let yaw = Quat::from_rotation_y(foot.yaw.to_radians());
         let turned = yaw * Quat::from_rotation_x(-foot.pitch.to_radians());
-        let (ankle, heel, ball) = (mirrored(ANKLE, side), mirrored(HEEL, side), mirrored(BALL, side));
+        let (ankle, heel, ball) = (mirrored(ANKLE, side), mirrored(HEEL, side), mirrored(TOES, side));
         // The sole rolls about the heel or about the ball; between them the change is soft.
         let share = step(-ROLL, ROLL, foot.pitch);
         let pivot = ball.lerp(heel, share);

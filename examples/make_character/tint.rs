@@ -13,17 +13,12 @@ pub fn of(p: Vec3) -> [f32; 4] {
     }
     let q = folded(p);
     let mut color = Vec3::ONE;
-    let lips = step(0.002, -0.002, ellipsoid(q, MOUTH - vec3(0.0, 0.0008, 0.004), vec3(0.0250, 0.0115, 0.020)));
-    color *= Vec3::ONE.lerp(vec3(0.72, 0.34, 0.36), lips);
+    let lips = step(0.002, -0.002, ellipsoid(q, MOUTH - vec3(0.0, 0.0008, 0.004), vec3(0.0225, 0.0095, 0.020)));
+    color *= Vec3::ONE.lerp(vec3(0.82, 0.50, 0.50), lips);
     let cheek = step(0.028, 0.004, q.distance(vec3(0.043, 1.588, 0.070)));
     color *= Vec3::ONE.lerp(vec3(1.0, 0.80, 0.76), cheek);
-    let brow = bone(q, vec3(0.014, 1.6555, 0.092), vec3(0.034, 1.6620, 0.083), 0.0036, 0.0034).min(bone(
-        q,
-        vec3(0.034, 1.6620, 0.083),
-        vec3(0.050, 1.6560, 0.064),
-        0.0034,
-        0.0020,
-    ));
-    color *= Vec3::ONE.lerp(vec3(0.16, 0.13, 0.12), step(0.0035, -0.0010, brow));
+    let inner = bone(q, vec3(0.015, 1.6565, 0.092), vec3(0.034, 1.6605, 0.083), 0.0030, 0.0028);
+    let outer = bone(q, vec3(0.034, 1.6605, 0.083), vec3(0.050, 1.6555, 0.064), 0.0028, 0.0018);
+    color *= Vec3::ONE.lerp(vec3(0.24, 0.19, 0.17), step(0.0042, -0.0015, inner.min(outer)));
     [color.x, color.y, color.z, 1.0]
 }

@@ -4,6 +4,7 @@ use glam::vec3;
 
 use super::keys::Keys;
 use super::{Clip, standing, with};
+use crate::measures::TOES;
 use crate::rig::{Arm, Rig};
 
 /// Length [s].
@@ -11,7 +12,7 @@ const LENGTH: f32 = 10.0;
 /// Fastest turn [degrees/s].
 const WHIRL: f32 = 720.0;
 /// Full turns of each whirl, and when they begin [s].
-const WHIRLS: [(f32, f32); 2] = [(2.9, 2.0), (7.0, -2.0)];
+const WHIRLS: [(f32, f32); 2] = [(3.0, 2.0), (7.15, -2.0)];
 /// Time to get up to speed, and to slow down again [s].
 const RAMP: f32 = 0.5;
 
@@ -54,7 +55,6 @@ fn keys() -> Keys {
             rig.spine = [5.0 * s, 2.0, -6.0 * s];
             rig.chest = [12.0 * s, -4.0, -6.0 * s];
             rig.look = [6.0 * s, 0.0, 5.0 * s];
-            rig.feet[side].at.x += 0.08 * s;
             let other = 1 - side;
             rig.feet[other].pitch = -30.0;
             rig.feet[other].toes = 30.0;
@@ -102,17 +102,29 @@ fn keys() -> Keys {
     // The whirl: on one ball, the other foot at the ankle, arms first wide, then in.
     let whirl = |wide: f32| {
         with(rest, |rig| {
-            rig.hips = vec3(0.088, 0.030, 0.0);
+            rig.hips = vec3(-0.018, 0.034, -0.040);
             rig.hips_turn[1] = 0.0;
-            rig.feet[0].at.x = -0.015;
+            // The ball of the foot is where the root turns.
+            rig.feet[0].yaw = 0.0;
+            rig.feet[0].at = vec3(-TOES.x, 0.0, -TOES.z);
             rig.feet[0].pitch = -38.0;
             rig.feet[0].toes = 38.0;
-            rig.feet[1].at = vec3(0.14, 0.20, 0.06);
+            rig.feet[1].at = vec3(0.025, 0.20, -0.02);
             rig.feet[1].pitch = -46.0;
             rig.feet[1].knee = 34.0;
             rig.arms = [open(38.0 - 16.0 * wide, 40.0 + 42.0 * wide, 70.0 - 46.0 * wide); 2];
         })
     };
+    let hop = with(whirl(1.0), |rig| {
+        rig.hips.y = -0.02;
+        rig.feet[0].at = vec3(-TOES.x / 2.0, 0.035, -TOES.z / 2.0);
+        rig.feet[0].pitch = -24.0;
+        rig.feet[0].toes = 10.0;
+        rig.feet[1].at = vec3(0.0, 0.0, 0.0);
+        rig.feet[1].pitch = -4.0;
+        rig.feet[1].toes = 4.0;
+        rig.feet[1].knee = 8.0;
+    });
     let dip = with(rest, |rig| {
         rig.hips = vec3(0.0, -0.21, -0.06);
         rig.hips_turn[1] = 16.0;
@@ -140,11 +152,13 @@ fn keys() -> Keys {
         (1.94, raise(0)),
         (2.22, rest),
         (2.62, dip),
-        (2.98, whirl(1.0)),
+        (2.84, hop),
+        (3.05, whirl(1.0)),
         (3.35, whirl(0.2)),
         (3.95, whirl(0.2)),
-        (4.36, whirl(1.0)),
-        (4.72, rest),
+        (4.46, whirl(1.0)),
+        (4.62, hop),
+        (4.80, rest),
         (5.04, hips(1.0)),
         (5.36, hips(-1.0)),
         (5.68, hips(1.0)),
@@ -153,11 +167,13 @@ fn keys() -> Keys {
         (6.36, kick(1)),
         (6.60, raise(1)),
         (6.84, rest),
-        (7.10, whirl(1.0)),
+        (7.02, hop),
+        (7.22, whirl(1.0)),
         (7.45, whirl(0.2)),
         (8.05, whirl(0.2)),
-        (8.44, whirl(1.0)),
-        (8.80, dip),
+        (8.56, whirl(1.0)),
+        (8.74, hop),
+        (8.94, dip),
         (9.20, sway(1)),
         (9.52, passing(1)),
         (LENGTH - 0.14, rest),

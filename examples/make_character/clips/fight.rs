@@ -65,7 +65,7 @@ fn keys() -> Keys {
             Arm { swing: 88.0, lift: -18.0, twist: 30.0, elbow: 8.0, palm: 85.0, wrist: 0.0, shrug: 8.0, reach: 22.0 };
         rig.feet[1].pitch = -40.0;
         rig.feet[1].toes = 40.0;
-        rig.feet[1].yaw = -26.0;
+        rig.feet[1] = rig.feet[1].pivoted(1, -26.0);
     });
     let chamber = with(guard, |rig| {
         rig.hips = vec3(0.085, -0.045, 0.06);

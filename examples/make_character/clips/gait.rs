@@ -33,16 +33,19 @@ struct Gait {
     narrow: f32,
 }
 
+/// How fast the toes come off: a first lift [m].
+const OFF: f32 = 0.018;
+
 const WALK: Gait = Gait {
     speed: 1.4,
     cycle: 1.0,
-    stance: 0.60,
-    strike: 0.350,
+    stance: 0.59,
+    strike: 0.365,
     strike_pitch: 20.0,
     flat: 0.11,
     rise: 0.33,
-    off_pitch: -58.0,
-    carried: [0.045, 0.030],
+    off_pitch: -62.0,
+    carried: [0.070, 0.040],
     narrow: 0.050,
 };
 
@@ -94,13 +97,14 @@ impl Gait {
         let off_rate = self.off_pitch * 2.4 / (self.stance - self.rise) * span;
         let strike_rate = -2.0 * self.strike_pitch / self.flat * span;
         foot.pitch = swing_pitch(s, [self.off_pitch, self.strike_pitch], [off_rate, strike_rate]);
-        foot.toes = -self.off_pitch * step(0.35, 0.0, s) - off_rate * s * (1.0 - s).powi(8);
+        // The toes lie flat until they have left the ground, and then stretch.
+        foot.toes = -foot.pitch.min(0.0) * (1.0 - step(0.05, 0.60, s));
         let bump = |centre: f32, width: f32| {
             let x = ((s - centre) / width).clamp(-1.0, 1.0);
-            (0.5 + 0.5 * (PI * x).cos()).powf(1.0)
+            0.5 + 0.5 * (PI * x).cos()
         };
         let [early, late] = self.carried;
-        foot.at.y = early * bump(0.36, 0.36) + late * bump(0.68, 0.32);
+        foot.at.y = OFF * bump(0.13, 0.13) + early * bump(0.32, 0.32) + late * bump(0.66, 0.34);
         foot
     }
 
@@ -144,14 +148,14 @@ fn walking(time: f32) -> Rig {
     let over_left = (turn - 0.95).sin();
     let mut rig = Rig { level: 0.85, ..Rig::default() };
     rig.feet = WALK.feet(time);
-    rig.hips = vec3(0.020 * over_left, -0.062 - 0.018 * bob, 0.008 * (2.0 * turn + 0.6).sin());
+    rig.hips = vec3(0.020 * over_left, -0.042 - 0.018 * bob, 0.008 * (2.0 * turn + 0.6).sin());
     rig.hips_turn = [-7.0 * forth, 4.0 + 1.0 * (2.0 * turn).cos(), -3.4 * (turn - 0.5).sin()];
     rig.spine = [5.0 * late, 1.0, 2.6 * (turn - 0.7).sin()];
     rig.chest = [8.0 * late, -2.0 + 1.2 * (2.0 * turn - 0.8).cos(), 1.8 * (turn - 0.9).sin()];
     rig.look = [-5.0 * late, 0.8 * (2.0 * turn - 1.2).cos(), 0.0];
     rig.arms = [-1.0, 1.0].map(|s| Arm {
         swing: 3.0 + 22.0 * s * late,
-        lift: 8.0 + 1.5 * s * late,
+        lift: 13.0 + 1.5 * s * late,
         twist: 18.0 + 6.0 * s * later,
         elbow: 20.0 + 11.0 * s * later,
         palm: 10.0,
@@ -177,7 +181,7 @@ fn running(time: f32) -> Rig {
     rig.look = [-9.0 * late, -2.0 + 1.2 * (2.0 * middle - 1.0).cos(), 0.0];
     rig.arms = [-1.0, 1.0].map(|s| Arm {
         swing: -4.0 + 40.0 * s * late,
-        lift: 13.0 + 3.0 * s * late,
+        lift: 17.0 + 3.0 * s * late,
         twist: 26.0 + 14.0 * s * late,
         elbow: 88.0 + 14.0 * s * (turn - 0.6).cos(),
         palm: 20.0,

@@ -57,7 +57,7 @@ fn keys() -> Keys {
         rig.spine[1] = -3.0;
         rig.chest[1] = -8.0;
         arms(rig, 120.0, 20.0, 34.0);
-        feet(rig, -52.0, 50.0);
+        feet(rig, -52.0, 52.0);
     });
     let top = with(push, |rig| {
         rig.hips.y = 0.0;
@@ -71,7 +71,7 @@ fn keys() -> Keys {
         rig.hips_turn[1] = 8.0;
         rig.spine[1] = 4.0;
         arms(rig, 66.0, 36.0, 26.0);
-        feet(rig, -26.0, 8.0);
+        feet(rig, -24.0, 24.0);
     });
     let land = with(crouch, |rig| {
         rig.hips.y = -0.235;
@@ -87,6 +87,7 @@ fn keys() -> Keys {
         (LEAVE + flight, reach),
         (LEAVE + flight + 0.24, land),
         (LEAVE + flight + 0.78, rest),
+        (LENGTH - 0.1, rest),
         (LENGTH, rest),
     ])
 }

@@ -58,7 +58,7 @@ pub fn clip() -> Clip {
         rig.look = [0.0, 4.0, 0.0];
         rig.arms = [Arm { swing: 4.0, lift: 34.0, twist: 0.0, elbow: 18.0, ..Arm::default() }; 2];
         for foot in &mut rig.feet {
-            foot.at = vec3(foot.at.x, 0.010, 0.30);
+            foot.at = vec3(foot.at.x, 0.008, 0.34);
             foot.pitch = 34.0;
         }
     });
@@ -66,7 +66,7 @@ pub fn clip() -> Clip {
         rig.hips_turn[1] = -90.0;
         rig.arms = [Arm { swing: 3.0, lift: 30.0, twist: 0.0, elbow: 12.0, ..Arm::default() }; 2];
         for foot in &mut rig.feet {
-            foot.at = vec3(foot.at.x, 0.0, 0.425);
+            foot.at = vec3(foot.at.x, 0.024, 0.525);
             foot.pitch = 66.0;
         }
     });

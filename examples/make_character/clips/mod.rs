@@ -65,13 +65,13 @@ pub fn all() -> Vec<Clip> {
 
 /// An arm at ease.
 pub fn eased() -> Arm {
-    Arm { swing: 2.0, lift: 11.0, twist: 16.0, elbow: 16.0, palm: 8.0, wrist: 6.0, ..Arm::default() }
+    Arm { swing: 2.0, lift: 15.0, twist: 16.0, elbow: 16.0, palm: 8.0, wrist: 6.0, ..Arm::default() }
 }
 
 /// Standing at ease: the start of all that is no loop.
 pub fn standing() -> Rig {
     let mut rig = Rig { level: 0.9, arms: [eased(); 2], ..Rig::default() };
-    rig.hips.y = -0.012;
+    rig.hips.y = -0.003;
     rig.spine = [0.0, 1.5, 0.0];
     rig.chest = [0.0, -2.0, 0.0];
     for (side, foot) in rig.feet.iter_mut().enumerate() {

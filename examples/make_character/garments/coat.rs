@@ -12,15 +12,15 @@ use crate::mesh::Mesh;
 use crate::weights::{self, Shares};
 
 /// Gaps to the body [m].
-const TORSO: f32 = 0.0265;
-const SLEEVE: f32 = 0.0285;
+const TORSO: f32 = 0.0235;
+const SLEEVE: f32 = 0.0250;
 /// Its lower part.
 pub const LOWER: Cut =
-    Cut { top: 1.100, hem: 0.455, gap: 0.032, flare_top: 1.010, flare: 0.135, folds: skirt::FOLDS, depth: 0.018 };
+    Cut { top: 1.100, hem: 0.455, gap: 0.031, flare_top: 1.010, flare: 0.135, folds: skirt::FOLDS, depth: 0.018 };
 const COLLAR: f32 = 1.512;
 /// Length of the sleeve below the elbow [m].
 const CUFF: f32 = 0.232;
-const EDGE: f32 = 0.0245;
+const EDGE: f32 = 0.0235;
 
 /// Signed distance to the solid inside the coat.
 pub fn solid(anatomy: &Anatomy, lower: &Turned, p: Vec3) -> f32 {

@@ -7,14 +7,15 @@ use super::fitted::Fitted;
 use super::turned::{Cut, Turned, uvs};
 use super::{Garment, MAX_DISTANCE, Making};
 use crate::anatomy::Anatomy;
-use crate::field::{ellipsoid, melt, step};
+use crate::body::scoop;
+use crate::field::{melt, step};
 use crate::weights;
 
 /// Gap of the bodice to the body [m].
 const GAP: f32 = 0.0105;
 /// Its skirt.
 pub const SKIRT: Cut = Cut { top: 1.120, hem: 0.075, gap: 0.0105, flare_top: 1.055, flare: 0.235, folds: 12.0, depth: 0.026 };
-const EDGE: f32 = 0.0155;
+const EDGE: f32 = 0.0167;
 /// How far the armhole is from the arm [m].
 const ARMHOLE: f32 = 0.020;
 /// Where bodice and skirt meet: the waist [m].
@@ -23,7 +24,7 @@ const WAIST: f32 = 1.075;
 /// Signed distance to the solid inside the dress.
 pub fn solid(anatomy: &Anatomy, skirt: &Turned, p: Vec3) -> f32 {
     let below = skirt.distance(p) + 0.5 * (p.y - SKIRT.top + 0.03).max(0.0);
-    melt(anatomy.torso(p) - GAP, below, 0.02)
+    melt(anatomy.trunk(p) - GAP, below, 0.02)
 }
 
 /// The dress.
@@ -32,7 +33,7 @@ pub fn make(anatomy: &Anatomy) -> Garment {
     let skirt = Turned::around(anatomy, SKIRT);
     let field = |p: Vec3| solid(anatomy, &skirt, p);
     let hem = |p: Vec3| SKIRT.hem - p.y;
-    let neck = |p: Vec3| -ellipsoid(p, vec3(0.0, 1.49, 0.025), vec3(0.088, 0.150, 0.165));
+    let neck = |p: Vec3| -scoop(p, vec3(0.0, 1.465, 0.020), vec3(0.088, 0.125, 0.138));
     let armhole = |p: Vec3| if p.y < 1.15 { -0.1 } else { ARMHOLE - anatomy.arm(p) };
     let fitted = Fitted {
         field: &field,

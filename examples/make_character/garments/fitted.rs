@@ -4,7 +4,8 @@ use glam::{Vec3, vec3};
 
 use crate::anatomy::{Anatomy, folded};
 use crate::cut;
-use crate::field::{melt, onto};
+use crate::field::{melt, onto, step};
+use crate::measures::SHOULDER;
 use crate::mesh::Mesh;
 use crate::nets;
 use crate::remesh::Remesh;
@@ -47,9 +48,16 @@ impl Fitted<'_> {
 
 /// Torso, neck and sleeves with gaps to the body, with soft hollows [m].
 pub fn upper(anatomy: &Anatomy, p: Vec3, torso: f32, sleeve: f32) -> f32 {
-    const HOLLOW: f32 = 0.075;
-    let trunk = melt(anatomy.torso(p), anatomy.neck(p), 0.060) - torso;
-    melt(trunk, anatomy.arm(p) - sleeve, HOLLOW)
+    const ARMPIT: f32 = 0.100;
+    const SHOULDER_TOP: f32 = 0.034;
+    let trunk = melt(anatomy.torso(p), anatomy.neck(p), 0.040) - torso;
+    // Close at the shoulder, looser down the arm.
+    let along = anatomy.along_upper_arm(p);
+    let sleeve = torso + (sleeve - torso) * step(0.02, 0.14, along) - 0.001 * step(0.10, 0.0, along);
+    // A wide fillet below the arm, where cloth folds when arms hang; a narrow one above.
+    let above = (folded(p) - SHOULDER).dot(vec3(0.7, 0.7, 0.0));
+    let fillet = ARMPIT + (SHOULDER_TOP - ARMPIT) * step(-0.07, 0.02, above);
+    melt(trunk, anatomy.arm(p) - sleeve, fillet)
 }
 
 /// How far down the forearm cloth goes beyond a length [m]; below zero far from the forearm.
@@ -68,7 +76,7 @@ pub fn uvs(anatomy: &Anatomy, mesh: &Mesh) -> Vec<[f32; 2]> {
         .iter()
         .map(|&p| {
             if anatomy.arm(p) < anatomy.torso(p) {
-                let q = folded(p) - vec3(0.16, 1.395, -0.018);
+                let q = folded(p) - SHOULDER;
                 let down = vec3(0.70, -0.72, 0.0);
                 let across = q - down * q.dot(down);
                 [across.z.atan2(across.x).abs() * 0.05, q.dot(down)]

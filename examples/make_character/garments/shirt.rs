@@ -16,7 +16,7 @@ const SLEEVE: f32 = 0.013;
 const HEM: f32 = 0.982;
 const COLLAR: f32 = 1.492;
 const CUFF: f32 = 0.222;
-const EDGE: f32 = 0.0195;
+const EDGE: f32 = 0.0183;
 
 /// The shirt.
 pub fn make(anatomy: &Anatomy) -> Garment {

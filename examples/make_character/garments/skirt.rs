@@ -10,8 +10,8 @@ use crate::mesh::Mesh;
 /// Folds around; petticoat, skirt and coat have the same, so that they fit into one another.
 pub const FOLDS: f32 = 9.0;
 
-const CUT: Cut = Cut { top: 1.060, hem: 0.515, gap: 0.0205, flare_top: 0.990, flare: 0.090, folds: FOLDS, depth: 0.014 };
-const EDGE: f32 = 0.0235;
+const CUT: Cut = Cut { top: 1.060, hem: 0.515, gap: 0.0215, flare_top: 0.990, flare: 0.090, folds: FOLDS, depth: 0.014 };
+const EDGE: f32 = 0.0245;
 /// Width of the waistband [m].
 const BAND: f32 = 0.030;
 
