@@ -2,7 +2,7 @@
 
 use glam::{Vec3, vec3};
 
-use crate::field::{Limb, Section, bone, carve, common, ellipsoid, melt};
+use crate::field::{Limb, Section, bone, common, ellipsoid, melt};
 use crate::head;
 use crate::measures::{ANKLE, ELBOW, SHOULDER, WRIST};
 
@@ -223,17 +223,5 @@ impl Anatomy {
             d = melt(d, head::hair(folded(p)), 0.003);
         }
         d
-    }
-
-    /// The figure without fingers, hair and face, as clothes see it: with soft hollows.
-    pub fn form(&self, p: Vec3, fillet: f32) -> f32 {
-        let d = melt(self.torso(p), self.neck(p), 0.035 + fillet);
-        let d = melt(d, self.arm(p), 0.035 + fillet);
-        melt(d, self.leg(p), 0.030 + fillet)
-    }
-
-    /// What is carved out of nothing: kept for solids that need an edge.
-    pub fn cut(a: f32, b: f32) -> f32 {
-        carve(a, b, 0.004)
     }
 }

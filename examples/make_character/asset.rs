@@ -9,9 +9,13 @@ use crate::clips;
 use crate::eyes;
 use crate::garments::{self, Garment};
 use crate::glb::{Channel, Glb, Primitive, SkinnedSurface};
+use crate::mesh::Mesh;
 use crate::skeleton::{self, COUNT, HIPS, NAMES, PARENTS};
 use crate::tint;
-use crate::weights;
+use crate::weights::{self, Skin};
+
+/// Rounds in which the shares of the body are smoothed.
+const SMOOTHING: usize = 5;
 
 /// The whole file.
 pub fn make() -> Vec<u8> {
@@ -25,9 +29,11 @@ pub fn make() -> Vec<u8> {
     (1..COUNT).for_each(|j| glb.attach(joints[j], joints[PARENTS[j]]));
     let skin = glb.skin(&joints, &bind.map(Mat4::from_translation));
 
-    let body = body_node(&mut glb, &anatomy, skin);
+    let (mesh, regions) = body::mesh(&anatomy);
+    let worn = Skin { shares: weights::over(&anatomy, &mesh, SMOOTHING), positions: mesh.positions.clone() };
+    let body = body_node(&mut glb, mesh, &regions, &worn, skin);
     glb.attach(body, armature);
-    for garment in garments::all(&anatomy) {
+    for garment in garments::all(&anatomy, &worn) {
         let node = garment_node(&mut glb, garment, skin);
         glb.attach(node, armature);
     }
@@ -56,17 +62,15 @@ fn rotations(poses: &[skeleton::Pose], joint: usize) -> Vec<glam::Quat> {
     all
 }
 
-fn body_node(glb: &mut Glb, anatomy: &Anatomy, skin: usize) -> usize {
-    const SMOOTHING: usize = 6;
-    let (mesh, regions) = body::mesh(anatomy);
-    let (joints, weights) = weights::strongest(&weights::over(anatomy, &mesh, SMOOTHING));
+fn body_node(glb: &mut Glb, mesh: Mesh, regions: &[Region], worn: &Skin, skin: usize) -> usize {
+    let (joints, weights) = weights::strongest(&worn.shares);
     let normals = mesh.normals();
     let colors = mesh.positions.iter().map(|&p| tint::of(p)).collect();
     let mut surface = SkinnedSurface { normals, colors, joints, weights, positions: mesh.positions, ..Default::default() };
     let mut primitives: Vec<Primitive> = REGIONS
         .iter()
         .map(|&region| Primitive {
-            triangles: mesh.triangles.iter().zip(&regions).filter(|(_, r)| **r == region).map(|(t, _)| *t).collect(),
+            triangles: mesh.triangles.iter().zip(regions).filter(|(_, r)| **r == region).map(|(t, _)| *t).collect(),
             material: region_material(glb, region),
         })
         .collect();

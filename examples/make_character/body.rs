@@ -29,7 +29,7 @@ const CELL: f32 = 0.0058;
 /// The mesh of the body and the region of each triangle.
 pub fn mesh(anatomy: &Anatomy) -> (Mesh, Vec<Region>) {
     let field = |p: Vec3| anatomy.figure(p);
-    let mut mesh = nets::surface(&field, vec3(-0.75, -0.02, -0.20), vec3(0.75, 1.80, 0.20), CELL);
+    let mut mesh = nets::surface(&field, [vec3(-0.75, -0.02, -0.20), vec3(0.75, 1.80, 0.20)], CELL, 2);
     let surface = |p: Vec3| onto(&field, 0.0, p);
     let remesh = Remesh { size: &size, surface: &surface, rim: &surface, rounds: 5 };
     remesh.run(&mut mesh);
@@ -74,12 +74,12 @@ fn top_line(_: &Anatomy, p: Vec3) -> f32 {
 
 /// Above zero on the arm.
 fn armhole(anatomy: &Anatomy, p: Vec3) -> f32 {
-    if p.y < 1.1 && p.x.abs() < 0.3 { -1.0 } else { anatomy.torso(p) - anatomy.arm(p).min(anatomy.hand(p)) + 0.012 }
+    if p.y < 1.1 && p.x.abs() < 0.3 { -1.0 } else { anatomy.torso(p) - anatomy.arm(p).min(anatomy.hand(p)) + 0.026 }
 }
 
 /// Below zero within the opening of the neck.
 fn neckline(_: &Anatomy, p: Vec3) -> f32 {
-    scoop(p, vec3(0.0, 1.470, 0.015), vec3(0.088, 0.100, 0.128))
+    scoop(p, vec3(0.0, 1.465, 0.020), vec3(0.100, 0.142, 0.150))
 }
 
 /// The opening of a neck: half an ellipsoid that goes on upward.

@@ -122,9 +122,13 @@ pub fn gradient(field: &dyn Fn(Vec3) -> f32, p: Vec3) -> Vec3 {
 /// A point moved onto the surface where the field has a value.
 pub fn onto(field: &dyn Fn(Vec3) -> f32, level: f32, mut p: Vec3) -> Vec3 {
     const STEPS: usize = 4;
+    const NEAR: f32 = 5.0e-6;
     for _ in 0..STEPS {
-        let slope = gradient(field, p);
         let off = field(p) - level;
+        if off.abs() < NEAR {
+            break;
+        }
+        let slope = gradient(field, p);
         p -= slope * (off / slope.length_squared().max(0.05)).clamp(-0.02, 0.02);
     }
     p

@@ -21,10 +21,11 @@ const SHIFTS: [Vec3; 5] = [
 /// The surface where a field is zero, within a box, by cells of a size [m]. Triangles face where the field grows.
 ///
 /// Where a surface grazes a plane of the grid, cells may touch one another at an edge alone, and the mesh is no surface
-/// there. The grid is then shifted: the first place without such edges is taken, or the one with the fewest.
-pub fn surface(field: &dyn Fn(Vec3) -> f32, low: Vec3, high: Vec3, cell: f32) -> Mesh {
+/// there. The grid is then shifted, up to a number of tries: the first place without such edges is taken, or the one with
+/// the fewest.
+pub fn surface(field: &dyn Fn(Vec3) -> f32, [low, high]: [Vec3; 2], cell: f32, tries: usize) -> Mesh {
     let mut best: Option<(usize, Mesh)> = None;
-    for shift in SHIFTS {
+    for shift in SHIFTS.into_iter().take(tries) {
         let mut mesh = once(field, low - shift * cell, high, cell);
         mesh.keep_largest();
         let bad = mesh.edges().iter().filter(|edge| edge.count > 2).count();

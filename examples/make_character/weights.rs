@@ -98,6 +98,37 @@ pub fn strongest(all: &[Shares]) -> (Vec<[u8; 4]>, Vec<[f32; 4]>) {
         .unzip()
 }
 
+/// The skin of the body with its shares: cloth that lies on it copies them.
+pub struct Skin {
+    /// Places of the vertices [m].
+    pub positions: Vec<Vec3>,
+    /// Their shares.
+    pub shares: Vec<Shares>,
+}
+
+impl Skin {
+    /// Shares of the nearest vertices, the nearer the more.
+    pub fn copied(&self, p: Vec3) -> Shares {
+        const NEAREST: usize = 6;
+        let mut near: Vec<(f32, usize)> = Vec::with_capacity(NEAREST + 1);
+        for (i, at) in self.positions.iter().enumerate() {
+            let distance = at.distance_squared(p);
+            if near.len() == NEAREST && distance >= near[NEAREST - 1].0 {
+                continue;
+            }
+            let slot = near.partition_point(|(d, _)| *d < distance);
+            near.insert(slot, (distance, i));
+            near.truncate(NEAREST);
+        }
+        let mut sum = [0.0; COUNT];
+        let whole: f32 = near.iter().map(|(d, _)| 1.0 / d).sum();
+        for (d, i) in near {
+            (0..COUNT).for_each(|k| sum[k] += self.shares[i][k] / (d * whole));
+        }
+        sum
+    }
+}
+
 /// Shares at the vertices of a mesh, smoothed along it.
 pub fn over(anatomy: &Anatomy, mesh: &Mesh, rounds: usize) -> Vec<Shares> {
     mesh.smoothed(mesh.positions.iter().map(|&p| shares(anatomy, p)).collect(), rounds)

@@ -23,9 +23,9 @@ fn guard() -> Rig {
         rig.chest = [-4.0, 6.0, 0.0];
         rig.look = [34.0, 4.0, 0.0];
         rig.arms[0] =
-            Arm { swing: 52.0, lift: 10.0, twist: 14.0, elbow: 100.0, palm: 40.0, wrist: 10.0, shrug: 4.0, reach: 8.0 };
+            Arm { swing: 52.0, lift: 30.0, twist: 14.0, elbow: 100.0, palm: 40.0, wrist: 10.0, shrug: 4.0, reach: 8.0 };
         rig.arms[1] =
-            Arm { swing: 34.0, lift: 14.0, twist: 24.0, elbow: 124.0, palm: 40.0, wrist: 10.0, shrug: 4.0, reach: 4.0 };
+            Arm { swing: 36.0, lift: 8.0, twist: 24.0, elbow: 124.0, palm: 40.0, wrist: 10.0, shrug: 4.0, reach: 4.0 };
         rig.feet[0].at = vec3(0.01, 0.0, 0.20);
         rig.feet[0].yaw = -12.0;
         rig.feet[1].at = vec3(-0.04, 0.0, -0.22);
@@ -45,8 +45,7 @@ fn keys() -> Keys {
         rig.spine[0] = -12.0;
         rig.chest[0] = -16.0;
         rig.look[0] = 58.0;
-        rig.arms[0] =
-            Arm { swing: 86.0, lift: -24.0, twist: 30.0, elbow: 8.0, palm: 85.0, wrist: 0.0, shrug: 8.0, reach: 22.0 };
+        rig.arms[0] = Arm { swing: 86.0, lift: 52.0, twist: 30.0, elbow: 8.0, palm: 85.0, wrist: 0.0, shrug: 8.0, reach: 22.0 };
     });
     let draw = with(guard, |rig| {
         rig.hips.z -= 0.02;
@@ -61,8 +60,7 @@ fn keys() -> Keys {
         rig.spine[0] = 12.0;
         rig.chest[0] = 18.0;
         rig.look[0] = -34.0;
-        rig.arms[1] =
-            Arm { swing: 88.0, lift: -18.0, twist: 30.0, elbow: 8.0, palm: 85.0, wrist: 0.0, shrug: 8.0, reach: 22.0 };
+        rig.arms[1] = Arm { swing: 88.0, lift: 40.0, twist: 30.0, elbow: 8.0, palm: 85.0, wrist: 0.0, shrug: 8.0, reach: 22.0 };
         rig.feet[1].pitch = -40.0;
         rig.feet[1].toes = 40.0;
         rig.feet[1] = rig.feet[1].pivoted(1, -26.0);
@@ -78,7 +76,8 @@ fn keys() -> Keys {
         rig.feet[1].pitch = -30.0;
         rig.feet[1].toes = 0.0;
         rig.arms[0].lift = 24.0;
-        rig.arms[1].swing = 6.0;
+        rig.arms[1].swing = 10.0;
+        rig.arms[1].lift = 30.0;
         rig.arms[1].elbow = 96.0;
     });
     let kick = with(chamber, |rig| {
@@ -89,7 +88,8 @@ fn keys() -> Keys {
         rig.look[0] = -20.0;
         rig.feet[1].at = vec3(0.06, 0.86, 0.86);
         rig.feet[1].pitch = 40.0;
-        rig.arms[1].swing = -26.0;
+        rig.arms[1].swing = -20.0;
+        rig.arms[1].lift = 48.0;
         rig.arms[1].elbow = 70.0;
         rig.arms[0].swing = 60.0;
     });

@@ -53,7 +53,7 @@ const RUN: Gait = Gait {
     speed: 3.5,
     cycle: 0.7,
     stance: 0.34,
-    strike: 0.300,
+    strike: 0.285,
     strike_pitch: 8.0,
     flat: 0.07,
     rise: 0.16,
@@ -174,7 +174,7 @@ fn running(time: f32) -> Rig {
     let bob = (2.0 * middle).cos();
     let mut rig = Rig { level: 0.92, ..Rig::default() };
     rig.feet = RUN.feet(time);
-    rig.hips = vec3(0.010 * middle.cos(), -0.072 - 0.038 * bob, -0.02 + 0.012 * (2.0 * middle).sin());
+    rig.hips = vec3(0.010 * middle.cos(), -0.078 - 0.038 * bob, -0.02 + 0.012 * (2.0 * middle).sin());
     rig.hips_turn = [-9.0 * forth, 12.0 + 2.0 * (2.0 * middle + 0.8).cos(), 3.2 * (middle - 0.2).cos()];
     rig.spine = [7.0 * late, 2.0, -2.4 * (middle - 0.4).cos()];
     rig.chest = [13.0 * late, 1.0 + 2.0 * (2.0 * middle - 0.6).cos(), -1.6 * (middle - 0.5).cos()];
@@ -186,7 +186,7 @@ fn running(time: f32) -> Rig {
         elbow: 88.0 + 14.0 * s * (turn - 0.6).cos(),
         palm: 20.0,
         wrist: 4.0,
-        shrug: 2.0 - 2.0 * bob,
+        shrug: 1.0 - 2.0 * bob,
         reach: 8.0 * s * late,
     });
     rig

@@ -26,19 +26,19 @@ pub fn clip() -> Clip {
         }
     });
     let seat = with(squat, |rig| {
-        rig.hips = vec3(0.0, 0.115 - STANDING, -0.42);
+        rig.hips = vec3(0.0, 0.135 - STANDING, -0.42);
         rig.hips_turn[1] = -22.0;
         rig.spine[1] = 12.0;
         rig.chest[1] = 8.0;
         rig.level = 0.7;
-        rig.arms = [Arm { swing: -34.0, lift: 26.0, twist: -12.0, elbow: 10.0, wrist: -20.0, ..Arm::default() }; 2];
+        rig.arms = [Arm { swing: -34.0, lift: 26.0, twist: -12.0, elbow: 22.0, wrist: -20.0, ..Arm::default() }; 2];
         for foot in &mut rig.feet {
             foot.pitch = 0.0;
             foot.toes = 0.0;
         }
     });
     let leaning = with(seat, |rig| {
-        rig.hips.y = 0.110 - STANDING;
+        rig.hips.y = 0.130 - STANDING;
         rig.hips_turn[1] = -56.0;
         rig.spine[1] = 14.0;
         rig.chest[1] = 10.0;
@@ -50,13 +50,13 @@ pub fn clip() -> Clip {
         }
     });
     let down = with(leaning, |rig| {
-        rig.hips.y = 0.104 - STANDING;
+        rig.hips.y = 0.126 - STANDING;
         rig.hips_turn[1] = -88.0;
         rig.spine[1] = 2.0;
         rig.chest[1] = -1.0;
         rig.level = 0.05;
-        rig.look = [0.0, 4.0, 0.0];
-        rig.arms = [Arm { swing: 4.0, lift: 34.0, twist: 0.0, elbow: 18.0, ..Arm::default() }; 2];
+        rig.look = [0.0, 13.0, 0.0];
+        rig.arms = [Arm { swing: -4.0, lift: 34.0, twist: 0.0, elbow: 18.0, ..Arm::default() }; 2];
         for foot in &mut rig.feet {
             foot.at = vec3(foot.at.x, 0.008, 0.34);
             foot.pitch = 34.0;
@@ -64,9 +64,9 @@ pub fn clip() -> Clip {
     });
     let flat = with(down, |rig| {
         rig.hips_turn[1] = -90.0;
-        rig.arms = [Arm { swing: 3.0, lift: 30.0, twist: 0.0, elbow: 12.0, ..Arm::default() }; 2];
+        rig.arms = [Arm { swing: -7.0, lift: 30.0, twist: 0.0, elbow: 12.0, ..Arm::default() }; 2];
         for foot in &mut rig.feet {
-            foot.at = vec3(foot.at.x, 0.024, 0.525);
+            foot.at = vec3(foot.at.x, 0.024, 0.555);
             foot.pitch = 66.0;
         }
     });

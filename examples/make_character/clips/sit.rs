@@ -33,7 +33,7 @@ pub fn clip() -> Clip {
         rig.hips_turn[1] = -6.0;
         rig.spine[1] = 6.0;
         rig.chest[1] = 0.0;
-        rig.arms = [Arm { swing: 22.0, lift: 9.0, twist: 14.0, elbow: 54.0, palm: 66.0, wrist: 4.0, ..Arm::default() }; 2];
+        rig.arms = [Arm { swing: 22.0, lift: 9.0, twist: 14.0, elbow: 47.0, palm: 66.0, wrist: 4.0, ..Arm::default() }; 2];
     });
     let keys = Keys::new(vec![(0.0, rest), (0.25, rest), (0.95, sink), (1.45, touch), (2.1, seated), (LENGTH, seated)]);
     Clip::new("Sit", LENGTH, move |time| keys.at(time))

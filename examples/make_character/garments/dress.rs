@@ -9,7 +9,8 @@ use super::{Garment, MAX_DISTANCE, Making};
 use crate::anatomy::Anatomy;
 use crate::body::scoop;
 use crate::field::{melt, step};
-use crate::weights;
+use crate::measures::SHOULDER;
+use crate::weights::Skin;
 
 /// Gap of the bodice to the body [m].
 const GAP: f32 = 0.0105;
@@ -17,7 +18,9 @@ const GAP: f32 = 0.0105;
 pub const SKIRT: Cut = Cut { top: 1.120, hem: 0.075, gap: 0.0105, flare_top: 1.055, flare: 0.235, folds: 12.0, depth: 0.026 };
 const EDGE: f32 = 0.0167;
 /// How far the armhole is from the arm [m].
-const ARMHOLE: f32 = 0.020;
+const ARMHOLE: f32 = 0.034;
+/// Where straps end: distance from the middle [m].
+const STRAP: f32 = 0.128;
 /// Where bodice and skirt meet: the waist [m].
 const WAIST: f32 = 1.075;
 
@@ -28,13 +31,17 @@ pub fn solid(anatomy: &Anatomy, skirt: &Turned, p: Vec3) -> f32 {
 }
 
 /// The dress.
-pub fn make(anatomy: &Anatomy) -> Garment {
-    const SMOOTHING: usize = 8;
+pub fn make(anatomy: &Anatomy, skin: &Skin) -> Garment {
+    const SMOOTHING: usize = 4;
     let skirt = Turned::around(anatomy, SKIRT);
     let field = |p: Vec3| solid(anatomy, &skirt, p);
     let hem = |p: Vec3| SKIRT.hem - p.y;
-    let neck = |p: Vec3| -scoop(p, vec3(0.0, 1.465, 0.020), vec3(0.088, 0.125, 0.138));
-    let armhole = |p: Vec3| if p.y < 1.15 { -0.1 } else { ARMHOLE - anatomy.arm(p) };
+    let neck = |p: Vec3| -scoop(p, vec3(0.0, 1.465, 0.020), vec3(0.079, 0.125, 0.138));
+    let armhole = |p: Vec3| {
+        // Away from the arm, and on the shoulder no wider than a strap.
+        let strap = p.x.abs() - STRAP - 0.5 * (SHOULDER.y - p.y).max(0.0);
+        if p.y < 1.15 { -0.1 } else { -melt(anatomy.arm(p) - ARMHOLE, -strap, 0.03) }
+    };
     let fitted = Fitted {
         field: &field,
         lines: &[&hem, &neck, &armhole],
@@ -45,7 +52,7 @@ pub fn make(anatomy: &Anatomy) -> Garment {
     let mesh = fitted.mesh();
     let room = |p: &Vec3| ((WAIST - p.y) / (WAIST - SKIRT.hem)).clamp(0.0, 1.0).powf(0.8);
     let mixed = mesh.positions.iter().map(|&p| {
-        let (body, free) = (weights::shares(anatomy, p), super::weights::skirt(p));
+        let (body, free) = (skin.copied(p), super::weights::skirt(p));
         let below = step(1.12, 1.00, p.y);
         std::array::from_fn(|k| body[k] + (free[k] - body[k]) * below)
     });

@@ -30,7 +30,7 @@ impl Fitted<'_> {
     /// The mesh.
     pub fn mesh(&self) -> Mesh {
         let surface = |p: Vec3| onto(self.field, 0.0, p);
-        let mut mesh = nets::surface(self.field, self.low, self.high, CELL);
+        let mut mesh = nets::surface(self.field, [self.low, self.high], CELL, usize::MAX);
         mesh.positions = mesh.positions.iter().map(|&p| surface(p)).collect();
         for line in self.lines {
             cut::keep_below(&mut mesh, line, &surface);

@@ -15,7 +15,7 @@ use serde_json::Value;
 use crate::anatomy::Anatomy;
 use crate::glb::SkinnedSurface;
 use crate::mesh::Mesh;
-use crate::weights::{Shares, strongest};
+use crate::weights::{Shares, Skin, strongest};
 
 /// A garment, ready to write.
 pub struct Garment {
@@ -62,13 +62,13 @@ impl Making {
 }
 
 /// All garments, from the inner to the outer.
-pub fn all(anatomy: &Anatomy) -> Vec<Garment> {
+pub fn all(anatomy: &Anatomy, skin: &Skin) -> Vec<Garment> {
     vec![
         petticoat::make(anatomy),
         skirt::make(anatomy),
         shirt::make(anatomy),
         coat::make(anatomy),
-        dress::make(anatomy),
+        dress::make(anatomy, skin),
         cape::make(anatomy),
     ]
 }

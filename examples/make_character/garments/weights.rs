@@ -9,9 +9,9 @@ use crate::weights::Shares;
 /// Where a skirt begins to follow the thighs, and where it follows them most [m].
 const THIGHS: [f32; 2] = [0.93, 0.52];
 /// How much of the hem follows the thighs.
-const LEGS: f32 = 0.60;
+const LEGS: f32 = 0.72;
 /// Half the width in which left goes over into right [m].
-const MIDDLE: f32 = 0.15;
+const MIDDLE: f32 = 0.13;
 
 /// Shares of a skirt: waist and hips, and toward the hem both thighs, softly from left to right.
 pub fn skirt(p: Vec3) -> Shares {
