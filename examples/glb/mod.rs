@@ -1,11 +1,8 @@
 //! Writes glTF binary files: just what the scenes of this project need.
 #![allow(dead_code, reason = "each program uses a part")]
 
-mod clip;
-mod skinned;
-
-pub use clip::Channel;
-pub use skinned::{Primitive, SkinnedSurface};
+pub mod clip;
+pub mod skinned;
 
 use glam::{Quat, Vec3};
 use serde_json::{Value, json};

@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::vec3;
 
-use crate::glb::SkinnedSurface;
+use crate::glb::skinned::SkinnedSurface;
 use crate::head::{EYE, EYE_RADIUS};
 use crate::skeleton::{HEAD, mirrored};
 

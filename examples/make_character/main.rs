@@ -1,9 +1,11 @@
 //! Makes `assets/character.glb`: a human figure with a skeleton, clips and garments, all of it computed.
 //!
 //! ```text
-//! cargo run --release --example make_character
-//! cargo run --release --example make_character -- --out figure.glb
+//! cargo run --example make_character
+//! cargo run --example make_character -- --out figure.glb
 //! ```
+//!
+//! It takes some ten seconds in a release build, and minutes without optimizations. The same code writes the same bytes.
 //!
 //! Solids melt into a body; a mesh is spun around it and gets weights. Garments are surfaces at a distance from the
 //! body, or turned around it. Clips are poses of a rig over time, with feet that stay where they are put.

@@ -3,7 +3,7 @@
 use glam::{Vec3, vec3};
 use serde_json::json;
 
-use super::fitted::Fitted;
+use super::fitted::{Fitted, lay_shoulders};
 use super::turned::{Cut, Turned, uvs};
 use super::{Garment, MAX_DISTANCE, Making};
 use crate::anatomy::Anatomy;
@@ -49,7 +49,8 @@ pub fn make(anatomy: &Anatomy, skin: &Skin) -> Garment {
         high: vec3(0.52, 1.56, 0.52),
         edge: EDGE,
     };
-    let mesh = fitted.mesh();
+    let mut mesh = fitted.mesh();
+    lay_shoulders(anatomy, &mut mesh, GAP);
     let room = |p: &Vec3| ((WAIST - p.y) / (WAIST - SKIRT.hem)).clamp(0.0, 1.0).powf(0.8);
     let mixed = mesh.positions.iter().map(|&p| {
         let (body, free) = (skin.copied(p), super::weights::skirt(p));

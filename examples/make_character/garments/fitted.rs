@@ -4,7 +4,7 @@ use glam::{Vec3, vec3};
 
 use crate::anatomy::{Anatomy, folded};
 use crate::cut;
-use crate::field::{melt, onto, step};
+use crate::field::{gradient, melt, onto, step};
 use crate::measures::SHOULDER;
 use crate::mesh::Mesh;
 use crate::nets;
@@ -46,18 +46,30 @@ impl Fitted<'_> {
     }
 }
 
+/// Lays the shoulders of a garment onto the body at a gap [m]: in the dip between neck and shoulder the field grows too
+/// slowly, and cloth at a value of it would float.
+pub fn lay_shoulders(anatomy: &Anatomy, mesh: &mut Mesh, gap: f32) {
+    let body = |q: Vec3| anatomy.trunk(q);
+    for p in &mut mesh.positions {
+        let share = step(1.36, 1.41, p.y) * step(0.24, 0.18, p.x.abs());
+        if share > 0.0 {
+            let below = onto(&body, 0.0, *p);
+            *p = p.lerp(below + gradient(&body, below).normalize_or(Vec3::Y) * gap, share);
+        }
+    }
+}
+
 /// Torso, neck and sleeves with gaps to the body, with soft hollows [m].
 pub fn upper(anatomy: &Anatomy, p: Vec3, torso: f32, sleeve: f32) -> f32 {
     const ARMPIT: f32 = 0.100;
     const SHOULDER_TOP: f32 = 0.034;
-    let trunk = melt(anatomy.torso(p), anatomy.neck(p), 0.040) - torso;
     // Close at the shoulder, looser down the arm.
     let along = anatomy.along_upper_arm(p);
     let sleeve = torso + (sleeve - torso) * step(0.02, 0.14, along) - 0.001 * step(0.10, 0.0, along);
     // A wide fillet below the arm, where cloth folds when arms hang; a narrow one above.
     let above = (folded(p) - SHOULDER).dot(vec3(0.7, 0.7, 0.0));
     let fillet = ARMPIT + (SHOULDER_TOP - ARMPIT) * step(-0.07, 0.02, above);
-    melt(trunk, anatomy.arm(p) - sleeve, fillet)
+    melt(melt(anatomy.torso(p), anatomy.neck(p), 0.040) - torso, anatomy.arm(p) - sleeve, fillet)
 }
 
 /// How far down the forearm cloth goes beyond a length [m]; below zero far from the forearm.

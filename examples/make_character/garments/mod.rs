@@ -13,7 +13,7 @@ mod weights;
 use serde_json::Value;
 
 use crate::anatomy::Anatomy;
-use crate::glb::SkinnedSurface;
+use crate::glb::skinned::SkinnedSurface;
 use crate::mesh::Mesh;
 use crate::weights::{Shares, Skin, strongest};
 
