@@ -1,7 +1,7 @@
 //! Puts body, garments and clips together into one file.
 
 use glam::{Mat4, Vec3};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::anatomy::Anatomy;
 use crate::body::{self, REGIONS, Region};
@@ -50,7 +50,7 @@ pub fn make() -> Vec<u8> {
             .collect();
         glb.clip(clip.name, &clip.times(), &channels);
     }
-    glb.finish(Value::Null)
+    glb.finish(json!({}))
 }
 
 /// Rotations of a joint over time, each in the half of its double cover that is nearest to the one before.

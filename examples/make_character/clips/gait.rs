@@ -181,7 +181,7 @@ fn running(time: f32) -> Rig {
     rig.look = [-9.0 * late, -2.0 + 1.2 * (2.0 * middle - 1.0).cos(), 0.0];
     rig.arms = [-1.0, 1.0].map(|s| Arm {
         swing: -4.0 + 40.0 * s * late,
-        lift: 17.0 + 3.0 * s * late,
+        lift: 21.0 - 5.0 * s * late,
         twist: 26.0 + 14.0 * s * late,
         elbow: 88.0 + 14.0 * s * (turn - 0.6).cos(),
         palm: 20.0,

@@ -21,13 +21,13 @@ pub fn clip() -> Clip {
         rig.hips_turn[1] = 36.0;
         rig.spine[1] = 14.0;
         rig.chest[1] = 6.0;
-        rig.arms = [Arm { swing: 34.0, lift: 10.0, twist: 14.0, elbow: 26.0, ..Arm::default() }; 2];
+        rig.arms = [Arm { swing: 34.0, lift: 21.0, twist: 14.0, elbow: 26.0, ..Arm::default() }; 2];
     });
     let touch = with(sink, |rig| {
         rig.hips = vec3(0.0, SEAT + OVER_SEAT - STANDING, -0.40);
         rig.hips_turn[1] = 20.0;
         rig.spine[1] = 10.0;
-        rig.arms = [Arm { swing: 34.0, lift: 10.0, twist: 18.0, elbow: 40.0, palm: 40.0, ..Arm::default() }; 2];
+        rig.arms = [Arm { swing: 34.0, lift: 21.0, twist: 18.0, elbow: 40.0, palm: 40.0, ..Arm::default() }; 2];
     });
     let seated = with(touch, |rig| {
         rig.hips_turn[1] = -6.0;

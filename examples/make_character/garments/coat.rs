@@ -81,7 +81,7 @@ pub fn make(anatomy: &Anatomy) -> Garment {
 
 /// As the body above, as a skirt below.
 fn shares(anatomy: &Anatomy, mesh: &Mesh) -> Vec<Shares> {
-    const SMOOTHING: usize = 6;
+    const SMOOTHING: usize = 18;
     let mixed = mesh.positions.iter().map(|&p| {
         let skirt = super::weights::skirt(p);
         let body = weights::shares(anatomy, p);

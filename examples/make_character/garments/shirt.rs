@@ -20,7 +20,7 @@ const EDGE: f32 = 0.0183;
 
 /// The shirt.
 pub fn make(anatomy: &Anatomy) -> Garment {
-    const SMOOTHING: usize = 8;
+    const SMOOTHING: usize = 14;
     let field = |p: Vec3| upper(anatomy, p, TORSO, SLEEVE);
     let hem = |p: Vec3| if p.x.abs() < 0.3 { HEM - p.y } else { -0.1 };
     let neck = |p: Vec3| collar(p, COLLAR);

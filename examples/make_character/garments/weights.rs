@@ -9,7 +9,7 @@ use crate::weights::Shares;
 /// Where a skirt begins to follow the thighs, and where it follows them most [m].
 const THIGHS: [f32; 2] = [0.93, 0.52];
 /// How much of the hem follows the thighs.
-const LEGS: f32 = 0.72;
+const LEGS: f32 = 0.80;
 /// Half the width in which left goes over into right [m].
 const MIDDLE: f32 = 0.13;
 
