@@ -1,4 +1,8 @@
 //! Writes glTF binary files: just what the scenes of this project need.
+#![allow(dead_code, reason = "each program uses a part")]
+
+pub mod clip;
+pub mod skinned;
 
 use glam::{Quat, Vec3};
 use serde_json::{Value, json};
@@ -12,8 +16,13 @@ pub struct Glb {
     meshes: Vec<Value>,
     materials: Vec<Value>,
     nodes: Vec<Value>,
+    /// Nodes that hang below another one.
+    children: Vec<usize>,
+    skins: Vec<Value>,
     channels: Vec<Value>,
     samplers: Vec<Value>,
+    /// Animations with names of their own.
+    clips: Vec<Value>,
 }
 
 /// A triangle mesh to write.
@@ -31,7 +40,7 @@ pub struct Surface {
 
 impl Surface {
     /// Area-weighted normals.
-    fn normals(&self) -> Vec<Vec3> {
+    pub fn normals(&self) -> Vec<Vec3> {
         let mut normals = vec![Vec3::ZERO; self.positions.len()];
         for t in &self.triangles {
             let [a, b, c] = t.map(|v| self.positions[v as usize]);
@@ -50,6 +59,14 @@ impl Glb {
             "doubleSided": double_sided,
         }));
         self.materials.len() - 1
+    }
+
+    /// A dull or shiny surface of one colour (linear RGB), with a name.
+    pub fn named_material(&mut self, name: &str, color: [f32; 3], roughness: f32, double_sided: bool) -> usize {
+        let material = self.material(color, double_sided);
+        self.materials[material]["name"] = name.into();
+        self.materials[material]["pbrMetallicRoughness"]["roughnessFactor"] = roughness.into();
+        material
     }
 
     /// A mesh of one primitive.
@@ -99,6 +116,8 @@ impl Glb {
         let width = match kind {
             "VEC2" => 2,
             "VEC3" => 3,
+            "VEC4" => 4,
+            "MAT4" => 16,
             _ => 1,
         };
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -106,6 +125,9 @@ impl Glb {
     }
 
     fn accessor(&mut self, bytes: &[u8], component: u32, count: usize, kind: &str) -> usize {
+        while !self.bytes.len().is_multiple_of(4) {
+            self.bytes.push(0);
+        }
         self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
         self.bytes.extend_from_slice(bytes);
         self.accessors.push(json!({
@@ -119,10 +141,11 @@ impl Glb {
         while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
+        let roots: Vec<usize> = (0..self.nodes.len()).filter(|node| !self.children.contains(node)).collect();
         let mut root = json!({
             "asset": { "version": "2.0", "generator": "bevy_drape" },
             "scene": 0,
-            "scenes": [{ "name": "Scene", "nodes": (0..self.nodes.len()).collect::<Vec<_>>(), "extras": scene_extras }],
+            "scenes": [{ "name": "Scene", "nodes": roots, "extras": scene_extras }],
             "nodes": self.nodes,
             "meshes": self.meshes,
             "materials": self.materials,
@@ -131,7 +154,13 @@ impl Glb {
             "buffers": [{ "byteLength": self.bytes.len() }],
         });
         if !self.channels.is_empty() {
-            root["animations"] = json!([{ "name": "Motion", "channels": self.channels, "samplers": self.samplers }]);
+            self.clips.push(json!({ "name": "Motion", "channels": self.channels, "samplers": self.samplers }));
+        }
+        if !self.clips.is_empty() {
+            root["animations"] = json!(self.clips);
+        }
+        if !self.skins.is_empty() {
+            root["skins"] = json!(self.skins);
         }
         let mut text = root.to_string().into_bytes();
         while !text.len().is_multiple_of(4) {
