@@ -16,6 +16,8 @@ pictures=(
     "stack.png stack --frames 120 --out"
     "curtain.gif curtain --frames 240 --out"
     "skirt.gif skirt --frames 240 --out"
+    "character.png character --outfit dress --clip Turn --width 960 --frames 80 --out"
+    "cape.png character --outfit cape --clip Run --width 960 --frames 90 --out"
     "twist.gif twist --frames 240 --out"
     "funnel.gif funnel --frames 240 --out"
     "two_sheets.gif two_sheets --width 640 --frames 240 --out"

@@ -1,10 +1,10 @@
-//! A human body in clothes, where the data is there: the repository does not hold it.
+//! Human bodies in clothes: the project's own, and one that the repository does not hold, where it is there.
 #![expect(clippy::print_stdout, reason = "a test says what it skips, and prints what it measures")]
 
 use std::path::{Path, PathBuf};
 
 use bevy::animation::graph::{AnimationGraph, AnimationGraphHandle};
-use bevy::gltf::{Gltf, GltfPlugin};
+use bevy::gltf::{Gltf, GltfExtras, GltfPlugin};
 use bevy::mesh::MeshPlugin;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
@@ -25,9 +25,8 @@ fn characters() -> Option<PathBuf> {
     there.then_some(folder)
 }
 
-/// The mannequin in cape and skirt, playing a clip; frames are of `1 / rate` seconds.
-fn mannequin(clip: &str, rate: f32) -> Option<App> {
-    let folder = characters()?;
+/// A character of a file in a folder, playing a clip, once or again and again; frames are of `1 / rate` seconds. Of its clothes it wears what is named, or all.
+fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, worn: Option<&[&str]>) -> App {
     let mut app = App::new();
     let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
     app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
@@ -35,9 +34,22 @@ fn mannequin(clip: &str, rate: f32) -> Option<App> {
     app.add_plugins((bevy_drape::gltf::cloth_attributes(GltfPlugin::default()), ClothPlugin::default()));
     app.init_asset::<StandardMaterial>();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(1.0 / rate)));
+    if let Some(worn) = worn {
+        let worn: Vec<String> = worn.iter().map(ToString::to_string).collect();
+        let undress = move |mut commands: Commands, nodes: Query<(&Name, &Children), Added<GltfExtras>>| {
+            for (name, pieces) in nodes.iter().filter(|(name, _)| !worn.iter().any(|worn| worn.as_str() == name.as_str())) {
+                if name.as_str() != "Body" {
+                    pieces.iter().for_each(|piece| {
+                        commands.entity(piece).insert(ClothDisabled);
+                    });
+                }
+            }
+        };
+        app.add_systems(PostUpdate, undress.before(ClothSystems::Prepare));
+    }
     app.finish();
     app.cleanup();
-    let gltf: Handle<Gltf> = app.world().resource::<AssetServer>().load("mannequin_clothes.glb");
+    let gltf: Handle<Gltf> = app.world().resource::<AssetServer>().load(file.to_owned());
     for _ in 0..2000 {
         app.update();
         if app.world().resource::<Assets<Gltf>>().contains(&gltf) {
@@ -46,7 +58,7 @@ fn mannequin(clip: &str, rate: f32) -> Option<App> {
         std::thread::sleep(core::time::Duration::from_millis(5));
     }
     let (scene, animation) = {
-        let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).expect("the mannequin");
+        let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).expect("a character");
         (gltf.scenes[0].clone(), gltf.named_animations.get(clip).expect("a clip").clone())
     };
     app.world_mut().spawn(WorldAssetRoot(scene));
@@ -62,15 +74,22 @@ fn mannequin(clip: &str, rate: f32) -> Option<App> {
         let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
         app.world_mut().entity_mut(player).insert(AnimationGraphHandle(graph));
         let mut player = app.world_mut().get_mut::<AnimationPlayer>(player).expect("a player");
-        // To sit down again and again is to stand in an instant.
-        if matches!(clip, "Sit_Chair_Down" | "Lie_Down") {
-            player.play(node)
-        } else {
+        if repeats {
             player.play(node).repeat()
+        } else {
+            player.play(node)
         };
         break;
     }
     run(&mut app, 3);
+    app
+}
+
+/// The mannequin in cape and skirt.
+fn mannequin(clip: &str, rate: f32) -> Option<App> {
+    // To sit down again and again is to stand in an instant.
+    let repeats = !matches!(clip, "Sit_Chair_Down" | "Lie_Down");
+    let mut app = character(&characters()?, "mannequin_clothes.glb", clip, repeats, rate, None);
     let mut bodies = app.world_mut().query_filtered::<Entity, (With<SkinnedMesh>, Without<Cloth>)>();
     let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
     for body in bodies {
@@ -82,7 +101,7 @@ fn mannequin(clip: &str, rate: f32) -> Option<App> {
 
 /// Cloths by the name of their node.
 fn clothes(app: &mut App) -> Vec<(String, Entity)> {
-    let mut cloths = app.world_mut().query_filtered::<(Entity, &ChildOf), With<Cloth>>();
+    let mut cloths = app.world_mut().query_filtered::<(Entity, &ChildOf), (With<Cloth>, Without<ClothDisabled>)>();
     let cloths: Vec<(Entity, Entity)> = cloths.iter(app.world()).map(|(cloth, of)| (cloth, of.parent())).collect();
     let name = |at: Entity| app.world().get::<Name>(at).map_or_else(String::new, ToString::to_string);
     cloths.into_iter().map(|(cloth, node)| (name(node), cloth)).collect()
@@ -169,4 +188,52 @@ fn a_human_in_cape_and_skirt_walks_and_runs() {
         }
         assert_eq!(seen::<ClothTeleported>(&app).len(), 0, "{clip}");
     }
+}
+
+/// The project's own character in an outfit, over some frames of a clip.
+fn dressed(outfit: &[&str], clip: &str, repeats: bool, rate: f32, [skip, frames]: [u32; 2]) -> Vec<(String, Worn)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let mut app = character(&folder, "character.glb", clip, repeats, rate, Some(outfit));
+    let mut colliders = app.world_mut().query_filtered::<(), With<ClothCollider>>();
+    assert!((14..=24).contains(&colliders.iter(app.world()).count()), "{}", colliders.iter(app.world()).count());
+    record::<ClothTeleported>(&mut app);
+    let worn = wear(&mut app, frames, skip);
+    assert_eq!(worn.len(), outfit.len(), "{worn:?}");
+    assert_eq!(seen::<ClothTeleported>(&app).len(), 0, "{clip}");
+    for (name, worn) in &worn {
+        println!("{clip} at {rate} Hz, {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
+    }
+    worn
+}
+
+#[test]
+fn our_own_character_in_her_clothes() {
+    let long = [60, 180];
+    let tests: [(&[&str], &str, bool, f32, [u32; 2]); 9] = [
+        (&["Cape", "Skirt"], "Walk", true, 60.0, long),
+        (&["Cape", "Skirt"], "Walk", true, 30.0, [30, 90]),
+        (&["Cape", "Skirt"], "Walk", true, 144.0, [144, 432]),
+        (&["Cape", "Skirt"], "Run", true, 60.0, long),
+        (&["Cape", "Skirt"], "Turn", true, 60.0, long),
+        (&["Cape", "Skirt"], "Jump", true, 60.0, long),
+        (&["Skirt", "Petticoat"], "Walk", true, 60.0, long),
+        (&["Skirt", "Petticoat"], "Run", true, 60.0, long),
+        (&["Dress"], "Walk", true, 60.0, [40, 100]),
+    ];
+    for (outfit, clip, repeats, rate, frames) in tests {
+        for (name, worn) in dressed(outfit, clip, repeats, rate, frames) {
+            assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} at {rate} Hz, {name}: {worn:?}");
+            assert!(worn.recoveries <= 1, "{clip} at {rate} Hz, {name}: {worn:?}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "for measuring: OUTFIT=Coat,Shirt CLIP=Walk RATE=60"]
+fn an_outfit_in_a_clip() {
+    let of = |name: &str, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
+    let (outfit, clip, rate) = (of("OUTFIT", "Cape,Skirt"), of("CLIP", "Walk"), of("RATE", "60"));
+    let outfit: Vec<&str> = outfit.split(',').collect();
+    let repeats = !matches!(clip.as_str(), "Sit" | "LieDown");
+    dressed(&outfit, &clip, repeats, rate.parse().expect("a rate [Hz]"), [60, 180]);
 }
