@@ -8,7 +8,7 @@
 //! | F | holds back what crosses, or shows it |
 //! | space | pauses |
 //!
-//! `cargo run --example make_character` makes the file.
+//! `cargo run --release --example make_character` makes the file.
 
 mod stage;
 
@@ -147,7 +147,11 @@ fn play(hero: Res<Hero>, players: Query<(&mut AnimationPlayer, &mut AnimationTra
         let clip = AnimationNodeIndex::new(hero.clip + 1);
         if transitions.get_main_animation() != Some(clip) {
             let fade = if transitions.get_main_animation().is_some() { FADE } else { Duration::ZERO };
-            transitions.play(&mut player, clip, fade).repeat();
+            let animation = transitions.play(&mut player, clip, fade);
+            // To sit down again and again is to stand in an instant.
+            if !matches!(CLIPS[hero.clip], "Sit" | "LieDown") {
+                animation.repeat();
+            }
         }
     }
 }

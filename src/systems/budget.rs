@@ -158,7 +158,8 @@ pub(crate) fn budget(
         let seen = if places.is_empty() || seen.is_none_or(|seen| seen.get()) { 1.0 } else { UNSEEN };
         let worth = f64::from(priority) * seen * (f64::from(inputs.radius) / distance).powi(2);
         let island = scratch.island.map(|(island, _)| island);
-        let known = groups.iter().position(|group| island.is_some() && group.island == island);
+        // Those alone are looked for nowhere: there may be thousands.
+        let known = island.and_then(|_| groups.iter().position(|group| group.island == island));
         let number = known.unwrap_or(groups.len());
         if known.is_none() {
             groups.push(Group {
