@@ -134,6 +134,16 @@ impl Skin {
         self.joints.get(usize::from(most.0)).map(|(joint, _)| *joint)
     }
 
+    /// The inverse bind pose of a joint; none for what is no joint of the skin.
+    pub fn inverse_bind(&self, joint: Entity) -> Option<Affine3A> {
+        self.joints.iter().find(|(known, _)| *known == joint).map(|(_, inverse_bind)| *inverse_bind)
+    }
+
+    /// Positions of the particles in the bind pose, in the space of the mesh `[m]`.
+    pub fn points(&self) -> &[Vec3] {
+        &self.points
+    }
+
     /// Middle of what carries the cloth `[m]`, in the space of the mesh.
     pub fn center(&self) -> Vec3 {
         self.center

@@ -7,6 +7,7 @@ use super::coupling::Coupled;
 use super::motion::Motion;
 use super::share::Share;
 use super::slumber::Slumber;
+use super::worn::Worn;
 use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
 use crate::components::{ClothDetail, ClothInertia, ClothLod, ClothPins};
@@ -85,6 +86,8 @@ pub(crate) struct ClothInputs {
     pub center: Vec3,
     /// Radius of the ball around the shape at rest `[m]`.
     pub radius: f32,
+    /// What was made close to the bones of who wears it.
+    pub worn: Worn,
     pub bodies: Vec<Body>,
     /// The entity of each body.
     pub body_entities: Vec<Entity>,
@@ -152,6 +155,7 @@ impl ClothInputs {
             placement,
             center: Vec3::ZERO,
             radius,
+            worn: Worn::default(),
             bodies: Vec::new(),
             body_entities: Vec::new(),
             coupled: Coupled::default(),

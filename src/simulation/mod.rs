@@ -15,6 +15,7 @@ mod scratch;
 mod share;
 mod shown;
 mod slumber;
+mod worn;
 
 pub(crate) use air::{WorldAir, reaches};
 pub(crate) use binding::{Binding, Change, TakenSkin, WaitingSince};
@@ -27,3 +28,4 @@ pub(crate) use scratch::ClothScratch;
 pub(crate) use share::Share;
 pub(crate) use shown::ClothShown;
 pub(crate) use slumber::{STILL, Seen, SeenBody, Slumber, stays};
+pub(crate) use worn::Bones;

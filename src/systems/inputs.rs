@@ -9,7 +9,7 @@ use crate::components::{
     ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
+use crate::simulation::{Bones, ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
 use crate::solver::body::{Body, Pose};
 use crate::solver::skinned::Surroundings;
 use crate::solver::state::ClothState;
@@ -193,6 +193,7 @@ pub(crate) fn surroundings(
         (Entity, &ClothRest, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
         With<Cloth>,
     >,
+    bones: Bones,
     mut planes: Local<Vec<Vec4>>,
 ) {
     for (entity, rest, particles, layers, mut inputs, mut report) in &mut cloths {
@@ -220,16 +221,22 @@ pub(crate) fn surroundings(
             Some(carried) => pose(&carried.moved(body.from)),
             None => pose(&body.from),
         };
-        inputs.bodies.extend(world.bodies.iter().filter(meets).map(|body| Body {
-            shape: body.shape.clone(),
-            from: from(body),
-            to: pose(&body.to),
-            static_friction: body.static_friction,
-            dynamic_friction: body.dynamic_friction,
-            margin: body.margin,
-            // Its place in the world's list, until `couple` makes a slot of it.
-            rigid: body.rigid,
-            bone: character.is_some() && body.character == character,
+        let ClothInputs { bodies, worn, skin, fabric, .. } = inputs;
+        bodies.extend(world.bodies.iter().filter(meets).map(|body| {
+            let bone = character.is_some() && body.character == character;
+            let keep = fabric.thickness + body.margin;
+            Body {
+                shape: body.shape.clone(),
+                from: from(body),
+                to: pose(&body.to),
+                static_friction: body.static_friction,
+                dynamic_friction: body.dynamic_friction,
+                margin: body.margin,
+                // Its place in the world's list, until `couple` makes a slot of it.
+                rigid: body.rigid,
+                bone,
+                snug: skin.as_ref().filter(|_| bone).and_then(|skin| worn.on(body, keep, skin, &bones)),
+            }
         }));
         if inputs.avoids_bodies && inputs.skinned.is_active() {
             let ClothInputs { bodies, fabric, skinned, time_scale, .. } = inputs;

@@ -17,6 +17,12 @@ pub(super) struct Sample {
 }
 
 impl Sample {
+    /// As of a shape that lies deeper by `inset` `[m]`.
+    #[inline]
+    pub(super) fn deeper(self, inset: f32) -> Self {
+        Self { distance: self.distance + inset, ..self }
+    }
+
     /// Nothing within `reach`.
     pub(super) const fn beyond(reach: f32) -> Self {
         Self { distance: reach, normal: Vec3A::ZERO }

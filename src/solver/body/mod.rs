@@ -28,11 +28,14 @@ mod pinch;
 mod respond;
 mod room;
 pub mod shape;
+mod snug;
 mod sweep;
 mod take_out;
 #[cfg(test)]
 mod tests;
 mod touch;
+
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -45,6 +48,7 @@ pub use pierce::Pierced;
 pub use pinch::Pinches;
 pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
 pub use shape::ShapeError;
+pub use snug::Snug;
 pub(super) use take_out::take_out;
 pub use touch::Touch;
 
@@ -72,6 +76,8 @@ pub struct Body {
     pub rigid: Option<u32>,
     /// Whether it is a bone of the character that wears the cloth: it moves along with it, and has a volume.
     pub bone: bool,
+    /// The particles of the cloth that were made closer to it than thickness and margin ask for. They are kept as far away as they were then.
+    pub snug: Option<Arc<Snug>>,
 }
 
 /// Way of a bone in a substep, over half of how thick it is, that needs no more substeps (dimensionless).
@@ -81,7 +87,13 @@ impl Body {
     /// A body with default friction and no margin that moves from one pose to another in the frame.
     #[must_use]
     pub fn new(shape: SharedShape, from: Pose, to: Pose) -> Self {
-        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None, bone: false }
+        Self { shape, from, to, static_friction: 0.5, dynamic_friction: 0.4, margin: 0.0, rigid: None, bone: false, snug: None }
+    }
+
+    /// By how much nearer than `keep` `[m]` a particle may be, as it was made.
+    #[inline]
+    pub(crate) fn inset(&self, particle: u32, keep: f32) -> f32 {
+        self.snug.as_ref().map_or(0.0, |snug| snug.inset(particle, keep))
     }
 
     /// Whether the box around its way in the frame meets that between `low` and `high` `[m]`. False where a pose is not finite.

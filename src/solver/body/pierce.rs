@@ -6,8 +6,13 @@
 //!          '-.-'
 //! ```
 //!
-//! Nothing can bring the ends together as long as the bone pushes them apart. So it does not: it meets neither of them until they are out of it. Nor does it
-//! meet a particle that its skin holds so deep in the bone that no place it may go to is outside.
+//! Nothing can bring the ends together as long as the bone pushes them apart. So it does not: it meets neither of them until they are out of it.
+//!
+//! What its skin holds so close to a bone that no place it may go to is far enough away is kept only as far away as it may go:
+//!
+//! ```text
+//!   kept = min(thickness + margin, distance of the target + maximum distance from it)
+//! ```
 
 use glam::{Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
@@ -30,13 +35,23 @@ pub(super) struct Pair {
     pub(super) particle: u32,
 }
 
-/// What bones go through, and buffers to find it.
+/// A particle that its skin holds nearer to a part of a bone than is kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Held {
+    pub(super) pair: Pair,
+    /// By how much nearer it may be `[m]`.
+    pub(super) inset: f32,
+}
+
+/// What bones go through, what skins hold at them, and buffers to find it.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pierced {
     /// Sorted.
     pairs: Vec<Pair>,
     before: Vec<Pair>,
+    held: Vec<Held>,
     /// Ends of edges that are far too long.
     edges: Vec<[u32; 2]>,
     planes: Vec<Vec4>,
@@ -46,6 +61,11 @@ impl Pierced {
     /// Sorted.
     pub(super) fn pairs(&self) -> &[Pair] {
         &self.pairs
+    }
+
+    /// What skins hold closer to bones than is kept, by body and part.
+    pub(super) fn held(&self) -> &[Held] {
+        &self.held
     }
 
     /// Finds what bones go through as the frame begins. `worst`: length of the worst edge over that at rest.
@@ -58,10 +78,11 @@ impl Pierced {
         worst: f32,
         positions: &[Vec4],
     ) {
-        let Self { pairs, before, edges, planes } = self;
+        let Self { pairs, before, held, edges, planes } = self;
         let longest = 1.0 + STRETCHED * fabric.strain_limit;
         core::mem::swap(pairs, before);
         pairs.clear();
+        held.clear();
         edges.clear();
         if worst > longest {
             let is_long = |&(a, b, inverse_square): &(usize, usize, f32)| {
@@ -83,33 +104,39 @@ impl Pierced {
                 }
                 let (geometry, at) = (Geometry::of(shape, planes), pose * local);
                 let near = shape.compute_aabb(&at).loosened(keep);
-                let is_within = |x: Vec4, reach: f32| {
+                let is_within = |x: Vec4, inset: f32, reach: f32| {
                     let x = x.truncate();
                     let may_be = near.mins.cmple(x).all() && near.maxs.cmpge(x).all();
-                    may_be && geometry.sample(Vec3A::from(at.inverse_transform_point(x)), reach).distance < reach
+                    may_be && geometry.sample(Vec3A::from(at.inverse_transform_point(x)), reach).distance + inset < reach
                 };
                 let first = before.partition_point(|pair| (pair.body, pair.part) < (b, part));
                 let known = before[first..].iter().take_while(|pair| (pair.body, pair.part) == (b, part));
-                let is_still = |pair: &&Pair| positions.get(pair.particle as usize).is_some_and(|x| is_within(*x, keep));
+                let is_still = |pair: &&Pair| {
+                    let inset = body.inset(pair.particle, keep);
+                    positions.get(pair.particle as usize).is_some_and(|x| is_within(*x, inset, keep))
+                };
                 pairs.extend(known.filter(is_still));
                 // Where its target is at the end of the frame, and the bone too.
                 if let (Some(skinned), Some(pose)) = (skinned, motion::valid(body.to)) {
-                    let (at, most) = (pose * local, half_thickness(shape));
-                    let near = shape.compute_aabb(&at);
+                    let (at, most) = (pose * local, keep + half_thickness(shape));
+                    let near = shape.compute_aabb(&at).loosened(keep);
                     for (i, target) in skinned.to.iter().enumerate() {
                         let is_near = near.mins.cmple(*target).all() && near.maxs.cmpge(*target).all();
-                        if !is_near || positions[i].w == 0.0 || skinned.distance(i) >= most {
+                        let free = skinned.distance(i);
+                        if !is_near || positions[i].w == 0.0 || free >= most {
                             continue;
                         }
-                        let sample = geometry.sample(Vec3A::from(at.inverse_transform_point(*target)), 0.0);
-                        if sample.distance + skinned.distance(i) < 0.0 {
-                            pairs.push(Pair { body: b, part, particle: i as u32 });
+                        let sample = geometry.sample(Vec3A::from(at.inverse_transform_point(*target)), keep);
+                        let inset = keep - sample.distance - free;
+                        if inset > 0.0 {
+                            held.push(Held { pair: Pair { body: b, part, particle: i as u32 }, inset });
                         }
                     }
                 }
                 for &[a, c] in &*edges {
                     let ends = [a, c].map(|p| positions[p as usize]);
-                    if is_within(0.5 * (ends[0] + ends[1]), 0.0) {
+                    let inset = body.inset(a, keep).min(body.inset(c, keep));
+                    if is_within(0.5 * (ends[0] + ends[1]), inset, 0.0) {
                         pairs.extend([a, c].map(|particle| Pair { body: b, part, particle }));
                     }
                 }

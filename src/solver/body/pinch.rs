@@ -64,12 +64,13 @@ impl Pinches {
                     }
                     let normal = at.rotation * Vec3::from(sample.normal);
                     let most = if before.binary_search(&i).is_ok() { RELEASED } else { PINCHED };
-                    let gap = sample.distance + nearest.w;
+                    let distance = sample.distance + body.inset(i, keep);
+                    let gap = distance + nearest.w;
                     if gap < most * keep && normal.dot(nearest.truncate()) < OPPOSED {
                         particles.push(i);
                     }
-                    if sample.distance < nearest.w {
-                        *nearest = normal.extend(sample.distance);
+                    if distance < nearest.w {
+                        *nearest = normal.extend(distance);
                     }
                 }
             });

@@ -9,7 +9,7 @@ use super::{Body, motion};
 /// Times that all bodies are gone through: out of one may be into another.
 const ROUNDS: u32 = 2;
 
-/// Moves points `[m]` out of bodies, as they are at the end of the frame, to the distance `keep` `[m]` on top of their margins. What is deeper than half
+/// Moves points `[m]`, one of each particle of a cloth, out of bodies, as they are at the end of the frame, to the distance `keep` `[m]` on top of their margins. What is deeper than half
 /// of the way to the middle of a body is moved ever less, and at its middle not at all: there out is as well the other way. `planes` is a buffer.
 pub(in crate::solver) fn take_out(bodies: &[Body], keep: f32, points: &mut [Vec3], planes: &mut Vec<Vec4>) {
     for _ in 0..ROUNDS {
@@ -24,9 +24,10 @@ pub(in crate::solver) fn take_out(bodies: &[Body], keep: f32, points: &mut [Vec3
                 let (geometry, at) = (Geometry::of(shape, planes), pose * local);
                 let near = shape.compute_aabb(&at).loosened(keep);
                 let inner = half_thickness(shape);
-                for point in points.iter_mut().filter(|point| near.mins.cmple(**point).all() && near.maxs.cmpge(**point).all())
-                {
+                let is_near = |point: &Vec3| near.mins.cmple(*point).all() && near.maxs.cmpge(*point).all();
+                for (i, point) in (0..).zip(&mut *points).filter(|(_, point)| is_near(point)) {
                     let sample = geometry.sample(Vec3A::from(at.inverse_transform_point(*point)), keep);
+                    let sample = sample.deeper(body.inset(i, keep));
                     let depth = -sample.distance;
                     if sample.distance >= keep || sample.normal == Vec3A::ZERO {
                         continue;

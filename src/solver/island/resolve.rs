@@ -70,6 +70,19 @@ impl Island {
                 }
             }
         }
+        self.limit(cloths);
+    }
+
+    /// Brings back what was moved farther from its skin than it may be: limits have the last word.
+    fn limit(&mut self, cloths: &mut impl Members) {
+        for part in 0..self.surface.parts.len() {
+            if let Some(m) = cloths.member(part).filter(|m| m.moves)
+                && let Some(skinned) = m.cloth.input.skinned
+                && skinned.limit_silently(&mut m.state.positions, &mut m.state.previous)
+            {
+                self.regather(part, m.state, m.offset);
+            }
+        }
     }
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.

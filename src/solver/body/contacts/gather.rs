@@ -80,6 +80,11 @@ impl BodyContacts {
                 }
                 let candidates = (first, self.candidates.len() as u32);
                 if candidates.1 > candidates.0 {
+                    if body.snug.is_some() {
+                        let keep = thickness + finite_or_zero(body.margin);
+                        let listed = &mut self.candidates[first as usize..];
+                        listed.iter_mut().for_each(|candidate| candidate.inset = body.inset(candidate.particle, keep));
+                    }
                     let planes = (first_plane, self.planes.len() as u32);
                     let places = self.remember((b, index), &mut known, candidates, is_two_sided(shape));
                     self.parts.push(Part { body: b, index, local, planes, candidates, places, radius });
@@ -117,7 +122,7 @@ impl BodyContacts {
 
 impl Candidate {
     fn new(particle: u32) -> Self {
-        Self { particle, load: 0.0, plane: Plane::default(), clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, left_out: false }
+        Self { particle, load: 0.0, plane: Plane::default(), clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, inset: 0.0, left_out: false }
     }
 }
 

@@ -25,6 +25,8 @@ impl Setting<'_> {
         [to_body0, to_body1]: [Mat3A; 2],
         sample: &impl Fn(Vec3A, f32) -> Sample,
     ) -> bool {
+        let inset = candidate.inset;
+        let sample = &|q: Vec3A, reach: f32| sample(q, reach).deeper(inset);
         let band = BAND * self.keep;
         let i = candidate.particle as usize;
         let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {

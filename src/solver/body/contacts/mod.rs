@@ -27,6 +27,8 @@ struct Candidate {
     /// A point of body space and a radius without any surface around it `[m]`: no query while the path stays inside.
     clear_at: Vec3,
     clear: f32,
+    /// By how much nearer it may be than others, as it was made `[m]`.
+    inset: f32,
     /// Whether it is pinned to a body, and so touches none.
     left_out: bool,
 }
@@ -113,15 +115,25 @@ impl BodyContacts {
         }
     }
 
-    /// Takes out the particles that bones go through.
+    /// Takes out the particles that bones go through, and keeps those that their skin holds only as far away as that lets them.
     pub(crate) fn let_through(&mut self, pierced: &Pierced) {
-        for &Pair { body, part, particle } in pierced.pairs() {
-            let Ok(at) = self.parts.binary_search_by_key(&(body, part), |part| (part.body, part.index)) else { continue };
-            let (first, end) = self.parts[at].candidates;
-            let candidates = &mut self.candidates[first as usize..end as usize];
-            if let Ok(at) = candidates.binary_search_by_key(&particle, |candidate| candidate.particle) {
-                (candidates[at].left_out, candidates[at].load) = (true, 0.0);
+        for held in pierced.held() {
+            if let Some(candidate) = self.candidate(held.pair) {
+                candidate.inset = candidate.inset.max(held.inset);
             }
         }
+        for &pair in pierced.pairs() {
+            if let Some(candidate) = self.candidate(pair) {
+                (candidate.left_out, candidate.load) = (true, 0.0);
+            }
+        }
+    }
+
+    fn candidate(&mut self, Pair { body, part, particle }: Pair) -> Option<&mut Candidate> {
+        let at = self.parts.binary_search_by_key(&(body, part), |part| (part.body, part.index)).ok()?;
+        let (first, end) = self.parts[at].candidates;
+        let candidates = &mut self.candidates[first as usize..end as usize];
+        let at = candidates.binary_search_by_key(&particle, |candidate| candidate.particle).ok()?;
+        Some(&mut candidates[at])
     }
 }

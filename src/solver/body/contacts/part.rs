@@ -89,7 +89,7 @@ impl Setting<'_> {
             let q = to_body1 * (Vec3A::from_vec4(*x) - self.motion.translation1);
             let off = (q - Vec3A::from(candidate.clear_at)).length();
             let clear = COSTLY && candidate.clear - off >= self.keep + band;
-            !clear && sample(q, self.keep + band).distance < self.keep + band
+            !clear && sample(q, self.keep + band).distance + candidate.inset < self.keep + band
         });
         touches.count()
     }

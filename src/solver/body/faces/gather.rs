@@ -70,6 +70,14 @@ impl FaceContacts {
                     let was = (&self.candidates_before[..], &self.creases_before[..]);
                     remember(was, before.candidates, &mut self.candidates[first as usize..], &self.creases);
                 }
+                if body.snug.is_some() {
+                    // Where cloth is that close its particles tell all there is to know.
+                    let is_snug = |particles: &[u32; 3]| particles.iter().any(|&p| body.inset(p, keep) > 0.0);
+                    let listed = self.candidates[first as usize..].iter_mut();
+                    listed.filter(|candidate| is_snug(&candidate.particles)).for_each(|candidate| {
+                        (candidate.left_out, candidate.load) = (true, 0.0);
+                    });
+                }
                 let first_plane = self.planes.len() as u32;
                 if let TypedShape::ConvexPolyhedron(polyhedron) = shape.as_typed_shape() {
                     geometry::hull_planes(polyhedron, &mut self.planes);

@@ -154,9 +154,10 @@ impl FaceContacts {
         }
     }
 
-    /// Takes out the faces of particles that bones go through.
+    /// Takes out the faces of particles that bones go through, or that their skin holds.
     pub(crate) fn let_through(&mut self, pierced: &Pierced) {
-        for &Pair { body, part, particle } in pierced.pairs() {
+        let held = pierced.held().iter().map(|held| held.pair);
+        for Pair { body, part, particle } in held.chain(pierced.pairs().iter().copied()) {
             let Some(part) = self.parts.iter().find(|p| (p.body, p.index) == (body, part)) else { continue };
             let (first, end) = part.candidates;
             for candidate in &mut self.candidates[first as usize..end as usize] {
