@@ -1,6 +1,8 @@
 //! How tangled cloth is, and how strong the means are that are used against it.
 
-/// How tangled a surface is.
+use super::resolve::Contour;
+
+/// How tangled a surface is; of what is not held as it is, by pins or by the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verdict {
@@ -15,6 +17,14 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// Takes in a contour.
+    pub(super) fn add(&mut self, contour: &Contour) {
+        self.crossings += contour.count;
+        self.contours += 1;
+        self.contour_length += contour.length;
+        self.regions += u32::from(contour.kind.separates());
+    }
+
     /// Whether nothing crosses.
     #[must_use]
     pub fn is_clean(&self) -> bool {

@@ -21,7 +21,7 @@ use super::geometry::{Geometry, for_each_part, half_thickness, hull_planes};
 use super::{Body, motion};
 use crate::solver::rest::Springs;
 use crate::solver::settings::Fabric;
-use crate::solver::skinned::Skinned;
+use crate::solver::skinned::{Reins, Skinned};
 
 /// Elongation beyond which an edge is looked at, in strain limits (dimensionless).
 const STRETCHED: f32 = 5.0;
@@ -72,7 +72,7 @@ impl Pierced {
     pub fn find(
         &mut self,
         bodies: &[Body],
-        skinned: Option<&Skinned>,
+        skinned: Option<(&Skinned, &Reins)>,
         fabric: &Fabric,
         springs: &Springs,
         worst: f32,
@@ -90,7 +90,7 @@ impl Pierced {
             };
             edges.extend(springs.each().filter(is_long).map(|(a, b, _)| [a as u32, b as u32]));
         }
-        let skinned = skinned.filter(|skinned| skinned.limits(positions.len()));
+        let skinned = skinned.filter(|(skinned, _)| skinned.limits(positions.len()));
         if before.is_empty() && edges.is_empty() && skinned.is_none() {
             return;
         }
@@ -117,12 +117,12 @@ impl Pierced {
                 };
                 pairs.extend(known.filter(is_still));
                 // Where its target is at the end of the frame, and the bone too.
-                if let (Some(skinned), Some(pose)) = (skinned, motion::valid(body.to)) {
+                if let (Some((skinned, reins)), Some(pose)) = (skinned, motion::valid(body.to)) {
                     let (at, most) = (pose * local, keep + half_thickness(shape));
                     let near = shape.compute_aabb(&at).loosened(keep);
                     for (i, target) in skinned.to.iter().enumerate() {
                         let is_near = near.mins.cmple(*target).all() && near.maxs.cmpge(*target).all();
-                        let free = skinned.distance(i);
+                        let free = reins.distance(skinned, i);
                         if !is_near || positions[i].w == 0.0 || free >= most {
                             continue;
                         }

@@ -47,7 +47,7 @@ impl Island {
     /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle
     /// are left out.
     pub fn respond(&mut self) {
-        if self.looks == 0 || self.moved || !self.total.is_clean() {
+        if self.looks == 0 || self.moved || !self.crossings().is_empty() {
             self.share = 0.0;
             if self.total.is_clean() {
                 let Self { contacts, retreat, .. } = self;
@@ -67,7 +67,7 @@ impl Island {
             return;
         }
         let Self { surface, untangler, finder, contacts, weights, pinned, .. } = self;
-        let clean = self.total.is_clean();
+        let clean = untangler.detector.crossings().is_empty();
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
@@ -91,7 +91,7 @@ impl Island {
             (self.stale, self.known) = (false, false);
             self.total = self.untangler.look_again(&self.surface, &self.positions);
             self.sum_up();
-        } else if self.total.is_clean() {
+        } else if self.crossings().is_empty() {
             if !self.look_where_drifted() {
                 self.look_and_find();
             }
@@ -115,7 +115,7 @@ impl Island {
         self.stale = false;
         // Of a cloth that was left out nothing is known.
         let all = (0..surface.parts.len()).all(|part| !untangler.detector.is_quarantined(part as u16));
-        self.known = all && self.total.is_clean();
+        self.known = all && untangler.detector.crossings().is_empty();
         self.sum_up();
     }
 
@@ -144,7 +144,7 @@ impl Island {
         if self.stale {
             self.look();
         }
-        self.weighed = !self.total.is_clean();
+        self.weighed = !self.crossings().is_empty();
         if self.weighed {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
@@ -166,13 +166,19 @@ impl Island {
     /// Gives each cloth its share of the verdict.
     fn sum_up(&mut self) {
         self.verdicts.fill(Verdict::default());
+        self.authored.fill(0);
+        if self.crossings().is_empty() {
+            return;
+        }
+        let Self { surface, untangler, pinned, bound, .. } = self;
+        self.total = untangler.leave_held(surface, |v| pinned[v as usize] || bound[v as usize]);
         for (contour, [a, b]) in parts_of_contours(&self.surface, &self.untangler) {
-            for part in [Some(a), (a != b).then_some(b)].into_iter().flatten() {
-                let verdict = &mut self.verdicts[usize::from(part)];
-                verdict.crossings += contour.count;
-                verdict.contours += 1;
-                verdict.contour_length += contour.length;
-                verdict.regions += u32::from(contour.kind.separates());
+            for part in [Some(a), (a != b).then_some(b)].into_iter().flatten().map(usize::from) {
+                if contour.authored {
+                    self.authored[part] += contour.count;
+                } else {
+                    self.verdicts[part].add(contour);
+                }
             }
         }
     }

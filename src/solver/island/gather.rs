@@ -9,6 +9,16 @@ use crate::solver::state::ClothState;
 impl Island {
     pub(super) fn gather_member(&mut self, part: usize, m: &Member<'_>) {
         self.gather(part, m.state, m.offset, m.fixed);
+        let range = self.range(part);
+        match m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len())) {
+            Some(skinned) => {
+                let thickness = self.surface.parts[part].thickness;
+                for (i, bound) in self.bound[range].iter_mut().enumerate() {
+                    *bound = m.scratch.reins.distance(skinned, i) < thickness;
+                }
+            }
+            None => self.bound[range].fill(false),
+        }
         if m.still {
             self.hold(part);
         }

@@ -86,6 +86,8 @@ pub struct Island {
     /// Whether the weights are those of the last frame.
     weighed: bool,
     verdicts: Vec<Verdict>,
+    /// Crossings of each cloth that are held as they are.
+    authored: Vec<u32>,
     total: Verdict,
     iterations: u32,
     /// Whether something moved since it was gathered, and since the last look.
@@ -96,8 +98,9 @@ pub struct Island {
     substep: Vec<f32>,
     /// Cloths that are not to be moved.
     fixed: Vec<bool>,
-    /// Particles that pins hold, whether or not their cloth is to be moved.
+    /// Particles that pins hold, whether or not their cloth is to be moved, and those that their skin holds as tightly.
     pinned: Vec<bool>,
+    bound: Vec<bool>,
     retreat: Retreat,
     /// Whether what comes to cross within a frame will be taken back at its end.
     takes_back: bool,
@@ -136,6 +139,8 @@ impl Island {
             substep: vec![0.0; surface.parts.len()],
             fixed: vec![false; surface.parts.len()],
             pinned: vec![false; n],
+            bound: vec![false; n],
+            authored: vec![0; surface.parts.len()],
             positions: vec![Vec4::ZERO; n],
             previous: vec![Vec4::ZERO; n],
             verdicts: vec![Verdict::default(); surface.parts.len()],
@@ -210,6 +215,12 @@ impl Island {
     #[must_use]
     pub fn verdict(&self, part: usize) -> Verdict {
         self.verdicts.get(part).copied().unwrap_or_default()
+    }
+
+    /// Crossings of cloth `part` that pins or the skin hold as they are, which [`Self::verdict`] does not count: nothing can be done about them.
+    #[must_use]
+    pub fn authored(&self, part: usize) -> u32 {
+        self.authored.get(part).copied().unwrap_or_default()
     }
 
     /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Self::evaluate`]; empty before the first tangle.

@@ -18,6 +18,7 @@ impl Island {
     /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
     pub fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
+        self.rein_in(dt, cloths);
         if !self.total.is_clean() && (0..parts).any(|part| cloths.member(part).is_some_and(|m| m.at_load)) {
             self.load(settings, AT_LOAD, cloths);
         }
@@ -52,9 +53,13 @@ impl Island {
 
     /// Gives what moved back to the cloths, and keeps it out of bodies.
     fn give_back(&mut self, cloths: &mut impl Members) {
-        if !self.moved {
-            return;
+        if self.moved {
+            self.give_back_moved(cloths);
         }
+        self.limit(cloths);
+    }
+
+    fn give_back_moved(&mut self, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
         for part in 0..parts {
             let Some(m) = cloths.member(part) else { continue };
@@ -70,15 +75,30 @@ impl Island {
                 }
             }
         }
-        self.limit(cloths);
+    }
+
+    /// Draws what was tangled in the last frame to its skin.
+    fn rein_in(&self, dt: f32, cloths: &mut impl Members) {
+        for part in 0..self.surface.parts.len() {
+            if let Some(m) = cloths.member(part).filter(|m| m.moves)
+                && let Some(skinned) = m.cloth.input.skinned
+                && skinned.limits(m.state.positions.len())
+            {
+                let tangled = if self.weighed { self.weights(part) } else { &[] };
+                m.scratch.reins.advance(skinned, tangled, dt);
+            }
+        }
     }
 
     /// Brings back what was moved farther from its skin than it may be: limits have the last word.
     fn limit(&mut self, cloths: &mut impl Members) {
+        if !self.moved && self.crossings().is_empty() {
+            return;
+        }
         for part in 0..self.surface.parts.len() {
             if let Some(m) = cloths.member(part).filter(|m| m.moves)
                 && let Some(skinned) = m.cloth.input.skinned
-                && skinned.limit_silently(&mut m.state.positions, &mut m.state.previous)
+                && skinned.limit_silently(&m.scratch.reins, &mut m.state.positions, &mut m.state.previous)
             {
                 self.regather(part, m.state, m.offset);
             }

@@ -70,6 +70,8 @@ pub struct Contour {
     pub centre: Vec3,
     /// Mean length at rest of the edges that cross `[m]`.
     pub edge: f32,
+    /// Whether all of it is held as it is, by pins or by the skin: nothing is done about it.
+    pub authored: bool,
 }
 
 /// No link: the edge has no face there, or the segment cannot be followed.
@@ -121,14 +123,23 @@ pub struct ContourGraph {
 }
 
 impl ContourGraph {
-    /// Sums up the contours that so many crossings make.
+    /// Sums up the contours that are not authored.
     #[must_use]
-    pub fn verdict(&self, crossings: u32) -> Verdict {
-        Verdict {
-            crossings,
-            contours: self.contours.len() as u32,
-            contour_length: self.contours.iter().map(|c| c.length).fold(0.0, |sum, l| sum + l),
-            regions: self.contours.iter().filter(|c| c.kind.separates()).count() as u32,
+    pub fn verdict(&self) -> Verdict {
+        let mut verdict = Verdict::default();
+        self.contours.iter().filter(|contour| !contour.authored).for_each(|contour| verdict.add(contour));
+        verdict
+    }
+
+    /// Takes contours for authored of which every particle is `held` where it is.
+    pub fn leave_held(&mut self, surface: &Surface, crossings: &[Crossing], held: impl Fn(u32) -> bool) {
+        let topology = &surface.topology;
+        for k in 0..self.contours.len() {
+            let is_held = |&node: &u32| {
+                let Crossing { edge, face, .. } = crossings[node as usize];
+                topology.edges[edge as usize].iter().chain(&topology.faces[face as usize]).all(|v| held(*v))
+            };
+            self.contours[k].authored = self.nodes_of(k).iter().all(is_held);
         }
     }
 

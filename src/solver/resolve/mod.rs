@@ -155,7 +155,7 @@ impl Resolver {
         self.points.clear();
         self.points.extend(self.terms.iter().map(|t| t.point.as_vec3()));
         self.graph.trace(surface, crossings, &self.points, |v| positions[v as usize].truncate());
-        self.graph.verdict(crossings.len() as u32)
+        self.graph.verdict()
     }
 
     /// The contours traced last.
@@ -273,7 +273,7 @@ impl Resolver {
 
     /// Does to a contour what was decided.
     fn undo(&mut self, view: View<'_>, previous: &[Vec4], contour: usize, step: f32, settings: &ResolveSettings) {
-        if self.is_ordered(view, contour) {
+        if self.graph.contours[contour].authored || self.is_ordered(view, contour) {
             return;
         }
         if self.latches.now[contour].strategy == Strategy::Peel {
@@ -379,6 +379,12 @@ impl Untangler {
     pub fn look(&mut self, surface: &Surface, positions: &[Vec4]) -> Verdict {
         let crossings = self.detector.detect(surface, positions);
         self.resolver.analyse(surface, crossings, positions)
+    }
+
+    /// Leaves contours that are held as they are out of account, all of whose particles are `held`; the verdict on the others.
+    pub fn leave_held(&mut self, surface: &Surface, held: impl Fn(u32) -> bool) -> Verdict {
+        self.resolver.graph.leave_held(surface, self.detector.crossings(), held);
+        self.resolver.graph.verdict()
     }
 
     /// As [`Self::look`], of cloth that is looked at in every frame.

@@ -8,7 +8,7 @@ use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
 /// Fastest that the way out of a body changes `[m/s]`: which side is out may change at once.
-const FASTEST: f32 = 2.0;
+pub(super) const FASTEST: f32 = 2.0;
 
 /// Sweeps over targets that are too far from their neighbours.
 const SWEEPS: u32 = 16;

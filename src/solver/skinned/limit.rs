@@ -2,19 +2,19 @@
 
 use glam::{Vec3, Vec4};
 
-use super::Skinned;
+use super::{Reins, Skinned};
 
 impl Skinned {
     /// Brings particles back within their limits at the end of a substep, from the share `s0` of the frame to `s1`. What takes one farther than its own
     /// way and that of its target gives it no speed: a limit that shrinks, a blend, a jump.
-    pub fn limit(&self, [s0, s1]: [f32; 2], positions: &mut [Vec4], previous: &mut [Vec4]) {
+    pub fn limit(&self, reins: &Reins, [s0, s1]: [f32; 2], positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.limits(positions.len()) {
             return;
         }
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
             let target = self.target(i, s1);
             let at = x.truncate();
-            let to = self.within(i, s1, target, at);
+            let to = self.within(i, reins.distance(self, i), s1, target, at);
             if to == at {
                 continue;
             }
@@ -28,14 +28,14 @@ impl Skinned {
     }
 
     /// Brings particles back within their limits at the end of the frame, without any speed; whether any was beyond.
-    pub fn limit_silently(&self, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+    pub fn limit_silently(&self, reins: &Reins, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         if !self.limits(positions.len()) {
             return false;
         }
         let mut any = false;
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
             let at = x.truncate();
-            let by = (self.within(i, 1.0, self.to[i], at) - at).extend(0.0);
+            let by = (self.within(i, reins.distance(self, i), 1.0, self.to[i], at) - at).extend(0.0);
             any |= by != Vec4::ZERO;
             *x += by;
             *old += by;
@@ -49,10 +49,9 @@ impl Skinned {
         any && self.fits(count)
     }
 
-    /// The nearest place to `at` `[m]` that the limits of particle `i` allow.
+    /// The nearest place to `at` `[m]` that the limits of particle `i` allow, `most` `[m]` from its target.
     #[inline]
-    fn within(&self, i: usize, s: f32, target: Vec3, at: Vec3) -> Vec3 {
-        let most = self.distance(i);
+    fn within(&self, i: usize, most: f32, s: f32, target: Vec3, at: Vec3) -> Vec3 {
         let mut to = at;
         if let Some(&behind) = self.backstop_distance.get(i)
             && behind < most
@@ -93,7 +92,7 @@ mod tests {
 
     fn limited(skinned: &Skinned, at: Vec3, old: Vec3) -> (Vec3, Vec3) {
         let (mut x, mut previous) = ([at.extend(1.0)], [old.extend(1.0)]);
-        skinned.limit([0.0, 1.0], &mut x, &mut previous);
+        skinned.limit(&Reins::default(), [0.0, 1.0], &mut x, &mut previous);
         (x[0].truncate(), x[0].truncate() - previous[0].truncate())
     }
 

@@ -12,10 +12,12 @@
 mod avoid;
 mod drive;
 mod limit;
+mod rein;
 
 use glam::Vec3;
 
 pub use avoid::Surroundings;
+pub use rein::Reins;
 
 /// Below this maximum distance a particle is as good as pinned `[m]`.
 pub const PINNED: f32 = 1.0e-3;

@@ -48,7 +48,9 @@ impl Stepped<'_> {
         scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
         scratch.contacts.leave_out(scratch.pinches.particles());
         scratch.faces.leave_out(scratch.pinches.particles());
-        scratch.pierced.find(input.bodies, input.skinned, fabric, &rest.springs, scratch.worst_edge, &state.positions);
+        let Scratch { pierced, reins, worst_edge, .. } = scratch;
+        let skinned = input.skinned.map(|skinned| (skinned, &*reins));
+        pierced.find(input.bodies, skinned, fabric, &rest.springs, *worst_edge, &state.positions);
         scratch.contacts.let_through(&scratch.pierced);
         scratch.faces.let_through(&scratch.pierced);
         scratch.frame = Some(Frame {

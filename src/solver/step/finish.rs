@@ -28,7 +28,7 @@ impl Stepped<'_> {
             // Pins on bodies that cloth moves have a mass, and yet stay where they are.
             scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
             if let Some(skinned) = self.input.skinned {
-                skinned.limit_silently(&mut state.positions, &mut state.previous);
+                skinned.limit_silently(&scratch.reins, &mut state.positions, &mut state.previous);
             }
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }

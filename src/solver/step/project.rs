@@ -36,7 +36,7 @@ impl Stepped<'_> {
             scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
         if let Some(skinned) = self.input.skinned {
-            skinned.limit([s0, s1], x, old);
+            skinned.limit(&scratch.reins, [s0, s1], x, old);
         }
         // Without a fast body once a frame is enough.
         if scratch.driven || s1 == 1.0 {

@@ -6,6 +6,7 @@ use super::frame::Frame;
 use crate::solver::body::{BodyContacts, FaceContacts, Laid, Pierced, Pinches};
 use crate::solver::couple::Coupling;
 use crate::solver::integrate::{air, bend, leash, net, pull, spring, tether};
+use crate::solver::skinned::Reins;
 use crate::solver::state::ClothState;
 use crate::solver::wind::WindForces;
 
@@ -37,6 +38,8 @@ pub struct Scratch {
     pub(super) pinches: Pinches,
     /// Particles that bones do not meet, because they go through the cloth there.
     pub(super) pierced: Pierced,
+    /// How far from its skin what is tangled may be.
+    pub(in crate::solver) reins: Reins,
     pub(super) wind: WindForces,
     pub(super) pulls: pull::Pulls,
     pub(super) rigid: Vec<u32>,

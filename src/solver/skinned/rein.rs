@@ -1,0 +1,83 @@
+//! Reins: a tangle is drawn to its skin, until nothing crosses or what crosses is the skin itself.
+//!
+//! ```text
+//!   tangled   r ← max(0, min(r, d) - w v Δt)     d: maximum distance, w: how much a particle belongs to the tangle, v: 2 m/s
+//!   else      r ← r + d Δt / 0.25 s              until it is d again
+//! ```
+//!
+//! Cloth that may go no farther than a few centimetres from its skin cannot be taken apart like other cloth: there is no room. Its skin is where it was
+//! authored, and that is whole. Where it is not, nothing can be done: such crossings are *authored*.
+
+use super::Skinned;
+use super::avoid::FASTEST;
+
+/// Time in which a rein is let go `[s]`, as limits come after the first frame.
+const RELEASE: f32 = 0.25;
+
+/// How far from their targets particles may be for now.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct Reins {
+    /// By particle `[m]`; infinite: as far as its maximum distance lets it. Empty while none is reined in.
+    most: Vec<f32>,
+}
+
+impl Reins {
+    /// Farthest distance of particle `i` from its target `[m]`; infinite where there is no limit.
+    #[inline]
+    #[must_use]
+    pub fn distance(&self, skinned: &Skinned, i: usize) -> f32 {
+        let most = skinned.distance(i);
+        self.most.get(i).map_or(most, |rein| rein.min(most))
+    }
+
+    /// Takes tangled particles nearer to their skin in a frame of `dt` `[s]`, and lets others go. `tangled`: how much each belongs to a tangle, 0 to 1;
+    /// empty when nothing is.
+    pub fn advance(&mut self, skinned: &Skinned, tangled: &[f32], dt: f32) {
+        let count = skinned.to.len();
+        if tangled.len() == count && self.most.is_empty() && tangled.iter().any(|weight| *weight > 0.0) {
+            self.most.resize(count, f32::INFINITY);
+        }
+        let mut any = false;
+        for (i, rein) in self.most.iter_mut().enumerate() {
+            let most = skinned.distance(i);
+            let weight = tangled.get(i).copied().unwrap_or(0.0);
+            if weight > 0.0 && most < f32::INFINITY {
+                *rein = (rein.min(most) - weight * FASTEST * dt).max(0.0);
+            } else {
+                *rein += most * dt / RELEASE;
+            }
+            if *rein >= most {
+                *rein = f32::INFINITY;
+            }
+            any |= *rein < f32::INFINITY;
+        }
+        if !any {
+            self.most.clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn a_tangle_is_at_its_skin_in_time_and_gets_its_limits_back() {
+        let skinned =
+            Skinned { to: vec![Vec3::ZERO; 3], max_distance: vec![0.04, 0.04, f32::INFINITY], ..Skinned::of_radius(1.0) };
+        let distances = |reins: &Reins| [0, 1, 2].map(|i| reins.distance(&skinned, i));
+        for rate in [30.0f32, 60.0, 144.0] {
+            let mut reins = Reins::default();
+            (0..(0.02 * rate).ceil() as u32).for_each(|_| reins.advance(&skinned, &[1.0, 0.0, 1.0], 1.0 / rate));
+            assert_eq!(distances(&reins), [0.0, 0.04, f32::INFINITY], "{rate}");
+            (0..(0.125 * rate) as u32).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
+            let [half, ..] = distances(&reins);
+            assert!((0.017..0.021).contains(&half), "{half} at {rate}");
+            (0..(0.15 * rate) as u32).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
+            assert_eq!(reins, Reins::default(), "{rate}");
+        }
+    }
+}
