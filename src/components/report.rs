@@ -50,6 +50,9 @@ pub struct ClothReport {
     /// Edges that cross faces, of this cloth with itself and with others, in the live shape: while [`held`](Self::held), another is shown.
     /// 0 while it is stopped by an error.
     pub crossings: u32,
+    /// Edges that cross faces as they were made: pins hold all of it, or its skin goes through itself and holds it. Nothing can be done about those, and no
+    /// frame is held for them. The cure is in the pins, or in the weights and the clip of the skin.
+    pub authored: u32,
     /// Intersection curves.
     pub contours: u32,
     /// Length of all curves `[m]`.

@@ -63,6 +63,7 @@ pub(crate) fn judge(
             let outcome = particles.display.settle(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
 
             report.crossings = verdict.crossings;
+            report.authored = at.map_or(0, |(island, part)| island.solver.authored(part));
             report.contours = verdict.contours;
             report.contour_length = verdict.contour_length;
             report.regions = verdict.regions;

@@ -43,7 +43,7 @@ impl Reins {
             let most = skinned.distance(i);
             let weight = tangled.get(i).copied().unwrap_or(0.0);
             if weight > 0.0 && most < f32::INFINITY {
-                *rein = (rein.min(most) - weight * FASTEST * dt).max(0.0);
+                *rein = (rein.min(most) - FASTEST * dt).max(0.0);
             } else {
                 *rein += most * dt / RELEASE;
             }
