@@ -122,7 +122,15 @@ impl BodyContacts {
 
 impl Candidate {
     fn new(particle: u32) -> Self {
-        Self { particle, load: 0.0, plane: Plane::default(), clear_at: Vec3::ZERO, clear: f32::NEG_INFINITY, inset: 0.0, left_out: false }
+        Self {
+            particle,
+            load: 0.0,
+            plane: Plane::default(),
+            clear_at: Vec3::ZERO,
+            clear: f32::NEG_INFINITY,
+            inset: 0.0,
+            left_out: false,
+        }
     }
 }
 
