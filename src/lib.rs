@@ -33,13 +33,13 @@ pub mod solver;
 pub mod lab;
 
 pub use components::{
-    Cloth, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled, ClothColliderPart,
-    ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
-    ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothErrorKind,
-    ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap,
-    ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet, ClothPins,
-    ClothPriority, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
-    ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
+    Cloth, ClothBlend, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled,
+    ClothColliderPart, ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded,
+    ClothContactEvents, ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError,
+    ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits,
+    ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPinSelect, ClothPinSet,
+    ClothPins, ClothPriority, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
+    ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode,
     ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
     ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, PositionPredicate,
     RecoveryCause, RecoveryLevel, WaitingFor,

@@ -31,7 +31,7 @@ pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
     bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve,
-    respond, sleep, sources, sync, touch,
+    respond, skin, sleep, sources, sync, touch,
 };
 use crate::time;
 
@@ -142,6 +142,7 @@ impl Plugin for ClothPlugin {
                         budget::budget,
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
+                        skin::change,
                         (carriers::travel, carriers::inertia, carriers::aim).chain(),
                         grab::grabs,
                         sleep::watch,

@@ -8,7 +8,7 @@ use super::checked::Checked;
 ///
 /// No cloth has it unless you put it on: without it nothing that happens depends on who looks. A cloth that has it takes all its substeps
 /// near the nearest active camera, half of them farther away, a quarter beyond that, and far away it stands still and is carried along
-/// rigidly by what it hangs on.
+/// rigidly by what it hangs on. A skinned one fades into its animation there, and the GPU skins it: see [`ClothBlend`](crate::ClothBlend).
 /// What it is at is in [`ClothReport::detail`](crate::ClothReport::detail).
 ///
 /// ```text
@@ -70,7 +70,7 @@ pub enum ClothDetail {
     Half,
     /// A quarter of them, and no fewer than 30 per second.
     Quarter,
-    /// None: it is carried along rigidly.
+    /// None: it is carried along rigidly, or is skinned by the GPU.
     Still,
 }
 

@@ -1,5 +1,6 @@
 //! What users spawn and read, one file per concern; `body` and `grip` come along with it and are not theirs.
 
+mod blend;
 pub(crate) mod body;
 pub(crate) mod checked;
 pub(crate) mod grip;
@@ -30,6 +31,7 @@ mod touch;
 mod untangle;
 mod wind;
 
+pub use blend::ClothBlend;
 pub use budget::{ClothBudget, ClothPriority};
 pub use character::{ClothCharacter, ClothInertia};
 pub use cloth::{Cloth, ClothDisabled};

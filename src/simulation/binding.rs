@@ -30,6 +30,8 @@ pub(crate) struct Binding {
     pub own_bounds: bool,
     /// What changed and could not be bound yet.
     pub pending: Change,
+    /// Whether the entity has its skin and the authored mesh, being animated only.
+    pub on_skin: bool,
 }
 
 /// The skin that was taken off a cloth's entity. A clone of the entity takes it along, with its own joints where those are cloned, too.

@@ -10,7 +10,7 @@ use super::slumber::Slumber;
 use super::worn::Worn;
 use crate::bind::{AnchorSets, Followed, Placement, Skin};
 use crate::components::checked::Checked;
-use crate::components::{ClothDetail, ClothInertia, ClothLod, ClothPins};
+use crate::components::{ClothBlend, ClothDetail, ClothInertia, ClothLod, ClothPins};
 use crate::solver::anchors::Anchors;
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
@@ -22,6 +22,10 @@ use crate::solver::skinned::Skinned;
 use crate::solver::slew::Slew;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
+
+/// Frames in which a skinned cloth is put where its skin is: the player of its animation poses it in the first or in the second. In the next the skin takes
+/// it along, at its own speed. Then it gets its limits within a quarter of a second, as in o3de.
+pub(crate) const FIRST_FRAMES: u32 = 2;
 
 /// Inputs: everything the solver is given in a frame.
 #[derive(Component, Clone)]
@@ -75,6 +79,9 @@ pub(crate) struct ClothInputs {
     /// skin.
     pub frames: u32,
     pub fade: f32,
+    /// How much of it is to be simulated, by [`ClothBlend`], and whether level of detail leaves it only its animation.
+    pub blend: ClothBlend,
+    pub too_far: bool,
     /// Whether places on the skin are taken out of bodies.
     pub avoids_bodies: bool,
     /// Skinning matrices in the frame of simulation, and those of the frame before.
@@ -148,6 +155,8 @@ impl ClothInputs {
             followed: Followed::default(),
             frames: 0,
             fade: 0.0,
+            blend: ClothBlend::default(),
+            too_far: false,
             avoids_bodies: true,
             skinned: Skinned::of_radius(radius),
             joints,
@@ -164,6 +173,27 @@ impl ClothInputs {
             tuned: false,
             checked: Checked::default(),
         }
+    }
+
+    /// How much of the limits a skinned cloth is to have (dimensionless, 0 to 1).
+    fn wanted(&self) -> f32 {
+        if self.too_far { 0.0 } else { self.blend.weight }
+    }
+
+    /// Whether it has faded into its animation, and is to stay there.
+    pub fn is_animated(&self) -> bool {
+        self.skin.is_some() && self.fade == 0.0 && self.wanted() == 0.0 && self.frames > FIRST_FRAMES
+    }
+
+    /// Takes what it may go from its skin towards what is wanted, in `dt` `[s]`.
+    pub fn advance_fade(&mut self, dt: f32) {
+        let (wanted, most) = (self.wanted(), self.blend.rate * dt);
+        self.fade = match self.skin {
+            // A skin that just came is not in the pose that it will have.
+            Some(_) if self.frames <= FIRST_FRAMES => 0.0,
+            Some(_) => self.fade + (wanted - self.fade).clamp(-most, most),
+            None => 1.0,
+        };
     }
 
     /// What carries the cloth as a whole: its entity or skin, or the first target if others hold it all.

@@ -154,7 +154,7 @@ fn bind_one(
         && cloth.error.is_none()
     {
         inputs.placement = wanted.placement;
-        inputs.active = !cloth.disabled;
+        inputs.active = !cloth.disabled && !cloth.binding.as_ref().is_some_and(|binding| binding.on_skin);
         activate(commands, cloth);
     }
     if cloth.disabled {
@@ -194,7 +194,8 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
         binding.pending = news;
     }
     let shown = &cloth.mesh.as_ref().ok_or(Obstacle::Wait(WaitingFor::Mesh))?.0;
-    let bound = cloth.binding.as_ref().filter(|b| b.instance.as_ref().is_none_or(|i| i.id() == shown.id()));
+    let on_skin = cloth.binding.as_ref().is_some_and(|b| b.on_skin && b.source.id() == shown.id());
+    let bound = cloth.binding.as_ref().filter(|b| on_skin || b.instance.as_ref().is_none_or(|i| i.id() == shown.id()));
     let source = match bound {
         Some(b) if b.instance.is_some() => b.source.clone(),
         _ => assembly.sources.authored(shown),
@@ -203,7 +204,7 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
     let placement = match &skinned {
         Some(skinned) => match &cloth.inputs {
             // A joint that is gone or broken is where it was last.
-            Some(inputs) if cloth.skinned.is_none() => {
+            Some(inputs) if on_skin || cloth.skinned.is_none() => {
                 inputs.skin.as_ref().and_then(|skin| skin.placement(&assembly.transforms)).unwrap_or(inputs.placement)
             }
             _ => skin_placement(assembly, skinned)?,
@@ -358,7 +359,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
         inputs.pins.clone_from(&cloth.pins);
         (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);
-        (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled);
+        (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled && !binding.on_skin);
         shown.surface = surface;
         shown.fit(vertices);
         shown.forced = true;
@@ -414,7 +415,14 @@ fn give_instance(
         let bounds = cloth.skinned_bounds || cloth.taken.is_some_and(|taken| taken.bounds);
         entity.try_insert(TakenSkin { inverse_bindposes, joints, bounds });
     }
-    entity.try_insert(Binding { source: wanted.source, instance: Some(handle), bake, own_bounds, pending: Change::None });
+    entity.try_insert(Binding {
+        source: wanted.source,
+        instance: Some(handle),
+        bake,
+        own_bounds,
+        pending: Change::None,
+        on_skin: false,
+    });
     entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
     entity.try_insert(NoAutoAabb);
     if let Some((low, high)) = bounds {
@@ -586,7 +594,7 @@ fn fail(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(Mat3::IDENTITY, |p| p.bake),
     };
     let own_bounds = cloth.own_bounds && cloth.binding.is_none();
-    entity.try_insert(Binding { source, instance: None, bake, own_bounds, pending: Change::None });
+    entity.try_insert(Binding { source, instance: None, bake, own_bounds, pending: Change::None, on_skin: false });
     entity.try_remove::<WaitingSince>();
     *cloth.status = ClothStatus::Failed;
     if notices.first(cloth.entity, error.kind.name()) {

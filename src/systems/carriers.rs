@@ -9,7 +9,6 @@
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
-use super::inputs::FIRST_FRAMES;
 use crate::bind::{AnchorSet, Placement, Skin, Transforms};
 use crate::components::{
     Cloth, ClothCharacter, ClothOnTargetLost, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleportMode,
@@ -17,7 +16,9 @@ use crate::components::{
 };
 use crate::islands::ClothIslands;
 use crate::schedule::ClothClock;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, Motion, TELEPORT_SPEED, TELEPORT_SPIN};
+use crate::simulation::{
+    ClothInputs, ClothParticles, ClothRest, ClothScratch, FIRST_FRAMES, Motion, TELEPORT_SPEED, TELEPORT_SPIN,
+};
 use crate::time::ClothTime;
 
 /// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180

@@ -4,9 +4,9 @@ use bevy::prelude::*;
 
 use crate::bind::{Placement, slew_weights};
 use crate::components::{
-    Cloth, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia, ClothLimits,
-    ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind, ClothWindZone,
-    ClothWindZoneShape,
+    Cloth, ClothBlend, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia,
+    ClothLimits, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind,
+    ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
 use crate::simulation::{Bones, ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
@@ -15,12 +15,6 @@ use crate::solver::skinned::Surroundings;
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
-
-/// Frames in which a skinned cloth is put where its skin is: the player of its animation poses it in the first or in the second. In the next the skin takes
-/// it along, at its own speed.
-pub(crate) const FIRST_FRAMES: u32 = 2;
-/// Time in which it gets its limits after that `[s]`, as in o3de.
-const FADE: f32 = 0.25;
 
 /// Reads global wind, gravity and zones, and lets the gusts travel.
 pub(crate) fn air(
@@ -63,7 +57,7 @@ pub(crate) fn settings(
             &ClothUntangling,
             &ClothSkipFrame,
             Option<&ClothLod>,
-            (Option<&ClothLimits>, Option<&ClothDrive>, Option<&ClothInertia>),
+            (Option<&ClothLimits>, Option<&ClothDrive>, Option<&ClothInertia>, Option<&ClothBlend>),
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -82,7 +76,7 @@ pub(crate) fn settings(
         untangle,
         skip,
         lod,
-        (limits, drive, inertia),
+        (limits, drive, inertia, blend),
         own_wind,
         build,
         mut inputs,
@@ -111,13 +105,7 @@ pub(crate) fn settings(
             (radius * scale, distances)
         });
         inputs.avoids_bodies = limits.is_none_or(|limits| limits.avoid_bodies);
-        // A skin that just came is not in the pose that it will have.
-        inputs.fade = match inputs.skin {
-            Some(_) if inputs.frames <= FIRST_FRAMES => 0.0,
-            Some(_) => (inputs.fade + dt / FADE).min(1.0),
-            None => 1.0,
-        };
-        skinned.scale *= inputs.fade;
+        inputs.blend = blend.map_or_else(ClothBlend::default, |blend| blend.checked(checked));
         skinned.damping_ratio = drive.map_or(1.0, |drive| drive.checked(checked));
         inputs.followed.advance(dt, skinned);
         inputs.inertia = inertia.map(|inertia| inertia.checked(checked));
@@ -140,6 +128,10 @@ pub(crate) fn settings(
             report.clamped.clone_from(&checked.clamped);
         }
         notices.clamped(entity, name, "cloth", checked);
+        let faded = inputs.fade;
+        inputs.advance_fade(time.delta_secs());
+        inputs.tuned |= inputs.fade != faded;
+        inputs.skinned.scale *= inputs.fade;
         if build.without_warp == build.faces && material.is_directed() && notices.first(entity, "warp") {
             warn!(
                 "cloth {} is to be stiffer along its warp (`bend_ratio`, `stretch_ratio`), and no texture coordinates tell where that is: it is as stiff in all \
@@ -239,8 +231,9 @@ pub(crate) fn surroundings(
             }
         }));
         if inputs.avoids_bodies && inputs.skinned.is_active() {
-            let ClothInputs { bodies, fabric, skinned, time_scale, .. } = inputs;
-            let around = Surroundings { bodies, rest: &rest.0, fabric, positions: &particles.state.positions };
+            let ClothInputs { bodies, fabric, skinned, time_scale, fade, .. } = inputs;
+            let positions = &particles.state.positions;
+            let around = Surroundings { bodies, rest: &rest.0, fabric, positions, share: *fade };
             skinned.avoid(&around, time.delta_secs() * *time_scale, &mut planes);
         }
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);

@@ -37,7 +37,8 @@ pub(crate) fn detail(
     for (entity, seen, layers, scratch, mut inputs, mut particles, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
-        let (low, high) = scratch.bounds.unwrap_or((at, at));
+        // Of what is only animated nobody knows more.
+        let (low, high) = scratch.bounds.filter(|_| inputs.active).unwrap_or((at, at));
         let by_lod = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
             let seen = seen.is_none_or(|seen| seen.get());
             inputs.unseen_for = if seen { 0.0 } else { inputs.unseen_for + time.delta_secs() };
@@ -70,7 +71,8 @@ pub(crate) fn detail(
             inputs.stepping.inner_rate = inputs.stepping.substep_rate;
         }
         let was = inputs.carried;
-        inputs.carried = detail == ClothDetail::Still && inputs.time_scale > 0.0;
+        inputs.too_far = detail == ClothDetail::Still && inputs.skin.is_some();
+        inputs.carried = detail == ClothDetail::Still && inputs.skin.is_none() && inputs.time_scale > 0.0;
         if inputs.carried {
             inputs.time_scale = 0.0;
             report.idle();

@@ -16,6 +16,7 @@ pub(crate) mod lod;
 pub(crate) mod release;
 pub(crate) mod resolve;
 pub(crate) mod respond;
+pub(crate) mod skin;
 pub(crate) mod sleep;
 pub(crate) mod sources;
 pub(crate) mod sync;

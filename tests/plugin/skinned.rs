@@ -365,3 +365,93 @@ fn inertia_that_is_out_of_range_is_told_of_and_used_clamped() {
     assert_eq!(report(&app, cloth).clamped, ["inertia.linear", "inertia.max_turn"]);
     assert!(finite(&app, cloth));
 }
+
+/// Whether a cloth has its own skin, to be skinned by the GPU, and nothing is simulated.
+fn is_animated(app: &App, cloth: Entity, source: &Handle<Mesh>) -> bool {
+    let world = app.world();
+    let has_skin = world.get::<SkinnedMesh>(cloth).is_some();
+    let shown = world.get::<Mesh3d>(cloth).expect("a mesh").0.id();
+    assert_eq!(has_skin, shown == source.id(), "mesh and skin go together");
+    has_skin && report(app, cloth).substeps == 0
+}
+
+#[test]
+fn a_cloth_fades_into_its_animation_and_out_of_it_without_a_jump() {
+    for rate in [30.0, 60.0, 144.0] {
+        let mut app = app();
+        frame_length(&mut app, 1.0 / rate);
+        let limits = ClothLimits { max_distance: ClothMap::Uniform(0.2), ..default() };
+        let (cloth, joints) = dressed(&mut app, 12, (limits, ClothBlend::default()));
+        let source = app.world().get::<Mesh3d>(cloth).expect("a mesh").0.clone();
+        let mut frame = 0;
+        let mut advance = |app: &mut App, frames: u32| {
+            for _ in 0..frames {
+                let time = frame as f32 / rate;
+                (0..2).for_each(|i| put(app, joints[i], dance(time, i as f32)));
+                run(app, 1);
+                frame += 1;
+            }
+        };
+        let second = rate as u32;
+        advance(&mut app, second);
+        assert!(!is_animated(&app, cloth, &source) && strays(&app, 12, cloth, joints) > 0.03);
+        let set = |app: &mut App, weight: f32| app.world_mut().get_mut::<ClothBlend>(cloth).expect("a blend").weight = weight;
+        set(&mut app, 0.5);
+        advance(&mut app, second);
+        assert!(strays(&app, 12, cloth, joints) < 0.102, "half of its limits");
+        set(&mut app, 0.0);
+        let mut last = f32::INFINITY;
+        for _ in 0..second {
+            advance(&mut app, 1);
+            if is_animated(&app, cloth, &source) {
+                break;
+            }
+            last = strays(&app, 12, cloth, joints);
+        }
+        assert!(is_animated(&app, cloth, &source) && last < 5.0e-3, "{rate} Hz: {last} m from its skin");
+        advance(&mut app, second);
+        assert!(is_animated(&app, cloth, &source));
+        set(&mut app, 1.0);
+        advance(&mut app, 1);
+        let off = strays(&app, 12, cloth, joints);
+        assert!(!is_animated(&app, cloth, &source) && off < 5.0e-3, "{rate} Hz: it begins {off} m from its skin");
+        advance(&mut app, second);
+        let off = strays(&app, 12, cloth, joints);
+        assert!((0.03..0.201).contains(&off) && finite(&app, cloth), "{rate} Hz: {off}");
+        assert_eq!(report(&app, cloth).restores + report(&app, cloth).resets, 0);
+    }
+}
+
+#[test]
+fn far_away_a_skinned_cloth_is_animated_only_and_it_can_change_meanwhile() {
+    let mut app = app();
+    let camera = app.world_mut().spawn((Camera3d::default(), Transform::from_xyz(0.0, 0.0, 3.0))).id();
+    let limits = ClothLimits { max_distance: ClothMap::Uniform(0.2), ..default() };
+    let lod = ClothLod { full_within: 10.0, still_beyond: 100.0, ..default() };
+    let (cloth, joints) = dressed(&mut app, 12, (limits, lod));
+    let source = app.world().get::<Mesh3d>(cloth).expect("a mesh").0.clone();
+    run(&mut app, 30);
+    assert!(!is_animated(&app, cloth, &source));
+    put(&mut app, camera, Transform::from_xyz(0.0, 0.0, 300.0));
+    run(&mut app, 30);
+    assert!(is_animated(&app, cloth, &source));
+    assert_eq!(report(&app, cloth).detail, ClothDetail::Still);
+    // Pins change, the character goes far, and it comes back.
+    record::<ClothTeleported>(&mut app);
+    *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = border();
+    joints.iter().for_each(|joint| put(&mut app, *joint, Transform::from_xyz(500.0, 0.0, 0.0)));
+    run(&mut app, 5);
+    assert!(is_animated(&app, cloth, &source));
+    put(&mut app, camera, Transform::from_xyz(500.0, 0.0, 3.0));
+    run(&mut app, 60);
+    assert!(!is_animated(&app, cloth, &source) && finite(&app, cloth));
+    assert!(strays(&app, 12, cloth, joints) < 0.21, "{}", strays(&app, 12, cloth, joints));
+    assert_eq!(seen::<ClothTeleported>(&app).len(), 0);
+    // It stops being a cloth while it is animated.
+    put(&mut app, camera, Transform::from_xyz(500.0, 0.0, 300.0));
+    run(&mut app, 30);
+    app.world_mut().entity_mut(cloth).remove::<Cloth>();
+    run(&mut app, 2);
+    let world = app.world();
+    assert!(world.get::<SkinnedMesh>(cloth).is_some() && world.get::<Mesh3d>(cloth).expect("a mesh").0.id() == source.id());
+}

@@ -21,6 +21,8 @@ pub struct Surroundings<'a> {
     pub rest: &'a RestShape,
     /// Its fabric.
     pub fabric: &'a Fabric,
+    /// How far out of bodies targets are taken (0 to 1): not at all where cloth is to be its skin.
+    pub share: f32,
     /// Its particles `[m]`; `w` is 0 where they are pinned.
     pub positions: &'a [Vec4],
 }
@@ -45,6 +47,11 @@ impl Skinned {
         }
         for ((to, skin), way) in self.to.iter().zip(&self.skin).zip(&mut self.way_out) {
             *way = *to - *skin;
+        }
+        if around.share < 1.0 {
+            for (to, skin) in self.to.iter_mut().zip(&self.skin) {
+                *to = skin.lerp(*to, around.share);
+            }
         }
     }
 
@@ -100,7 +107,7 @@ mod tests {
         let mut skinned = Skinned { from: rest.positions.clone(), to: rest.positions.clone(), ..Skinned::of_radius(0.2) };
         let bodies = [Body { bone: true, ..Body::at_rest(arm, Pose::from_translation(at)) }];
         let fabric = Fabric::default();
-        let around = Surroundings { bodies: &bodies, rest: &rest, fabric: &fabric, positions: &positions };
+        let around = Surroundings { bodies: &bodies, rest: &rest, fabric: &fabric, positions: &positions, share: 1.0 };
         for _ in 0..30 {
             // The skin comes anew in each frame.
             skinned.to.clone_from(&skinned.from);
