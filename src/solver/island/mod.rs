@@ -15,6 +15,7 @@ pub mod load;
 mod look;
 mod member;
 mod resolve;
+mod skins;
 mod substep;
 mod undo;
 
@@ -32,6 +33,7 @@ use super::resolve::{Contour, ResolveSettings, Strategy, Untangler};
 use super::respond::{Contacts, Finder};
 use super::retreat::Retreat;
 use super::verdict::Verdict;
+use skins::Skins;
 use undo::Undo;
 
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
@@ -123,6 +125,7 @@ pub struct Island {
     caught: Vec<bool>,
     /// Whether what was found at the last look is still known, as long as nothing moves far.
     known: bool,
+    skins: Skins,
 }
 
 impl Island {

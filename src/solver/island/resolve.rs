@@ -53,13 +53,9 @@ impl Island {
 
     /// Gives what moved back to the cloths, and keeps it out of bodies.
     fn give_back(&mut self, cloths: &mut impl Members) {
-        if self.moved {
-            self.give_back_moved(cloths);
+        if !self.moved {
+            return;
         }
-        self.limit(cloths);
-    }
-
-    fn give_back_moved(&mut self, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
         for part in 0..parts {
             let Some(m) = cloths.member(part) else { continue };
@@ -73,34 +69,6 @@ impl Island {
                 if let Some(m) = cloths.member(part) {
                     self.scatter(part, m.state, m.offset);
                 }
-            }
-        }
-    }
-
-    /// Draws what was tangled in the last frame to its skin.
-    fn rein_in(&self, dt: f32, cloths: &mut impl Members) {
-        for part in 0..self.surface.parts.len() {
-            if let Some(m) = cloths.member(part).filter(|m| m.moves)
-                && let Some(skinned) = m.cloth.input.skinned
-                && skinned.limits(m.state.positions.len())
-            {
-                let tangled = if self.weighed { self.weights(part) } else { &[] };
-                m.scratch.reins.advance(skinned, tangled, dt);
-            }
-        }
-    }
-
-    /// Brings back what was moved farther from its skin than it may be: limits have the last word.
-    fn limit(&mut self, cloths: &mut impl Members) {
-        if !self.moved && self.crossings().is_empty() {
-            return;
-        }
-        for part in 0..self.surface.parts.len() {
-            if let Some(m) = cloths.member(part).filter(|m| m.moves)
-                && let Some(skinned) = m.cloth.input.skinned
-                && skinned.limit_silently(&m.scratch.reins, &mut m.state.positions, &mut m.state.previous)
-            {
-                self.regather(part, m.state, m.offset);
             }
         }
     }

@@ -231,7 +231,7 @@ impl Island {
             return;
         }
         for part in 0..parts {
-            let Some(Member { cloth, state, scratch, offset, moves: true, .. }) = cloths.member(part) else { continue };
+            let Some(Member { state, scratch, offset, moves: true, .. }) = cloths.member(part) else { continue };
             let (offset, silent) = (offset.extend(0.0), finished && scratch.is_calm());
             self.contacts.scatter_cut(part, |i, now| {
                 if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
@@ -242,8 +242,6 @@ impl Island {
                     *x = to;
                 }
             });
-            // What its skin takes along is not stopped.
-            cloth.limit(state, scratch);
         }
     }
 

@@ -27,20 +27,17 @@ impl Skinned {
         }
     }
 
-    /// Brings particles back within their limits at the end of the frame, without any speed; whether any was beyond.
-    pub fn limit_silently(&self, reins: &Reins, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+    /// Brings particles back within their limits at the end of the frame, without any speed.
+    pub fn limit_silently(&self, reins: &Reins, positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.limits(positions.len()) {
-            return false;
+            return;
         }
-        let mut any = false;
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
             let at = x.truncate();
             let by = (self.within(i, reins.distance(self, i), 1.0, self.to[i], at) - at).extend(0.0);
-            any |= by != Vec4::ZERO;
             *x += by;
             *old += by;
         }
-        any
     }
 
     /// Whether any of `count` particles has a limit.

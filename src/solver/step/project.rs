@@ -25,16 +25,6 @@ impl Stepped<'_> {
         faces.lay(&mut grounds, &mut state.positions, &state.previous, laid);
     }
 
-    /// Brings particles back within the limits of their skin, after the frame without any speed.
-    pub fn limit(&self, state: &mut ClothState, scratch: &Scratch) {
-        let Some(skinned) = self.input.skinned else { return };
-        let (x, old) = (&mut state.positions, &mut state.previous);
-        match scratch.frame.as_ref().map(Frame::span) {
-            Some((s0, s1)) => skinned.limit(&scratch.reins, [s0, s1], x, old),
-            None => _ = skinned.limit_silently(&scratch.reins, x, old),
-        }
-    }
-
     /// Ends the substep: keeps the cloth out of bodies, and within the limits of its skin.
     pub fn project(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(frame) = &mut scratch.frame else { return };
@@ -45,9 +35,9 @@ impl Stepped<'_> {
         frame.report.body_contacts =
             scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
-        self.limit(state, scratch);
-        let x = &mut state.positions;
-        let Some(frame) = &mut scratch.frame else { return };
+        if let Some(skinned) = self.input.skinned {
+            skinned.limit(&scratch.reins, [s0, s1], x, old);
+        }
         // Without a fast body once a frame is enough.
         if scratch.driven || s1 == 1.0 {
             let since = if scratch.driven { frame.h } else { frame.dt };

@@ -1,0 +1,66 @@
+//! Tangles of cloth that its skin holds close are drawn to the skin, where that is whole: see [`Reins`](crate::solver::skinned::Reins).
+
+use glam::Vec4;
+
+use super::{Island, Members};
+use crate::solver::detect::Detector;
+
+/// Where the skins cross that cloths of an island follow; looked at only while something is tangled.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Skins {
+    detector: Option<Detector>,
+    targets: Vec<Vec4>,
+    /// By cloth.
+    cross: Vec<bool>,
+}
+
+impl Island {
+    /// Draws what was tangled in the last frame to its skin, unless that crosses itself or another.
+    pub(super) fn rein_in(&mut self, dt: f32, cloths: &mut impl Members) {
+        let parts = self.surface.parts.len();
+        let mut skins = core::mem::take(&mut self.skins);
+        if self.weighed {
+            self.look_at_skins(cloths, &mut skins);
+        }
+        for part in 0..parts {
+            if let Some(m) = cloths.member(part).filter(|m| m.moves)
+                && let Some(skinned) = m.cloth.input.skinned
+                && skinned.limits(m.state.positions.len())
+            {
+                let tangled = if self.weighed && !skins.cross[part] { self.weights(part) } else { &[] };
+                m.scratch.reins.advance(skinned, tangled, dt);
+            }
+        }
+        self.skins = skins;
+    }
+
+    /// Looks for crossings of the targets of all cloths; those without any are where they are.
+    #[cold]
+    fn look_at_skins(&self, cloths: &mut impl Members, skins: &mut Skins) {
+        let Skins { detector, targets, cross } = skins;
+        targets.clone_from(&self.positions);
+        let mut any = false;
+        for part in 0..self.surface.parts.len() {
+            let range = self.range(part);
+            if let Some(m) = cloths.member(part)
+                && let Some(skinned) = m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len()))
+            {
+                any = true;
+                let offset = m.offset;
+                for (target, to) in targets[range].iter_mut().zip(&skinned.to) {
+                    *target = (*to + offset).extend(target.w);
+                }
+            }
+        }
+        cross.clear();
+        cross.resize(self.surface.parts.len(), false);
+        if any {
+            let detector = detector.get_or_insert_with(|| Detector::new(&self.surface));
+            for crossing in detector.detect(&self.surface, targets) {
+                cross[usize::from(self.surface.part_of_edge(crossing.edge))] = true;
+                cross[usize::from(self.surface.part_of_face(crossing.face))] = true;
+            }
+        }
+    }
+}
