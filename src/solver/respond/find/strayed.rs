@@ -72,10 +72,8 @@ impl Finder {
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
         let mut ask = self.ask(surface, moment, tangled, contacts, true);
-        tree.pairs_with(surface, Self::reach(moment), &marked, |f, g| {
-            ask(f, g);
-        });
-        drop(ask);
+        tree.meetings_with(surface, Self::reach(moment), &marked, |tree, met| ask.leaves(tree, met, |_, _| false));
+        ask.finish();
         self.marked = marked;
     }
 
