@@ -69,7 +69,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         let contacts = &mut *self.contacts;
         let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
         let friction = Friction::between(rub(mine), rub(other));
-        let (slots, [load, drive]) = (ids.map(|v| contacts.slot(v)), contacts.load(pair.kind, ids));
+        let (slots, [load, drive]) = (ids.map(|v| contacts.slot(v)), contacts.loads.of(pair.kind, ids));
         contacts.pairs.push(Contact {
             kind: pair.kind,
             faces,

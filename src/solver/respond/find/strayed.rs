@@ -63,8 +63,7 @@ impl Finder {
         contacts: &mut Contacts,
     ) {
         self.mark(surface, moment, share);
-        contacts.note_loads();
-        contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.forget_all_but(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_behind();
         self.foresee_astray(surface, moment, share, dt);
