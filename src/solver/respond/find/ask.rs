@@ -4,9 +4,10 @@ use core::ops::Range;
 
 use glam::{Vec3A, Vec4};
 
-use super::closest::{Batch, Near};
+use super::batch::{Batch, Near};
 use super::flat::Flatness;
 use super::gap::{near, way};
+use super::list::rest_matters;
 use super::patch::Patches;
 use super::refresh::DRIFT;
 use super::{Contacts, Finder, MARGIN, Moment, Touch};
@@ -36,7 +37,7 @@ impl Finder {
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
         let Self { ahead, longest, flatness, loose, patches, batch, .. } = self;
         patches.forget();
-        batch.near.clear();
+        batch.clear();
         let most = MOST_PAIRS * surface.len();
         Asked {
             surface,
@@ -121,7 +122,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
                     return;
                 }
             }
-            if self.batch.near.len() >= BATCH {
+            if self.batch.len() >= BATCH {
                 self.finish();
             }
         }
@@ -132,7 +133,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
     fn let_go(&mut self, pair: &Pair<'_>, met: &Meeting, [i, k]: [usize; 2], mut cross: impl FnMut(u32, u32) -> bool) {
         let [a, b] = pair.leaves;
         // Noted together with what comes after it in its row.
-        self.batch.near.retain(|near| near.faces[0] != a.faces[i] || !b.faces[k + 1..].contains(&near.faces[1]));
+        self.batch.retain(|near| near.faces[0] != a.faces[i] || !b.faces[k + 1..].contains(&near.faces[1]));
         for (row, &hits) in met.hits.iter().enumerate().skip(i) {
             let rest = if row == i { !1 << k } else { !0 };
             lanes(u32::from(hits) & rest).for_each(|k| _ = cross(a.faces[row], b.faces[k]));
@@ -142,12 +143,15 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
     /// Lists what may touch of all that is near.
     pub fn finish(&mut self) {
         self.batch.find(self.positions, self.ahead);
-        for i in 0..self.batch.found.len() {
-            if let Some(found) = self.batch.found[i] {
+        let (surface, touch, longest) = (self.surface, self.touch, self.longest);
+        self.batch.find_at_rest(&surface.rest, |found| rest_matters(surface, touch, longest, found));
+        for i in 0..self.batch.len() {
+            if self.batch.found(i).may_touch {
+                let found = *self.batch.found(i);
                 self.list(&found);
             }
         }
-        self.batch.near.clear();
+        self.batch.clear();
     }
 
     /// How close the boxes of faces at particles `u` and `v` must come `[m]`.
@@ -226,7 +230,7 @@ impl Pair<'_> {
         }
         for k in lanes(faces) {
             let (u, faces) = (b.corners[k], [a.faces[i], b.faces[k]]);
-            let mut note = |kind, particles| batch.near.push(Near { kind, particles, faces, reach, across });
+            let mut note = |kind, particles| batch.push(Near { kind, particles, faces, reach, across });
             for (&[v, _], met) in corners.ends[corners.of_face(i)].iter().zip(corner_met) {
                 if met & (1 << k) != 0 && !(joined && u.contains(&v)) {
                     note(ProximityKind::VertexFace, [v, u[0], u[1], u[2]]);

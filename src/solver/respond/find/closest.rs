@@ -5,8 +5,9 @@
 
 use glam::{BVec4A, Mat4, Vec3, Vec3A, Vec4};
 
+use super::batch::{Found, Near};
+use crate::solver::detect::Proximity;
 use crate::solver::detect::four::{Four, WIDE, each, saturate};
-use crate::solver::detect::{Proximity, ProximityKind};
 
 /// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
 const SLACK: f32 = 0.1;
@@ -14,134 +15,62 @@ const SLACK: f32 = 0.1;
 /// Distances are not known better than to this share of the coordinates (dimensionless).
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// A particle and a face, or two edges, whose boxes meet.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Near {
-    pub(super) kind: ProximityKind,
-    /// As [`Proximity::particles`].
-    pub(super) particles: [u32; 4],
-    /// The faces whose boxes met.
-    pub(super) faces: [u32; 2],
-    /// What is, and stays, farther apart does not matter `[m]`.
-    pub(super) reach: f32,
-    /// Whether it is of two cloths.
-    pub(super) across: bool,
-}
-
-/// A pair that may touch.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Found {
-    pub(super) pair: Proximity,
-    /// The faces whose boxes met.
-    pub(super) faces: [u32; 2],
-    /// Unit vector towards the first primitive; not a number where nobody can tell.
-    pub(super) normal: Vec3,
-    /// How far apart it will be along it `[m]`.
-    apart: f32,
-}
-
-impl Found {
-    /// Whether the pair is, and stays, farther apart along its normal than `reach` `[m]`.
-    #[inline]
-    pub(super) fn is_far(&self, reach: f32) -> bool {
-        self.pair.distance >= reach && self.apart >= reach
-    }
-}
-
-/// What is near and what of it may touch, in the order in which it was asked for.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Batch {
-    pub(super) near: Vec<Near>,
-    /// Of each, where it may touch.
-    pub(super) found: Vec<Option<Found>>,
-}
-
 /// The closest points of four pairs.
-struct Closest {
+pub(super) struct Closest {
     /// Weights of the first particles of all, of the second, and so on.
     weights: [Vec4; 4],
-    distance: Vec4,
+    pub(super) distance: Vec4,
     /// Whether it is they that may touch.
     may_touch: BVec4A,
 }
 
-impl Batch {
-    /// Room for so many pairs.
-    pub(super) fn new(most: usize) -> Self {
-        Self { near: Vec::with_capacity(most), found: Vec::with_capacity(most) }
-    }
-
-    /// Finds the closest points of all that is near, at `positions` `[m]`, and whether each pair may touch on its way `ahead` `[m]`.
-    pub(super) fn find(&mut self, positions: &[Vec4], ahead: &[Vec3A]) {
-        self.found.clear();
-        self.found.resize(self.near.len(), None);
-        self.find_all::<false>(positions, ahead);
-        self.find_all::<true>(positions, ahead);
-    }
-
-    /// Of all edges, or of all particles and faces.
-    #[inline]
-    fn find_all<const EDGES: bool>(&mut self, positions: &[Vec4], ahead: &[Vec3A]) {
-        let (mut four, mut count) = ([0; WIDE], 0);
-        for i in 0..self.near.len() {
-            if (self.near[i].kind == ProximityKind::EdgeEdge) == EDGES {
-                four[count] = i;
-                count += 1;
-                if count == WIDE {
-                    self.find_four::<EDGES>(four, positions, ahead);
-                    count = 0;
-                }
-            }
-        }
-        if count > 0 {
-            let last = four[count - 1];
-            four[count..].fill(last);
-            self.find_four::<EDGES>(four, positions, ahead);
-        }
-    }
-
-    #[inline(never)]
-    fn find_four<const EDGES: bool>(&mut self, four: [usize; WIDE], positions: &[Vec4], ahead: &[Vec3A]) {
-        let near = each(|lane| &self.near[four[lane]]);
-        let ids = each(|lane| near[lane].particles);
-        let now = each(|k| Four::of(each(|lane| positions[ids[lane][k] as usize])));
-        let there = each(|k| Four::of(each(|lane| ahead[ids[lane][k] as usize].extend(0.0))));
-        let Closest { weights, distance, may_touch } = if EDGES { edges(&now, &there) } else { vertex_faces(&now) };
-        let [a, b, c, d] = each(|k| now[k].times(weights[k]));
-        let delta = Four::ZERO + a + b + c + d;
-        let scale = delta.length_squared().sqrt().recip();
-        let normal = delta.times(scale);
-        let [a, b, c, d] = each(|k| normal.dot(there[k]));
-        let apart = if EDGES { a.min(b) - c.max(d) } else { a - b.max(c).max(d) };
-        // Closer than coordinates can tell, two cloths have no side to be on. What a cloth does to itself is taken back if it was wrong.
-        let size = now[0].abs().max(now[1].abs()).max(now[2].abs()).max(now[3].abs());
-        let known = distance.cmpgt(ROUNDING * size.x.max(size.y).max(size.z)).bitmask();
-        let finite = (scale.cmpgt(Vec4::ZERO) & scale.cmple(Vec4::MAX)).bitmask();
-        let reach = Vec4::from_array(each(|lane| near[lane].reach));
-        let far = (distance.cmpge(reach) & apart.cmpge(reach)).bitmask();
-        let may_touch = may_touch.bitmask();
-        let weights = Mat4::from_cols(weights[0], weights[1], weights[2], weights[3]).transpose();
-        let normals = Mat4::from_cols(normal.x, normal.y, normal.z, apart).transpose();
-        for lane in 0..WIDE {
-            let (of, has) = (near[lane], |bits: u32| bits & (1 << lane) != 0);
-            let sided = has(finite) && (has(known) || !of.across);
-            if has(may_touch) && !(sided && has(far)) {
-                let (weights, distance) = (weights.col(lane).to_array(), distance[lane]);
-                let pair = Proximity { kind: of.kind, particles: of.particles, weights, distance };
-                let at = normals.col(lane);
-                let normal = if sided { at.truncate() } else { Vec3::NAN };
-                self.found[four[lane]] = Some(Found { pair, faces: of.faces, normal, apart: at.w });
-            }
+/// Finds the closest points of four pairs of one kind.
+#[inline(never)]
+pub(super) fn find_four<const EDGES: bool>(
+    near: &[Near],
+    four: [usize; WIDE],
+    found: &mut [Found],
+    positions: &[Vec4],
+    ahead: &[Vec3A],
+) {
+    let near = each(|lane| &near[four[lane]]);
+    let ids = each(|lane| near[lane].particles);
+    let now = each(|k| Four::of(each(|lane| positions[ids[lane][k] as usize])));
+    let there = each(|k| Four::of(each(|lane| ahead[ids[lane][k] as usize].extend(0.0))));
+    let Closest { weights, distance, may_touch } = if EDGES { edges(&now, &there) } else { vertex_faces(&now) };
+    let [a, b, c, d] = each(|k| now[k].times(weights[k]));
+    let delta = Four::ZERO + a + b + c + d;
+    let scale = delta.length_squared().sqrt().recip();
+    let normal = delta.times(scale);
+    let [a, b, c, d] = each(|k| normal.dot(there[k]));
+    let apart = if EDGES { a.min(b) - c.max(d) } else { a - b.max(c).max(d) };
+    // Closer than coordinates can tell, two cloths have no side to be on. What a cloth does to itself is taken back if it was wrong.
+    let size = now[0].abs().max(now[1].abs()).max(now[2].abs()).max(now[3].abs());
+    let known = distance.cmpgt(ROUNDING * size.x.max(size.y).max(size.z)).bitmask();
+    let finite = (scale.cmpgt(Vec4::ZERO) & scale.cmple(Vec4::MAX)).bitmask();
+    let reach = Vec4::from_array(each(|lane| near[lane].reach));
+    let far = (distance.cmpge(reach) & apart.cmpge(reach)).bitmask();
+    let may_touch = may_touch.bitmask();
+    let weights = Mat4::from_cols(weights[0], weights[1], weights[2], weights[3]).transpose();
+    let normals = Mat4::from_cols(normal.x, normal.y, normal.z, apart).transpose();
+    for lane in 0..WIDE {
+        let (of, has) = (near[lane], |bits: u32| bits & (1 << lane) != 0);
+        let sided = has(finite) && (has(known) || !of.across);
+        let of_it = &mut found[four[lane]];
+        of_it.may_touch = has(may_touch) && !(sided && has(far));
+        if of_it.may_touch {
+            let (weights, distance) = (weights.col(lane).to_array(), distance[lane]);
+            of_it.pair = Proximity { kind: of.kind, particles: of.particles, weights, distance };
+            let at = normals.col(lane);
+            (of_it.normal, of_it.apart) = (if sided { at.truncate() } else { Vec3::NAN }, at.w);
+            of_it.faces = of.faces;
         }
     }
 }
 
 /// Particles and faces.
 #[inline(always)]
-fn vertex_faces([p, a, b, c]: &[Four; 4]) -> Closest {
+pub(super) fn vertex_faces([p, a, b, c]: &[Four; 4]) -> Closest {
     let (p, a, b, c) = (*p, *a, *b, *c);
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -172,7 +101,7 @@ fn vertex_faces([p, a, b, c]: &[Four; 4]) -> Closest {
 
 /// Edges. Only those may touch whose lines come closest inside both, or may do so soon. Where they never do, a particle is closer.
 #[inline(always)]
-fn edges(now: &[Four; 4], there: &[Four; 4]) -> Closest {
+pub(super) fn edges(now: &[Four; 4], there: &[Four; 4]) -> Closest {
     let [p, q, r, s] = *now;
     let (u, v, w) = (q - p, s - r, p - r);
     let (a, b, c, d, e) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
@@ -194,7 +123,9 @@ fn edges(now: &[Four; 4], there: &[Four; 4]) -> Closest {
 
 #[cfg(test)]
 mod tests {
+    use super::super::batch::Batch;
     use super::*;
+    use crate::solver::detect::ProximityKind;
     use crate::solver::detect::proximity::{closest_edges, vertex_face};
 
     /// Where a particle is, and where it is foreseen to be.
@@ -252,12 +183,13 @@ mod tests {
                 rng.shuffle(&mut particles);
                 let particles = [particles[0], particles[1], particles[2], particles[3]];
                 let (reach, across) = (0.5 * rng.f32(), rng.bool());
-                batch.near.push(Near { kind, particles, faces: [n, 0], reach, across });
+                batch.push(Near { kind, particles, faces: [n, 0], reach, across });
             }
             batch.find(&positions, &ahead);
-            for (near, together) in batch.near.iter().zip(&batch.found) {
-                let of = |at: Found| (at.pair, at.normal, at.apart);
-                match (alone(near, &positions, &ahead), together.map(of)) {
+            for (near, together) in batch.all() {
+                let of = |at: &Found| (at.pair, at.normal, at.apart);
+                let together = Some(together).filter(|at| at.may_touch).map(of);
+                match (alone(near, &positions, &ahead), together) {
                     // A face or an edge without extent.
                     (Some((pair, ..)), _) if pair.distance.is_nan() => {}
                     (Some((pair, normal, _)), Some(also)) if normal.is_nan() => {

@@ -29,10 +29,15 @@ pub(super) fn near(now: [Vec4; 3], ahead: [Vec3A; 3], others: &Lanes, faces: u8,
         let (g, there) = (of(&others.now), of(&others.ahead));
         let axis = centre - (g[0] + g[1] + g[2]);
         let square = axis.length_squared();
-        let (now, ahead) = (gap(&now, &g, axis), gap(&ahead, &there, axis));
         let exceeds = |gap: Vec4, reach: f32| gap.cmpgt(Vec4::ZERO) & (gap * gap).cmpgt(Vec4::splat(reach * reach) * square);
-        may |= ((!exceeds(now.min(ahead), reach)).bitmask() << (WIDE * half)) as u8;
-        do_now |= ((!exceeds(now, close)).bitmask() << (WIDE * half)) as u8;
+        let apart = gap(&now, &g, axis);
+        let (mut far, far_now) = (exceeds(apart, reach), exceeds(apart, close));
+        // What is not far now need not be asked about.
+        if far.any() {
+            far &= exceeds(gap(&ahead, &there, axis), reach);
+        }
+        may |= ((!far).bitmask() << (WIDE * half)) as u8;
+        do_now |= ((!far_now).bitmask() << (WIDE * half)) as u8;
     }
     [may & faces, may & do_now & faces]
 }

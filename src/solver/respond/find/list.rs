@@ -1,11 +1,10 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
 use super::ask::Asked;
-use super::closest::Found;
+use super::batch::Found;
 use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
-use crate::solver::detect::proximity::distance_at_rest;
-use crate::solver::detect::{Proximity, ProximityKind};
+use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::respond::contact::Contact;
 
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest (dimensionless). In folds of less
@@ -49,10 +48,8 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         if far(thickness) {
             return;
         }
-        if p == q
-            && let Some(most) = self.most_at_rest(&pair, p, thickness)
-        {
-            thickness = thickness.min(most);
+        if found.at_rest < f32::INFINITY {
+            thickness = thickness.min(REST_SHARE * found.at_rest);
             if thickness <= 0.0 || far(thickness) {
                 return;
             }
@@ -94,19 +91,20 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         ids.iter().map(|&v| (self.tangled)(v)).fold(0.0, f32::max)
     }
 
-    /// How far apart a pair of cloth `part` is kept, at most, for how far it is at rest `[m]`. Nothing where it is so far there
-    /// that its `thickness` `[m]` does not matter.
-    #[inline]
-    fn most_at_rest(&self, pair: &Proximity, part: u16, thickness: f32) -> Option<f32> {
-        let (surface, ids) = (self.surface, pair.particles);
-        let near = thickness / REST_SHARE + 2.0 * self.longest[usize::from(part)];
-        let is_near = surface.rest[ids[0] as usize].distance_squared(surface.rest[ids[3] as usize]) < near * near;
-        is_near.then(|| REST_SHARE * distance_at_rest(surface, pair))
-    }
-
     /// Whether pins hold a particle of a primitive.
     #[inline]
     fn is_pinned(&self, ids: &[u32]) -> bool {
         ids.iter().any(|&v| self.pinned[v as usize])
     }
+}
+
+/// Whether it matters how far apart a pair is at rest: one cloth is kept no farther apart there, but for what is far away in it.
+#[inline]
+pub(super) fn rest_matters(surface: &Surface, touch: &[Touch], longest: &[f32], found: &Found) -> bool {
+    let [a, .., d] = found.pair.particles;
+    let part = surface.part(a);
+    let thickness = touch[usize::from(part)].thickness;
+    let near = 0.5 * (thickness + thickness) / REST_SHARE + 2.0 * longest[usize::from(part)];
+    let is_near = surface.rest[a as usize].distance_squared(surface.rest[d as usize]) < near * near;
+    part == surface.part(d) && is_near
 }

@@ -19,6 +19,7 @@ mod flat;
 mod patch;
 mod gap;
 mod ask;
+mod batch;
 mod closest;
 mod list;
 
@@ -29,7 +30,7 @@ pub use moment::Moment;
 use super::{Contacts, Touch};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
-use closest::Batch;
+use batch::Batch;
 use flat::Flatness;
 use looked::Looked;
 use patch::Patches;

@@ -4,7 +4,7 @@ use glam::Vec3A;
 
 use super::Finder;
 use super::ask::MOST_NEAR;
-use super::closest::Batch;
+use super::batch::Batch;
 use super::flat::Flatness;
 use super::looked::Looked;
 use super::patch::Patches;
