@@ -19,7 +19,7 @@ use crate::solver::rest::NONE;
 use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
 use super::surface::Surface;
-use super::tree::Tree;
+use super::tree::{Meeting, Tree};
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,17 @@ impl Detector {
         if positions.len() == surface.len() {
             self.tree.refit(surface, positions, None);
         }
-        self.detect_and(surface, positions, 0.0, |_, _| true)
+        self.detect_everywhere(surface, positions);
+        &self.crossings
+    }
+
+    /// As [`Self::detect`], in a tree that was fitted to `positions`.
+    fn detect_everywhere(&mut self, surface: &Surface, positions: &[Vec4]) {
+        self.detect_and(surface, positions, 0.0, |tree, met, crosser| {
+            tree.pairs_of(met, |f, g| {
+                crosser.ask(f, g);
+            });
+        });
     }
 
     /// As [`Self::detect`], of cloth that is looked at in every frame: only at what was close where it has hardly moved since.
@@ -102,36 +112,48 @@ impl Detector {
         if !known {
             self.tree.refit(surface, positions, None);
             if calm.begin(surface, positions) {
-                self.detect_and(surface, positions, calm.reach, |f, g| {
-                    calm.take_in(surface, positions, [f, g]);
-                    true
+                self.detect_and(surface, positions, calm.reach, |tree, met, crosser| {
+                    tree.pairs_of(met, |f, g| {
+                        calm.take_in(surface, positions, [f, g]);
+                        crosser.ask(f, g);
+                    });
                 });
                 let all = (0..surface.parts.len()).all(|part| !self.is_quarantined(part as u16));
                 if all && self.crossings.is_empty() {
                     calm.end();
                 }
             } else {
-                self.detect_and(surface, positions, 0.0, |_, _| true);
+                self.detect_everywhere(surface, positions);
             }
         }
         self.calm = calm;
         &self.crossings
     }
 
-    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`, and calls `also` with every pair of faces whose boxes
-    /// come within `margin` `[m]`; no more once something is known to cross. It says whether they may cross where they are.
+    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`. Calls `also` with every two leaves that have
+    /// faces whose boxes come within `margin` `[m]`, to ask of those that may cross; no more once something is known to cross.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
         margin: f32,
-        also: impl FnMut(u32, u32) -> bool,
+        mut also: impl FnMut(&Tree, &Meeting, &mut Crosser<'_>),
     ) -> &[Crossing] {
         if positions.len() != surface.len() {
             self.crossings.clear();
             return &self.crossings;
         }
-        self.cross(surface, positions, |tree, found| tree.pairs(surface, margin, found), also);
+        self.cross(surface, positions, |tree, crosser| {
+            tree.meetings(surface, margin, |tree, met| {
+                if crosser.found() {
+                    tree.pairs_of(met, |f, g| {
+                        crosser.ask(f, g);
+                    });
+                } else {
+                    also(tree, met, crosser);
+                }
+            });
+        });
         &self.crossings
     }
 
@@ -144,17 +166,15 @@ impl Detector {
 
     /// As [`Self::detect`], where only `pairs` of faces can cross.
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
-        self.cross(surface, positions, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| true);
+        self.cross(surface, positions, |_, crosser| {
+            for &[f, g] in pairs {
+                crosser.ask(f, g);
+            }
+        });
         &self.crossings
     }
 
-    fn cross<F: FnMut(u32, u32) -> bool>(
-        &mut self,
-        surface: &Surface,
-        positions: &[Vec4],
-        pairs: impl FnOnce(&mut Tree, &mut dyn FnMut(u32, u32)),
-        mut also: F,
-    ) {
+    fn cross(&mut self, surface: &Surface, positions: &[Vec4], pairs: impl FnOnce(&mut Tree, &mut Crosser<'_>)) {
         let Self { tree, asks, kinematic, moving, ties, doubtful, crossings, .. } = self;
         for ((part, out), moves) in surface.parts.iter().zip(kinematic.iter_mut()).zip(&*moving) {
             let range = part.particles.start as usize..part.particles.end as usize;
@@ -164,24 +184,8 @@ impl Detector {
         crossings.clear();
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
-        pairs(tree, &mut |f, g| {
-            if crossings.is_empty() && !also(f, g) {
-                return;
-            }
-            if fixed {
-                let still = |face: u32| kinematic[usize::from(surface.part_of_face(face))];
-                if still(f) && still(g) {
-                    return;
-                }
-            }
-            let sure = crossings.len();
-            ties.met = false;
-            cross_faces(surface, positions, asks, f, g, ties, crossings);
-            if ties.met {
-                crossings.truncate(sure);
-                doubtful.push((f, g));
-            }
-        });
+        let kinematic = fixed.then_some(kinematic.as_slice());
+        pairs(tree, &mut Crosser { surface, positions, asks, kinematic, ties, doubtful, crossings });
         if !self.doubtful.is_empty() {
             self.cross_doubtful(surface, positions);
         }
@@ -230,6 +234,45 @@ impl Detector {
     #[must_use]
     pub fn tree_ref(&self) -> &Tree {
         &self.tree
+    }
+}
+
+/// Asks faces whether they cross.
+#[derive(Debug)]
+pub struct Crosser<'a> {
+    surface: &'a Surface,
+    positions: &'a [Vec4],
+    asks: &'a [u8],
+    /// Cloths of which two are not asked, where there are any.
+    kinematic: Option<&'a [bool]>,
+    ties: &'a mut Ties,
+    doubtful: &'a mut Vec<(u32, u32)>,
+    crossings: &'a mut Vec<Crossing>,
+}
+
+impl Crosser<'_> {
+    /// Whether something is known to cross.
+    #[must_use]
+    pub fn found(&self) -> bool {
+        !self.crossings.is_empty()
+    }
+
+    /// Asks two faces; whether they, or others before, cross.
+    #[inline]
+    pub fn ask(&mut self, f: u32, g: u32) -> bool {
+        let Self { surface, positions, asks, kinematic, ties, doubtful, crossings } = self;
+        let still = |kinematic: &[bool], face: u32| kinematic[usize::from(surface.part_of_face(face))];
+        if kinematic.is_some_and(|kinematic| still(kinematic, f) && still(kinematic, g)) {
+            return !crossings.is_empty();
+        }
+        let sure = crossings.len();
+        ties.met = false;
+        cross_faces(surface, positions, asks, f, g, ties, crossings);
+        if ties.met {
+            crossings.truncate(sure);
+            doubtful.push((f, g));
+        }
+        !crossings.is_empty()
     }
 }
 

@@ -7,6 +7,7 @@
 //! ```
 
 mod calm;
+pub(super) mod four;
 pub mod crossing;
 pub mod orient;
 pub mod proximity;

@@ -137,7 +137,7 @@ pub(crate) fn closest_edges(particles: [u32; 4], at: impl Fn(u32) -> Vec3) -> Pr
 }
 
 /// Distance of a pair at rest `[m]`.
-pub(crate) fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
+fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
     let at = |v: u32| surface.rest[v as usize];
     match pair.kind {
         ProximityKind::VertexFace => vertex_face(pair.particles, at).distance,

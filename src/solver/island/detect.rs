@@ -108,8 +108,11 @@ impl Island {
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
         finder.begin(surface, &moment, self.horizon, contacts);
         untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
-        let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
-        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), ask);
+        let mut ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
+        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), |tree, met, crosser| {
+            ask.leaves(tree, met, |f, g| crosser.ask(f, g));
+        });
+        ask.finish();
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;

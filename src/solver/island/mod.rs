@@ -135,10 +135,11 @@ impl Island {
     /// [`SurfaceError`] when rest positions do not match a topology, or when there are too many cloths or particles.
     pub fn new(cloths: &[PartRef<'_>]) -> Result<Self, SurfaceError> {
         let surface = Surface::new(cloths)?;
+        let untangler = Untangler::new(&surface);
         let n = surface.len();
         Ok(Self {
-            untangler: Untangler::new(&surface),
-            finder: Finder::new(&surface),
+            finder: Finder::new(&surface, untangler.detector.tree_ref()),
+            untangler,
             substep: vec![0.0; surface.parts.len()],
             fixed: vec![false; surface.parts.len()],
             pinned: vec![false; n],

@@ -16,6 +16,7 @@ use glam::{Vec3, Vec4};
 use super::Contacts;
 use super::contact::Contact;
 use crate::solver::detect::ProximityKind;
+use crate::solver::detect::four::Four;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
 
 /// Passes in which pairs keep their mean motion, those in which they keep something of their own, and all.
@@ -42,7 +43,7 @@ impl Contacts {
         };
         cut.clear();
         cut.resize(now.len(), 0);
-        let mut shared = Vec3::ZERO;
+        let (mut shared, mut behind) = (Vec3::ZERO, false);
         for pass in 1..=MOST_PASSES {
             if pass == MEAN_PASSES + 1 {
                 shared = shared_motion(start, now);
@@ -50,19 +51,23 @@ impl Contacts {
             let mut ways = Ways { start, now, cut, shared, pass };
             let mut any = false;
             for pair in &*pairs {
+                behind |= pair.behind && !pair.was_behind;
                 // Only what was cut since a pair was asked can change its answer.
                 if pass == 1 || ways.is_new(pair) {
                     any |= ways.guard(pair, &is_free);
                 }
             }
             if !any {
-                pairs.iter_mut().for_each(|pair| pair.behind &= pair.was_behind);
+                // None passed.
+                if behind {
+                    pairs.iter_mut().for_each(|pair| pair.behind &= pair.was_behind);
+                }
                 return pass > 1;
             }
         }
         // Some may have passed all the same; the others did not.
         for pair in pairs.iter_mut().filter(|pair| pair.behind && !pair.was_behind) {
-            let from = pair.slots.map(|s| start[s as usize].truncate());
+            let from = pair.slots.map(|s| start[s as usize]);
             let to = pair.slots.map(|s| now[s as usize]);
             pair.behind = !divides(dividing(pair, &from), pair.first(), &from, &to);
         }
@@ -110,20 +115,21 @@ impl Ways<'_> {
         if pair.was_behind {
             return false;
         }
-        let from = pair.slots.map(|s| self.start[s as usize].truncate());
-        let to = pair.slots.map(|s| self.now[s as usize]);
+        let [a, b, c, d] = pair.slots.map(|s| s as usize);
+        let from = [self.start[a], self.start[b], self.start[c], self.start[d]];
+        let to = [self.now[a], self.now[b], self.now[c], self.now[d]];
         // Mostly the direction of the contact divides them.
         !divides(pair.normal, pair.first(), &from, &to) && !is_free(pair) && self.cut(pair, &from, &to)
     }
 
     #[cold]
-    fn cut(&mut self, pair: &Contact, from: &[Vec3; 4], to: &[Vec4; 4]) -> bool {
+    fn cut(&mut self, pair: &Contact, from: &[Vec4; 4], to: &[Vec4; 4]) -> bool {
         let first = pair.first();
         let n = dividing(pair, from);
         if divides(n, first, from, to) {
             return false;
         }
-        let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i]);
+        let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i].truncate());
         let held = to.iter().any(|x| x.w <= 0.0);
         let mean = if held || self.pass <= MEAN_PASSES { mean_motion(&motion, to) } else { self.shared };
         let way = motion.map(|m| n.dot(m - mean));
@@ -141,7 +147,7 @@ impl Ways<'_> {
         }
         let mut any = false;
         for ((&slot, to), (from, motion)) in pair.slots.iter().zip(to).zip(from.iter().zip(motion)) {
-            let end = *from + mean + (motion - mean) * share;
+            let end = from.truncate() + mean + (motion - mean) * share;
             if to.w > 0.0 && end != to.truncate() {
                 self.now[slot as usize] = end.extend(to.w);
                 self.cut[slot as usize] = self.pass;
@@ -154,22 +160,22 @@ impl Ways<'_> {
 
 /// Whether a plane with unit normal `n` divides the two primitives all the way.
 #[inline]
-fn divides(n: Vec3, first: usize, from: &[Vec3; 4], to: &[Vec4; 4]) -> bool {
-    separation(n, first, from) > 0.0 && separation(n, first, &to.map(Vec4::truncate)) > 0.0
+fn divides(n: Vec3, first: usize, from: &[Vec4; 4], to: &[Vec4; 4]) -> bool {
+    separation(n, first, from) > 0.0 && separation(n, first, to) > 0.0
 }
 
-/// How far the first primitive, `first` points, lies beyond the second along `n` `[m]`.
+/// How far the first primitive, `first` points, lies beyond the second along `n` `[m]`; of what is not a number nothing is known.
 #[inline]
-fn separation(n: Vec3, first: usize, points: &[Vec3; 4]) -> f32 {
-    let along = points.map(|p| n.dot(p));
-    let low = along[..first].iter().copied().fold(f32::INFINITY, f32::min);
-    low - along[first..].iter().copied().fold(f32::NEG_INFINITY, f32::max)
+fn separation(n: Vec3, first: usize, points: &[Vec4; 4]) -> f32 {
+    let [a, b, c, d] = Four::of(*points).dot(Four::splat(n.into())).to_array();
+    let (low, high) = (f32::INFINITY.min(a), f32::NEG_INFINITY.max(c).max(d));
+    if first == 1 { low - high.max(b) } else { low.min(b) - high }
 }
 
 /// Unit normal of a plane between the two primitives: of the face, or across both edges, where the closest points are inside, which stays exact
 /// however close they are; else from one closest point to the other.
-fn dividing(pair: &Contact, from: &[Vec3; 4]) -> Vec3 {
-    let at = from.map(|x| x - from[0]);
+fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
+    let at = from.map(|x| x.truncate() - from[0].truncate());
     let [p, q, r, s] = at;
     let (near, inside, across) = match pair.kind {
         ProximityKind::VertexFace => {

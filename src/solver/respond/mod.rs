@@ -16,6 +16,7 @@
 mod contact;
 mod find;
 mod guard;
+mod loads;
 mod touching;
 
 use glam::{Vec3, Vec3A, Vec4};
@@ -25,6 +26,7 @@ use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::rest::NONE;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
+use loads::Loads;
 pub use touching::Touching;
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
@@ -56,8 +58,8 @@ pub struct Contacts {
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     behind: Vec<(u8, [u32; 4])>,
-    /// Mean pushes `[m]` and drives `[kg·m]` of pairs that touched before the last look: they go on from there.
-    loads: Vec<(u8, [u32; 4], [f32; 2])>,
+    /// What pairs bore that the last look forgot.
+    loads: Loads,
     /// Faces that are close, or may come close: no others can cross before the next look.
     close: Vec<[u32; 2]>,
     /// Whether primitives lay in the same place at the last look.
@@ -100,10 +102,9 @@ impl Contacts {
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
     fn begin(&mut self) {
         self.coincide = false;
-        self.note_loads();
         let (close, listed) = (self.close.len(), self.pairs.len());
+        self.forget_all_but(|pair| pair.behind);
         let Self { pairs, particles, .. } = self;
-        pairs.retain(|pair| pair.behind);
         for pair in pairs.iter_mut() {
             pair.slots = pair.slots.map(|s| particles[s as usize]);
         }
@@ -118,7 +119,7 @@ impl Contacts {
         self.close.reserve(2 * close);
         self.pairs.reserve(listed + listed / 2);
         self.particles.reserve(listed);
-        self.loads.reserve(listed / 2);
+        self.loads.reserve(listed + listed / 2);
         self.impacts.reserve(listed.saturating_sub(self.impacts.len()));
     }
 
@@ -176,7 +177,7 @@ impl Contacts {
         self.close.reserve((4 * faces).saturating_sub(self.close.len()));
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
         self.particles.reserve(particles.saturating_sub(self.particles.len()));
-        self.loads.reserve(particles.saturating_sub(self.loads.len()));
+        self.loads.fit(particles);
         self.impacts.reserve(particles.saturating_sub(self.impacts.len()));
         self.behind.reserve((particles / 8).saturating_sub(self.behind.len()));
         self.firsts.clear();
@@ -197,18 +198,17 @@ impl Contacts {
         behind.sort_unstable();
     }
 
-    /// Lists the loads of pairs that touch.
-    fn note_loads(&mut self) {
-        self.loads.clear();
+    /// Forgets all pairs but those to `keep`, and notes what the others bear.
+    fn forget_all_but(&mut self, keep: impl Fn(&Contact) -> bool) {
         let Self { pairs, particles, loads, .. } = self;
-        let touching = pairs.iter().filter(|p| p.load > 0.0);
-        loads.extend(touching.map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]), [p.load, p.drive])));
-        loads.sort_unstable_by_key(|&(kind, particles, _)| (kind, particles));
-    }
-
-    fn load(&self, kind: ProximityKind, particles: [u32; 4]) -> [f32; 2] {
-        let at = self.loads.binary_search_by_key(&(kind as u8, particles), |&(kind, particles, _)| (kind, particles));
-        at.ok().and_then(|i| self.loads.get(i)).map_or([0.0; 2], |&(_, _, load)| load)
+        loads.clear();
+        pairs.retain(|pair| {
+            let keep = keep(pair);
+            if !keep && pair.load > 0.0 {
+                loads.note(pair.kind, pair.slots.map(|s| particles[s as usize]), [pair.load, pair.drive]);
+            }
+            keep
+        });
     }
 
     fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {

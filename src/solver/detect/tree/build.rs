@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3A};
 
 use super::pack::Pack;
-use super::{Bounds, IS_LEAF, LEAF, MIXED, Node, Tree};
+use super::{Bounds, HUB, IS_LEAF, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::rest::NONE;
 
@@ -15,6 +15,7 @@ impl Tree {
             faces: (0..surface.topology.faces.len() as u32).collect(),
             normals: vec![Vec3A::ZERO; surface.topology.faces.len()],
             quarantined: vec![false; surface.parts.len()],
+            unjoined: has_unjoined(surface),
             ..Self::default()
         };
         let centre: Vec<Vec3> =
@@ -91,4 +92,12 @@ impl Tree {
         });
         self.nodes.len() - 1
     }
+}
+
+/// Whether there are particles that no [`Joint`](super::Joint) knows.
+fn has_unjoined(surface: &Surface) -> bool {
+    let topology = &surface.topology;
+    let is_third = |(f, e): (u32, u32)| !topology.edge_faces[e as usize].contains(&f);
+    let mut edges = (0..).zip(&topology.face_edges).flat_map(|(f, edges)| edges.map(|e| (f, e)));
+    (0..surface.len() as u32).any(|v| topology.around(v).len() > HUB) || edges.any(is_third)
 }

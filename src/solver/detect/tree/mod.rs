@@ -38,11 +38,13 @@ use core::ops::Range;
 use glam::Vec3A;
 
 pub use bounds::Bounds;
+pub use traverse::Meeting;
 
 use pack::Pack;
+pub use pack::lanes;
 
 /// Faces per leaf at most: as many as there are bits in [`Node::marked`].
-const LEAF: usize = u8::BITS as usize;
+pub const LEAF: usize = u8::BITS as usize;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
 /// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°. See the module.
@@ -98,6 +100,23 @@ struct Joint {
     count: u32,
 }
 
+/// The faces of a leaf, one in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct LeafRef<'a> {
+    /// Their numbers, and their corners.
+    pub faces: &'a [u32],
+    pub corners: &'a [[u32; 3]],
+    pack: &'a Pack,
+}
+
+impl LeafRef<'_> {
+    /// Which faces come within `margin` `[m]` of a box along every axis, a bit for each lane.
+    #[inline]
+    pub fn within(&self, bounds: &Bounds, margin: Vec3A) -> u32 {
+        self.pack.meets(bounds, margin)
+    }
+}
+
 /// The hierarchy. See the module.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -115,6 +134,8 @@ pub struct Tree {
     /// Rings of all leaves, one after the other.
     rings: Vec<u32>,
     quarantined: Vec<bool>,
+    /// Whether nodes may share particles without a [`Joint`]: hubs of large fans, and edges of more than two faces.
+    unjoined: bool,
     joints: Vec<Joint>,
     stack: Vec<(u32, u32)>,
 }
@@ -124,6 +145,18 @@ impl Tree {
     #[must_use]
     pub fn is_quarantined(&self, part: u16) -> bool {
         self.quarantined[usize::from(part)]
+    }
+
+    /// Number of leaves.
+    pub fn leaves(&self) -> u32 {
+        self.leaves.len() as u32
+    }
+
+    /// A leaf.
+    #[inline]
+    pub fn leaf(&self, leaf: u32) -> LeafRef<'_> {
+        let run = self.nodes[self.leaves[leaf as usize].node as usize].run();
+        LeafRef { faces: &self.faces[run.clone()], corners: &self.corners[run], pack: &self.packs[leaf as usize] }
     }
 
     /// Where each face stands in `faces`.

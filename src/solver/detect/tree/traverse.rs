@@ -1,24 +1,41 @@
-//! Walks the tree against itself: every pair of faces whose boxes meet.
+//! Walks the tree against itself: every pair of leaves, and in them of faces, whose boxes meet.
 
 use glam::Vec3A;
 
 use super::pack::lanes;
-use super::{Bounds, FLAT, IS_LEAF, Joint, MIXED, Node, Tree};
+use super::{Bounds, FLAT, IS_LEAF, Joint, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::rest::NONE;
 
 /// First of a pair on the stack whose second is a [`Joint`].
 const JOINT: u32 = NONE;
 
+/// Two leaves with faces whose boxes come close, or a leaf and itself.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct Meeting {
+    /// The leaves.
+    pub leaves: [u32; 2],
+    /// Bit `k` of entry `i`: face `i` of the first comes close to face `k` of the second; each pair of a leaf with itself once.
+    pub hits: [u8; LEAF],
+    /// Whether some of their faces may share a particle.
+    pub joined: bool,
+}
+
 impl Tree {
     /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`; in a cloth that does not
     /// collide with itself, only with faces of other cloths.
-    pub fn pairs(&mut self, surface: &Surface, margin: f32, found: impl FnMut(u32, u32)) {
+    pub fn pairs(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+        self.meetings(surface, margin, |tree, met| tree.pairs_of(met, &mut found));
+    }
+
+    /// As [`Self::pairs`], two leaves at a time.
+    pub fn meetings(&mut self, surface: &Surface, margin: f32, found: impl FnMut(&Self, &Meeting)) {
         self.traverse::<false>(surface, margin, found);
     }
 
-    /// As [`Self::pairs`], only for pairs with a face that is `marked` (by face).
-    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], found: impl FnMut(u32, u32)) {
+    /// As [`Self::meetings`], only for pairs with a face that is `marked` (by face).
+    pub fn meetings_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], found: impl FnMut(&Self, &Meeting)) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             self.nodes[i].marked = if node.right & IS_LEAF == 0 {
@@ -31,7 +48,16 @@ impl Tree {
         self.traverse::<true>(surface, margin, found);
     }
 
-    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+    /// Calls `found` with each pair of faces of a meeting, in order.
+    #[inline]
+    pub fn pairs_of(&self, met: &Meeting, mut found: impl FnMut(u32, u32)) {
+        let [faces, others] = met.leaves.map(|leaf| self.leaf(leaf).faces);
+        for (&face, &hits) in faces.iter().zip(&met.hits) {
+            lanes(u32::from(hits)).for_each(|k| found(face, others[k]));
+        }
+    }
+
+    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(&Self, &Meeting)) {
         if self.nodes.is_empty() {
             return;
         }
@@ -72,7 +98,7 @@ impl Tree {
                     }
                 }
             } else if leaf_a && leaf_b {
-                self.between::<MARKED>(left, right, margin, &mut found);
+                self.between::<MARKED>([left, right], self.unjoined, margin, &mut found);
             } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
                 for child in [left.right, a + 1] {
                     if self.meet(child, b, margin) {
@@ -97,7 +123,7 @@ impl Tree {
         joint: u32,
         margin: Vec3A,
         stack: &mut Vec<(u32, u32)>,
-        found: &mut impl FnMut(u32, u32),
+        found: &mut impl FnMut(&Self, &Meeting),
     ) {
         let Joint { nodes: [a, b], first, count } = self.joints[joint as usize];
         let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
@@ -106,7 +132,7 @@ impl Tree {
         }
         if left.right & right.right & IS_LEAF != 0 {
             if !(left.smooth && right.smooth && self.hardly_bend([left, right])) {
-                self.between::<MARKED>(left, right, margin, found);
+                self.between::<MARKED>([left, right], true, margin, found);
             }
             return;
         }
@@ -136,34 +162,42 @@ impl Tree {
         self.nodes[a as usize].bounds.meets(&self.nodes[b as usize].bounds, margin)
     }
 
-    fn within<const MARKED: bool>(&self, leaf: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+    fn within<const MARKED: bool>(&self, leaf: &Node, margin: Vec3A, found: &mut impl FnMut(&Self, &Meeting)) {
         if self.quarantined[usize::from(leaf.part)] {
             return;
         }
-        let (pack, faces, marked) = (&self.packs[leaf.link as usize], &self.faces[leaf.run()], u32::from(leaf.marked));
-        for (i, &face) in faces.iter().enumerate() {
+        let (pack, marked) = (&self.packs[leaf.link as usize], u32::from(leaf.marked));
+        let mut met = Meeting { leaves: [leaf.link; 2], hits: [0; LEAF], joined: true };
+        for (i, hits) in met.hits[..usize::from(leaf.count)].iter_mut().enumerate() {
             let others = (!1 << i) & if !MARKED || marked & (1 << i) != 0 { u32::MAX } else { marked };
-            for j in lanes(others & pack.meets(&pack.get(i), margin)) {
-                found(face, faces[j]);
-            }
+            *hits = (others & pack.meets(&pack.get(i), margin)) as u8;
+        }
+        if met.hits != [0; LEAF] {
+            found(self, &met);
         }
     }
 
-    fn between<const MARKED: bool>(&self, a: &Node, b: &Node, margin: Vec3A, found: &mut impl FnMut(u32, u32)) {
+    fn between<const MARKED: bool>(
+        &self,
+        [a, b]: [&Node; 2],
+        joined: bool,
+        margin: Vec3A,
+        found: &mut impl FnMut(&Self, &Meeting),
+    ) {
         if self.quarantined[usize::from(a.part)] || self.quarantined[usize::from(b.part)] {
             return;
         }
         let (left, right) = (&self.packs[a.link as usize], &self.packs[b.link as usize]);
-        let (faces, others) = (&self.faces[a.run()], &self.faces[b.run()]);
         let (mine, theirs) = (u32::from(a.marked), u32::from(b.marked));
+        let mut met = Meeting { leaves: [a.link, b.link], hits: [0; LEAF], joined };
         for i in lanes(left.meets(&b.bounds, margin)) {
             let asked = if !MARKED || mine & (1 << i) != 0 { u32::MAX } else { theirs };
-            if asked == 0 {
-                continue;
+            if asked != 0 {
+                met.hits[i] = (asked & right.meets(&left.get(i), margin)) as u8;
             }
-            for j in lanes(asked & right.meets(&left.get(i), margin)) {
-                found(faces[i], others[j]);
-            }
+        }
+        if met.hits != [0; LEAF] {
+            found(self, &met);
         }
     }
 }

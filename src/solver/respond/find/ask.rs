@@ -1,78 +1,90 @@
-//! Two faces whose boxes meet: their particles and edges are asked how far apart they are.
+//! Two leaves whose boxes meet: the particles and edges of their faces are asked how far apart they are.
+
+use core::ops::Range;
 
 use glam::{Vec3A, Vec4};
 
+use super::batch::{Batch, Near};
 use super::flat::Flatness;
-use super::gap::{CYCLE, Gaps, Path, corners, may_pass};
+use super::gap::{near, way};
+use super::list::rest_matters;
+use super::patch::Patches;
 use super::refresh::DRIFT;
 use super::{Contacts, Finder, MARGIN, Moment, Touch};
-use crate::solver::detect::Surface;
-use crate::solver::detect::proximity::{closest_edges, vertex_face};
-use crate::solver::detect::tree::Bounds;
+use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
+use crate::solver::detect::{ProximityKind, Surface};
 
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
 
+/// Pairs whose closest points are found at once, at least: enough to fill all lanes, and few enough for the fastest cache.
+const BATCH: usize = 64;
+/// With what a row of faces adds: of each pair of faces three corners of either, and three times three edges.
+pub(super) const MOST_NEAR: usize = BATCH + LEAF * (3 + 3 + 3 * 3);
+
 impl Finder {
-    /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is
-    /// asked `anew`, of faces nobody has looked for crossings at since they were elsewhere. Says of two faces whether they may
-    /// cross now.
-    pub fn ask<'a>(
+    /// What to ask leaves with whose boxes meet. Whether it is asked `anew`, of faces nobody has looked for crossings at since
+    /// they were elsewhere.
+    pub fn ask<'a, T: Fn(u32) -> f32>(
         &'a mut self,
         surface: &'a Surface,
         moment: &Moment<'a>,
-        tangled: impl Fn(u32) -> f32 + 'a,
+        tangled: T,
         contacts: &'a mut Contacts,
         anew: bool,
-    ) -> impl FnMut(u32, u32) -> bool + 'a {
+    ) -> Asked<'a, T> {
         let &Moment { positions, touch, takes_part, pinned, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
-        let Self { owns, ahead, longest, flatness, loose, .. } = self;
+        let Self { ahead, longest, flatness, loose, patches, batch, .. } = self;
+        patches.forget();
+        batch.clear();
         let most = MOST_PAIRS * surface.len();
-        let mut asked = Asked {
+        Asked {
             surface,
             positions,
             ahead,
             touch,
             takes_part,
             pinned,
-            owns,
             longest,
             loose,
             flatness,
+            patches,
+            batch,
             tangled,
             contacts,
             reach,
             thickest,
             most,
             anew,
-        };
-        move |f: u32, g: u32| asked.faces(f, g)
+        }
     }
 }
 
-/// What two faces are asked with.
-pub(super) struct Asked<'a, T> {
-    pub surface: &'a Surface,
+/// What leaves are asked with.
+pub struct Asked<'a, T> {
+    pub(super) surface: &'a Surface,
     /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle, and where it is foreseen to be `[m]`.
-    pub positions: &'a [Vec4],
-    pub ahead: &'a [Vec3A],
+    pub(super) positions: &'a [Vec4],
+    ahead: &'a [Vec3A],
     /// Thickness and friction of each cloth, and whether it rests on cloths at all.
-    pub touch: &'a [Touch],
-    pub takes_part: &'a [bool],
+    pub(super) touch: &'a [Touch],
+    pub(super) takes_part: &'a [bool],
     /// Whether pins hold each particle.
-    pub pinned: &'a [bool],
+    pub(super) pinned: &'a [bool],
     /// Longest edge of each cloth at rest `[m]`.
-    pub longest: &'a [f32],
+    pub(super) longest: &'a [f32],
     /// How much a particle belongs to a tangle (0 to 1, dimensionless).
-    pub tangled: T,
-    pub contacts: &'a mut Contacts,
+    pub(super) tangled: T,
+    pub(super) contacts: &'a mut Contacts,
     /// Pairs listed, at most.
-    pub most: usize,
-    /// Corners and edges that each face owns; particles around which cloth may lie over itself; where it hardly bends.
-    owns: &'a [u8],
+    pub(super) most: usize,
+    /// Particles around which cloth may lie over itself; where it hardly bends.
     loose: &'a [bool],
     flatness: &'a mut Flatness,
+    patches: &'a mut Patches,
+    /// What is near, until it is [listed](Self::finish).
+    batch: &'a mut Batch,
     /// How close boxes must come `[m]`, and the largest thickness `[m]`.
     reach: f32,
     thickest: f32,
@@ -80,67 +92,66 @@ pub(super) struct Asked<'a, T> {
     anew: bool,
 }
 
-/// One of two faces.
-struct Side {
-    corners: [u32; 3],
-    /// Corners and edges that the face owns.
-    owns: u8,
-    paths: [Path; 3],
-    /// Around the way of each corner, and of all.
-    boxes: [Bounds; 3],
-    whole: Bounds,
-}
-
-impl Side {
-    #[inline]
-    fn new(t: [u32; 3], owns: u8, paths: [Path; 3]) -> Self {
-        let boxes = corners([0, 1, 2], |k: usize| paths[k].bounds());
-        let whole = boxes[0].union(boxes[1]).union(boxes[2]);
-        Self { corners: t, owns, paths, boxes, whole }
-    }
-
-    /// Whether the face owns an edge.
-    #[inline]
-    fn has_edges(&self) -> bool {
-        self.owns & 0b11_1000 != 0
-    }
-}
-
 impl<T: Fn(u32) -> f32> Asked<'_, T> {
-    /// Lists what may touch of faces `f` and `g`, and the faces if they may cross; whether they may cross now.
-    #[inline]
-    fn faces(&mut self, f: u32, g: u32) -> bool {
-        let (surface, positions, ahead) = (self.surface, self.positions, self.ahead);
-        let (tf, tg) = (surface.topology.faces[f as usize], surface.topology.faces[g as usize]);
-        // Faces of a fan that hardly bends are hardly closer than at rest.
-        if let Some(&v) = tf.iter().find(|&&v| tg.contains(&v) && self.flatness.holds(v, surface, positions, ahead)) {
-            // Nor do they cross, unless cloth is cut or sewn there.
-            let may_cross = self.loose[v as usize];
-            if self.anew && may_cross {
-                self.contacts.close.push([f, g]);
-            }
-            return may_cross;
-        }
-        let path = |v: u32| Path { now: Vec3A::from_vec4(positions[v as usize]), ahead: ahead[v as usize] };
-        let (pf, pg) = (corners(tf, path), corners(tg, path));
+    /// Asks for what may touch of the faces of two leaves. `cross` is told of faces that may cross now, and says whether
+    /// something does: then nothing more is asked, but it is told of all that is left.
+    pub fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
+        let (a, b) = (tree.leaf(met.leaves[0]), tree.leaf(met.leaves[1]));
+        let (u, v) = (a.corners[0][0], b.corners[0][0]);
         // A thick cloth does not make the others look farther.
-        let reach = if self.touch.len() == 1 { self.reach } else { self.reach_of(tf[0], tg[0]) };
-        let gaps = Gaps::between(&pf, &pg);
-        if gaps.exceed(reach, gaps.now.min(gaps.ahead)) {
-            return false;
+        let reach = if self.touch.len() == 1 { self.reach } else { self.reach_of(u, v) };
+        let [flat, loose] = if met.joined { self.flat(a, b, met) } else { [[0; LEAF]; 2] };
+        let [may, close] = self.gaps(tree, met, &flat, reach);
+        if (may, loose) == ([0; LEAF], [0; LEAF]) {
+            return;
         }
-        // What drifts no farther does not meet.
-        let may_cross = !gaps.exceed(3.0 * DRIFT * MARGIN * self.thickest, gaps.now);
-        if may_cross {
-            self.contacts.close.push([f, g]);
+        self.patches.fit(met.leaves[1], self.positions, self.ahead);
+        let across = self.surface.part(u) != self.surface.part(v);
+        let pair = Pair { leaves: [a, b], numbers: met.leaves, reach, across, joined: met.joined };
+        for i in (0..a.faces.len()).filter(|&i| may[i] | loose[i] != 0) {
+            if may[i] != 0 {
+                pair.take(self, i, u32::from(may[i]));
+            }
+            for k in lanes(u32::from(close[i] | loose[i])) {
+                let faces = [a.faces[i], b.faces[k]];
+                if close[i] & (1 << k) != 0 || self.anew {
+                    self.contacts.close.push(faces);
+                }
+                if cross(faces[0], faces[1]) {
+                    self.let_go(&pair, met, [i, k], cross);
+                    return;
+                }
+            }
+            if self.batch.len() >= BATCH {
+                self.finish();
+            }
         }
-        let wide = Vec3A::splat(reach);
-        let sides = [Side::new(tf, self.owns[f as usize], pf), Side::new(tg, self.owns[g as usize], pg)];
-        self.ask_corners(&sides, wide, [f, g]);
-        if sides.iter().all(Side::has_edges) {
-            self.ask_edges(&sides, wide, [f, g]);
+    }
+
+    /// Asks no more after the pair of faces `at`, which cross.
+    #[cold]
+    fn let_go(&mut self, pair: &Pair<'_>, met: &Meeting, [i, k]: [usize; 2], mut cross: impl FnMut(u32, u32) -> bool) {
+        let [a, b] = pair.leaves;
+        // Noted together with what comes after it in its row.
+        self.batch.retain(|near| near.faces[0] != a.faces[i] || !b.faces[k + 1..].contains(&near.faces[1]));
+        for (row, &hits) in met.hits.iter().enumerate().skip(i) {
+            let rest = if row == i { !1 << k } else { !0 };
+            lanes(u32::from(hits) & rest).for_each(|k| _ = cross(a.faces[row], b.faces[k]));
         }
-        may_cross
+    }
+
+    /// Lists what may touch of all that is near.
+    pub fn finish(&mut self) {
+        self.batch.find(self.positions, self.ahead);
+        let (surface, touch, longest) = (self.surface, self.touch, self.longest);
+        self.batch.find_at_rest(&surface.rest, |found| rest_matters(surface, touch, longest, found));
+        for i in 0..self.batch.len() {
+            if self.batch.found(i).may_touch {
+                let found = *self.batch.found(i);
+                self.list(&found);
+            }
+        }
+        self.batch.clear();
     }
 
     /// How close the boxes of faces at particles `u` and `v` must come `[m]`.
@@ -150,43 +161,101 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         (1.0 + MARGIN) * 0.5 * (a + b)
     }
 
-    /// Asks for the corners that each face owns with the other face.
+    /// Which faces of two leaves that meet lie in one fan that hardly bends: they are hardly closer than at rest. And which of them
+    /// may cross all the same, as cloth is cut or sewn there.
     #[inline]
-    fn ask_corners(&mut self, [f, g]: &[Side; 2], wide: Vec3A, faces: [u32; 2]) {
-        let positions = self.positions;
-        let at = |v: u32| positions[v as usize].truncate();
-        for (side, other) in [(f, g), (g, f)] {
-            let u = other.corners;
-            for (k, (corner, own)) in side.corners.into_iter().zip(&side.boxes).enumerate() {
-                if side.owns & (1 << k) != 0 && !u.contains(&corner) && own.meets(&other.whole, wide) {
-                    self.list(vertex_face([corner, u[0], u[1], u[2]], at), 1, faces);
+    fn flat(&mut self, a: LeafRef<'_>, b: LeafRef<'_>, met: &Meeting) -> [[u8; LEAF]; 2] {
+        let [mut flat, mut loose] = [[0; LEAF]; 2];
+        for (i, corners) in a.corners.iter().enumerate() {
+            for k in lanes(u32::from(met.hits[i])) {
+                let mut shared = corners.iter().filter(|v| b.corners[k].contains(v));
+                if let Some(&v) = shared.find(|&&v| self.flatness.holds(v, self.surface, self.positions, self.ahead)) {
+                    flat[i] |= 1 << k;
+                    loose[i] |= u8::from(self.loose[v as usize]) << k;
                 }
             }
         }
+        [flat, loose]
     }
 
-    /// Asks for the edges that one face owns with those that the other owns.
+    /// Which faces of two leaves that meet, but those that are `flat`, may come within `reach` `[m]`, and which may cross now: what
+    /// drifts no farther does not meet.
     #[inline]
-    fn ask_edges(&mut self, [f, g]: &[Side; 2], wide: Vec3A, faces: [u32; 2]) {
-        let positions = self.positions;
-        let at = |v: u32| positions[v as usize].truncate();
-        for (i, next) in CYCLE {
-            let e = [f.corners[i], f.corners[next]];
-            let edge = f.boxes[i].union(f.boxes[next]);
-            if f.owns & (8 << i) == 0 || !edge.meets(&g.whole, wide) {
-                continue;
+    fn gaps(&mut self, tree: &Tree, met: &Meeting, flat: &[u8; LEAF], reach: f32) -> [[u8; LEAF]; 2] {
+        let [mut may, mut close] = [[0; LEAF]; 2];
+        let [a, b] = met.leaves;
+        let lanes = self.patches.lanes(tree, b, self.positions, self.ahead);
+        let within = 3.0 * DRIFT * MARGIN * self.thickest;
+        for (i, &t) in tree.leaf(a).corners.iter().enumerate() {
+            let hits = met.hits[i] & !flat[i];
+            if hits != 0 {
+                let now = [self.positions[t[0] as usize], self.positions[t[1] as usize], self.positions[t[2] as usize]];
+                let ahead = [self.ahead[t[0] as usize], self.ahead[t[1] as usize], self.ahead[t[2] as usize]];
+                [may[i], close[i]] = near(now, ahead, lanes, hits, reach, within);
             }
-            for (j, next_j) in CYCLE {
-                let h = [g.corners[j], g.corners[next_j]];
-                if g.owns & (8 << j) != 0
-                    && !h.contains(&e[0])
-                    && !h.contains(&e[1])
-                    && g.boxes[j].union(g.boxes[next_j]).meets(&edge, wide)
-                    && may_pass([f.paths[i], f.paths[next]], [g.paths[j], g.paths[next_j]])
-                {
-                    self.list(closest_edges([e[0], e[1], h[0], h[1]], at), 2, faces);
+        }
+        [may, close]
+    }
+}
+
+/// Two leaves that meet.
+struct Pair<'a> {
+    leaves: [LeafRef<'a>; 2],
+    numbers: [u32; 2],
+    /// How close boxes must come `[m]`.
+    reach: f32,
+    /// Whether they are of two cloths, and whether they may share particles.
+    across: bool,
+    joined: bool,
+}
+
+impl Pair<'_> {
+    /// Notes what is near of face `i` of the first leaf and the `faces` of the second, a bit for each. Of two faces first the corners that each
+    /// owns with the other face, then the edges that both own. What shares a particle is not.
+    #[inline]
+    fn take<T>(&self, asked: &mut Asked<'_, T>, i: usize, faces: u32) {
+        let Asked { patches, positions, ahead, batch, .. } = asked;
+        let &Self { leaves: [a, b], numbers, reach, across, joined } = self;
+        let [[corners, edges], [their_corners, their_edges]] = [patches.owned(numbers[0]), patches.owned(numbers[1])];
+        let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);
+        let way = |v: u32| way(positions, ahead, v);
+        // What comes close to the face, and to each corner and edge that it owns.
+        let theirs = their_corners.within(&way(t[0]).union(way(t[1])).union(way(t[2])), reach);
+        let [mut corner_met, mut edge_met] = [[0; 3]; 2];
+        for (met, &[v, _]) in corner_met.iter_mut().zip(&corners.ends[corners.of_face(i)]) {
+            *met = b.within(&way(v), wide);
+        }
+        for (met, &[u, v]) in edge_met.iter_mut().zip(&edges.ends[mine.clone()]) {
+            *met = their_edges.within(&way(u).union(way(v)), reach);
+        }
+        for k in lanes(faces) {
+            let (u, faces) = (b.corners[k], [a.faces[i], b.faces[k]]);
+            let mut note = |kind, particles| batch.push(Near { kind, particles, faces, reach, across });
+            for (&[v, _], met) in corners.ends[corners.of_face(i)].iter().zip(corner_met) {
+                if met & (1 << k) != 0 && !(joined && u.contains(&v)) {
+                    note(ProximityKind::VertexFace, [v, u[0], u[1], u[2]]);
+                }
+            }
+            for j in bits(theirs, their_corners.of_face(k)) {
+                let [v, _] = their_corners.ends[j];
+                if !(joined && t.contains(&v)) {
+                    note(ProximityKind::VertexFace, [v, t[0], t[1], t[2]]);
+                }
+            }
+            for (e, met) in edges.ends[mine.clone()].iter().zip(edge_met) {
+                for j in bits(met, their_edges.of_face(k)) {
+                    let h = their_edges.ends[j];
+                    if !(joined && (h.contains(&e[0]) || h.contains(&e[1]))) {
+                        note(ProximityKind::EdgeEdge, [e[0], e[1], h[0], h[1]]);
+                    }
                 }
             }
         }
     }
+}
+
+/// The bits in a range that are set, in ascending order.
+#[inline]
+fn bits(of: u32, range: Range<usize>) -> impl Iterator<Item = usize> {
+    lanes(of & ((1 << range.end) - (1 << range.start)))
 }

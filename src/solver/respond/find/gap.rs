@@ -1,74 +1,93 @@
-//! How far faces and edges are apart, now and at the next look, as far as that is quickly told.
+//! How far faces are apart, now and at the next look, as far as that is quickly told.
 
-use glam::Vec3A;
+use glam::{Vec3A, Vec4};
 
-use crate::solver::detect::tree::Bounds;
+use super::patch::Lanes;
+use crate::solver::detect::four::{Four, WIDE};
+use crate::solver::detect::tree::{Bounds, LEAF};
 
-/// How far beyond its ends an edge may be passed, at least, as a share of its length: edges slide within a frame.
-const SLACK: f32 = 0.1;
-
-/// The corners of a face, each with the next.
-pub(super) const CYCLE: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
-
-/// As `map`, which is not always inlined.
-#[inline(always)]
-pub(super) fn corners<T: Copy, U>([a, b, c]: [T; 3], of: impl Fn(T) -> U) -> [U; 3] {
-    [of(a), of(b), of(c)]
-}
-
-/// Where a particle is, and where it is foreseen to be `[m]`.
-#[derive(Clone, Copy)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Path {
-    pub(super) now: Vec3A,
-    pub(super) ahead: Vec3A,
-}
-
-impl Path {
-    #[inline]
-    pub(super) fn bounds(self) -> Bounds {
-        Bounds { min: self.now.min(self.ahead), max: self.now.max(self.ahead) }
-    }
-}
-
-/// How far two faces are apart along the line between their centres, now and ahead, times its length `[m²]`.
-#[derive(Clone, Copy)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Gaps {
-    pub(super) now: f32,
-    pub(super) ahead: f32,
-    /// Square of that length `[m²]`.
-    square: f32,
-}
-
-impl Gaps {
-    #[inline]
-    pub(super) fn between(f: &[Path; 3], g: &[Path; 3]) -> Self {
-        let axis = (f[0].now + f[1].now + f[2].now) - (g[0].now + g[1].now + g[2].now);
-        let apart = |of: fn(&Path) -> Vec3A| {
-            let origin = of(&g[0]);
-            let along = |p: &Path| (of(p) - origin).dot(axis);
-            along(&f[0]).min(along(&f[1])).min(along(&f[2])) - along(&g[1]).max(along(&g[2])).max(0.0)
-        };
-        Self { now: apart(|p| p.now), ahead: apart(|p| p.ahead), square: axis.length_squared() }
-    }
-
-    /// Whether a gap is wider than `reach` `[m]`.
-    #[inline]
-    pub(super) fn exceed(&self, reach: f32, gap: f32) -> bool {
-        gap > 0.0 && gap * gap > reach * reach * self.square
-    }
-}
-
-/// Whether the lines of two edges come closest inside both, or may do so soon. Where they never do, a particle is closer.
+/// Box of where particle `v` is and is foreseen to be `[m]`.
 #[inline]
-pub(super) fn may_pass([p, q]: [Path; 2], [r, s]: [Path; 2]) -> bool {
-    let (u, v, w) = (q.now - p.now, s.now - r.now, p.now - r.now);
-    let (a, b, c, d, e) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
-    let det = a * c - b * b;
-    let motion = 0.5 * ((p.ahead - p.now) + (q.ahead - q.now) - (r.ahead - r.now) - (s.ahead - s.now));
-    let slack = SLACK + (motion.length_squared() / a.min(c)).sqrt();
-    let inside = |x: f32| (x - 0.5 * det).abs() <= (0.5 + slack) * det;
-    // Edges that are almost parallel may pass anywhere.
-    !(det > 1.0e-3 * a * c) || (inside(b * e - c * d) && inside(a * e - b * d))
+pub(super) fn way(positions: &[Vec4], ahead: &[Vec3A], v: u32) -> Bounds {
+    let (now, ahead) = (Vec3A::from_vec4(positions[v as usize]), ahead[v as usize]);
+    Bounds { min: now.min(ahead), max: now.max(ahead) }
+}
+
+/// Of the `faces` of a leaf, a bit each, those that may come within `reach` `[m]` of a face, and of these those that are within
+/// `close` `[m]`. The face is where it is `now` and is foreseen to be `ahead` `[m]`.
+///
+/// Faces are farther apart where they are along the line between their centres, now and ahead.
+#[inline]
+pub(super) fn near(now: [Vec4; 3], ahead: [Vec3A; 3], others: &Lanes, faces: u8, reach: f32, close: f32) -> [u8; 2] {
+    let splat = |of: [Vec3A; 3]| [Four::splat(of[0]), Four::splat(of[1]), Four::splat(of[2])];
+    let now = splat([Vec3A::from_vec4(now[0]), Vec3A::from_vec4(now[1]), Vec3A::from_vec4(now[2])]);
+    let ahead = splat(ahead);
+    let centre = now[0] + now[1] + now[2];
+    let (mut may, mut do_now) = (0, 0);
+    for half in (0..LEAF / WIDE).filter(|half| faces >> (WIDE * half) & 0xf != 0) {
+        let of = |corners: &[[Four; LEAF / WIDE]; 3]| [corners[0][half], corners[1][half], corners[2][half]];
+        let (g, there) = (of(&others.now), of(&others.ahead));
+        let axis = centre - (g[0] + g[1] + g[2]);
+        let square = axis.length_squared();
+        let exceeds = |gap: Vec4, reach: f32| gap.cmpgt(Vec4::ZERO) & (gap * gap).cmpgt(Vec4::splat(reach * reach) * square);
+        let apart = gap(&now, &g, axis);
+        let (mut far, far_now) = (exceeds(apart, reach), exceeds(apart, close));
+        // What is not far now need not be asked about.
+        if far.any() {
+            far &= exceeds(gap(&ahead, &there, axis), reach);
+        }
+        may |= ((!far).bitmask() << (WIDE * half)) as u8;
+        do_now |= ((!far_now).bitmask() << (WIDE * half)) as u8;
+    }
+    [may & faces, may & do_now & faces]
+}
+
+/// How far faces `f` are beyond faces `g` along an axis, times its length `[m²]`.
+#[inline]
+fn gap(f: &[Four; 3], g: &[Four; 3], axis: Four) -> Vec4 {
+    let along = |p: Four| (p - g[0]).dot(axis);
+    along(f[0]).min(along(f[1])).min(along(f[2])) - along(g[1]).max(along(g[2])).max(Vec4::ZERO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::detect::four::each;
+
+    /// The gap of two faces, as [`gap`].
+    fn one(f: &[Vec3A; 3], g: &[Vec3A; 3], axis: Vec3A) -> f32 {
+        let along = |p: Vec3A| (p - g[0]).dot(axis);
+        f.map(along).into_iter().fold(f32::INFINITY, f32::min) - g.map(along).into_iter().fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn four_faces_at_once_are_as_far_as_one_after_the_other() {
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut face = |size: f32| {
+            let centre = Vec3A::from([(); 3].map(|()| 0.1 * rng.f32()));
+            [(); 3].map(|()| centre + Vec3A::from([(); 3].map(|()| size * rng.f32())))
+        };
+        let (reach, close) = (0.01, 0.006);
+        let mut met = [0; 3];
+        for _ in 0..2_000 {
+            let (now, ahead) = (face(0.05), face(0.05));
+            let others: [[[Vec3A; 3]; 2]; LEAF] = [(); LEAF].map(|()| [face(0.05), face(0.05)]);
+            let lanes = |moment: usize| {
+                let corner = |c: usize, half: usize| Four::of(each(|k: usize| others[WIDE * half + k][moment][c].extend(0.0)));
+                [0, 1, 2].map(|c: usize| [corner(c, 0), corner(c, 1)])
+            };
+            let lanes = Lanes { now: lanes(0), ahead: lanes(1) };
+            let [may, within] = near(now.map(|x| x.extend(1.0)), ahead, &lanes, 0b0111_1111, reach, close);
+            for (k, [g, there]) in others.iter().enumerate() {
+                let axis = (now[0] + now[1] + now[2]) - (g[0] + g[1] + g[2]);
+                let gaps = [one(&now, g, axis), one(&ahead, there, axis)];
+                let exceeds = |gap: f32, reach: f32| gap > 0.0 && gap * gap > reach * reach * axis.length_squared();
+                let expected = k < 7 && !exceeds(gaps[0].min(gaps[1]), reach);
+                assert_eq!(may >> k & 1 != 0, expected, "{gaps:?}");
+                assert_eq!(within >> k & 1 != 0, expected && !exceeds(gaps[0], close), "{gaps:?}");
+                met[usize::from(may >> k & 1) + usize::from(within >> k & 1)] += 1;
+            }
+        }
+        assert!(met.iter().all(|&count| count > 500), "{met:?}");
+    }
 }

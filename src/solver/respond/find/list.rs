@@ -1,12 +1,10 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
-use glam::{Vec3, Vec3A};
-
 use super::ask::Asked;
+use super::batch::Found;
 use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
-use crate::solver::detect::Proximity;
-use crate::solver::detect::proximity::distance_at_rest;
+use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::respond::contact::Contact;
 
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest (dimensionless). In folds of less
@@ -24,17 +22,16 @@ const LEAST_KEPT: f32 = 0.1;
 /// thickness, would buckle and cross more.
 const WITHIN_TANGLE: f32 = 0.9;
 
-/// Distances are not known better than to this share of the coordinates (dimensionless).
-const ROUNDING: f32 = 4.0 * f32::EPSILON;
-
 impl<T: Fn(u32) -> f32> Asked<'_, T> {
-    /// Lists a `pair` if it may touch; its first primitive has so many particles as `first`, and it is of `faces` whose boxes met.
+    /// Lists a pair that was `found`, if it may touch.
     #[inline]
-    pub(super) fn list(&mut self, pair: Proximity, first: usize, faces: [u32; 2]) {
+    pub(super) fn list(&mut self, found: &Found) {
         if self.contacts.len() >= self.most {
             return;
         }
+        let &Found { pair, faces, normal, .. } = found;
         let (ids, touch) = (pair.particles, self.touch);
+        let first = if pair.kind == ProximityKind::VertexFace { 1 } else { 2 };
         let (p, q) = (self.surface.part(ids[0]), self.surface.part(ids[3]));
         if !(self.takes_part[usize::from(p)] && self.takes_part[usize::from(q)]) {
             return;
@@ -42,20 +39,17 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
         let whole = 0.5 * (mine.thickness + other.thickness);
         let (mut thickness, margin) = (whole, MARGIN * whole);
-        let normal = self.normal(&pair, p == q);
         let tangled = self.tangled(&ids[..first]).min(self.tangled(&ids[first..]));
         if !normal.is_finite() || tangled > WITHIN_TANGLE {
             self.contacts.coincide |= !normal.is_finite();
             return;
         }
-        let far = |thickness: f32| self.is_far(&pair, first, normal, thickness + margin);
+        let far = |thickness: f32| found.is_far(thickness + margin);
         if far(thickness) {
             return;
         }
-        if p == q
-            && let Some(most) = self.most_at_rest(&pair, p, thickness)
-        {
-            thickness = thickness.min(most);
+        if found.at_rest < f32::INFINITY {
+            thickness = thickness.min(REST_SHARE * found.at_rest);
             if thickness <= 0.0 || far(thickness) {
                 return;
             }
@@ -72,7 +66,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         let contacts = &mut *self.contacts;
         let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
         let friction = Friction::between(rub(mine), rub(other));
-        let (slots, [load, drive]) = (ids.map(|v| contacts.slot(v)), contacts.load(pair.kind, ids));
+        let (slots, [load, drive]) = (ids.map(|v| contacts.slot(v)), contacts.loads.of(pair.kind, ids));
         contacts.pairs.push(Contact {
             kind: pair.kind,
             faces,
@@ -91,44 +85,10 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         });
     }
 
-    /// Unit vector of a pair towards its first primitive; not a number where nobody can tell.
-    #[inline]
-    fn normal(&self, pair: &Proximity, of_one_cloth: bool) -> Vec3 {
-        let ids = pair.particles;
-        let at = |v: u32| self.positions[v as usize].truncate();
-        let delta: Vec3 = (0..4).map(|i| at(ids[i]) * pair.weights[i]).sum();
-        // Closer than coordinates can tell, two cloths have no side to be on. What a cloth does to itself is taken back if it
-        // was wrong.
-        let size = ids.map(|v| at(v).abs()).into_iter().fold(Vec3::ZERO, Vec3::max).max_element();
-        let known = pair.distance > ROUNDING * size || of_one_cloth;
-        delta.try_normalize().filter(|_| known).unwrap_or(Vec3::NAN)
-    }
-
     /// How much the particles of a primitive belong to a tangle, at most (0 to 1, dimensionless).
     #[inline]
     fn tangled(&self, ids: &[u32]) -> f32 {
         ids.iter().map(|&v| (self.tangled)(v)).fold(0.0, f32::max)
-    }
-
-    /// Whether a pair is, and stays, farther apart along its normal than `reach` `[m]`.
-    #[inline]
-    fn is_far(&self, pair: &Proximity, first: usize, normal: Vec3, reach: f32) -> bool {
-        let ids = &pair.particles;
-        let axis = Vec3A::from(normal);
-        let along = |v: u32| axis.dot(self.ahead[v as usize]);
-        let low = ids[..first].iter().map(|&v| along(v)).fold(f32::INFINITY, f32::min);
-        let high = ids[first..].iter().map(|&v| along(v)).fold(f32::NEG_INFINITY, f32::max);
-        pair.distance >= reach && low - high >= reach
-    }
-
-    /// How far apart a pair of cloth `part` is kept, at most, for how far it is at rest `[m]`. Nothing where it is so far there
-    /// that its `thickness` `[m]` does not matter.
-    #[inline]
-    fn most_at_rest(&self, pair: &Proximity, part: u16, thickness: f32) -> Option<f32> {
-        let (surface, ids) = (self.surface, pair.particles);
-        let near = thickness / REST_SHARE + 2.0 * self.longest[usize::from(part)];
-        let is_near = surface.rest[ids[0] as usize].distance_squared(surface.rest[ids[3] as usize]) < near * near;
-        is_near.then(|| REST_SHARE * distance_at_rest(surface, pair))
     }
 
     /// Whether pins hold a particle of a primitive.
@@ -136,4 +96,15 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
     fn is_pinned(&self, ids: &[u32]) -> bool {
         ids.iter().any(|&v| self.pinned[v as usize])
     }
+}
+
+/// Whether it matters how far apart a pair is at rest: one cloth is kept no farther apart there, but for what is far away in it.
+#[inline]
+pub(super) fn rest_matters(surface: &Surface, touch: &[Touch], longest: &[f32], found: &Found) -> bool {
+    let [a, .., d] = found.pair.particles;
+    let part = surface.part(a);
+    let thickness = touch[usize::from(part)].thickness;
+    let near = 0.5 * (thickness + thickness) / REST_SHARE + 2.0 * longest[usize::from(part)];
+    let is_near = surface.rest[a as usize].distance_squared(surface.rest[d as usize]) < near * near;
+    part == surface.part(d) && is_near
 }

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! begin ─► foresee: boxes swept to where each particle will be
-//! find  ─► for pairs of faces whose boxes meet: ask ─► gap ─► for the particles and edges they own: list
+//! find  ─► for pairs of leaves whose boxes meet: ask ─► gap of their faces ─► boxes of the particles and edges they own ─► closest ─► list
 //! until the next look: strayed ─► find_strayed, within a frame; refresh, at its end
 //! ```
 
@@ -16,8 +16,11 @@ mod looked;
 mod refresh;
 mod strayed;
 mod flat;
+mod patch;
 mod gap;
 mod ask;
+mod batch;
+mod closest;
 mod list;
 
 use glam::{Vec3, Vec3A, Vec4};
@@ -27,8 +30,10 @@ pub use moment::Moment;
 use super::{Contacts, Touch};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
+use batch::Batch;
 use flat::Flatness;
 use looked::Looked;
+use patch::Patches;
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
 const MARGIN: f32 = 0.25;
@@ -40,8 +45,8 @@ const FLUTTER: f32 = 2.0;
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finder {
-    /// Bits 0 to 2: corners the face owns; bits 3 to 5: its edges.
-    owns: Vec<u8>,
+    /// The faces of each leaf, with what they own.
+    patches: Patches,
     /// Where each particle is foreseen to be in the next frame `[m]`, less the motion that all cloths share.
     ahead: Vec<Vec3A>,
     /// Where each particle was at the last look `[m]`.
@@ -67,6 +72,8 @@ pub struct Finder {
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
+    /// Pairs whose closest points are to be found next.
+    batch: Batch,
 }
 
 impl Finder {
@@ -94,9 +101,8 @@ impl Finder {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let mut ask = self.ask(surface, moment, tangled, contacts, false);
-        tree.pairs(surface, Self::reach(moment), |f, g| {
-            ask(f, g);
-        });
+        tree.meetings(surface, Self::reach(moment), |tree, met| ask.leaves(tree, met, |_, _| false));
+        ask.finish();
     }
 
     /// Where each particle is foreseen to be `[m]`, less the motion that all cloths share.

@@ -3,15 +3,19 @@
 use glam::Vec3A;
 
 use super::Finder;
+use super::ask::MOST_NEAR;
+use super::batch::Batch;
 use super::flat::Flatness;
 use super::looked::Looked;
+use super::patch::Patches;
 use crate::solver::detect::Surface;
 use crate::solver::detect::seams::{loose, seams};
+use crate::solver::detect::tree::Tree;
 
 impl Finder {
     /// Prepares finding on a surface.
     #[must_use]
-    pub fn new(surface: &Surface) -> Self {
+    pub fn new(surface: &Surface, tree: &Tree) -> Self {
         let topology = &surface.topology;
         let mut owns = vec![0; topology.faces.len()];
         let mut owned = vec![false; surface.len()];
@@ -34,7 +38,7 @@ impl Finder {
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
         let shifted = astray.clone();
         Self {
-            owns,
+            patches: Patches::new(tree, &topology.faces, &owns),
             ahead: start.clone(),
             before: vec![Vec3A::NAN; surface.len()],
             there: start.clone(),
@@ -49,6 +53,7 @@ impl Finder {
             drift: vec![0.0; surface.len()],
             longest,
             loose: loose(surface, &seams(surface)),
+            batch: Batch::new(MOST_NEAR),
         }
     }
 }

@@ -63,8 +63,7 @@ impl Finder {
         contacts: &mut Contacts,
     ) {
         self.mark(surface, moment, share);
-        contacts.note_loads();
-        contacts.pairs.retain(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.forget_all_but(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_behind();
         self.foresee_astray(surface, moment, share, dt);
@@ -72,10 +71,8 @@ impl Finder {
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
         let mut ask = self.ask(surface, moment, tangled, contacts, true);
-        tree.pairs_with(surface, Self::reach(moment), &marked, |f, g| {
-            ask(f, g);
-        });
-        drop(ask);
+        tree.meetings_with(surface, Self::reach(moment), &marked, |tree, met| ask.leaves(tree, met, |_, _| false));
+        ask.finish();
         self.marked = marked;
     }
 

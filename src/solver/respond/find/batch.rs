@@ -1,0 +1,147 @@
+//! What is near, in the order in which it was asked for, until there is enough of it to find closest points four at a time.
+
+use glam::{Vec3, Vec3A, Vec4};
+
+use super::closest::{edges, find_four, vertex_faces};
+use crate::solver::detect::four::{Four, WIDE, each};
+use crate::solver::detect::{Proximity, ProximityKind};
+
+/// A particle and a face, or two edges, whose boxes meet.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Near {
+    pub(super) kind: ProximityKind,
+    /// As [`Proximity::particles`].
+    pub(super) particles: [u32; 4],
+    /// The faces whose boxes met.
+    pub(super) faces: [u32; 2],
+    /// What is, and stays, farther apart does not matter `[m]`.
+    pub(super) reach: f32,
+    /// Whether it is of two cloths.
+    pub(super) across: bool,
+}
+
+/// What a pair came to.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Found {
+    pub(super) pair: Proximity,
+    /// The faces whose boxes met.
+    pub(super) faces: [u32; 2],
+    /// Unit vector towards the first primitive; not a number where nobody can tell.
+    pub(super) normal: Vec3,
+    /// How far apart it will be along it `[m]`.
+    pub(super) apart: f32,
+    /// How far apart it is at rest `[m]`, where that matters.
+    pub(super) at_rest: f32,
+    /// Whether it may touch; nothing else is known of one that does not.
+    pub(super) may_touch: bool,
+}
+
+impl Found {
+    const NOTHING: Self = Self {
+        pair: Proximity { kind: ProximityKind::VertexFace, particles: [0; 4], weights: [0.0; 4], distance: 0.0 },
+        faces: [0; 2],
+        normal: Vec3::NAN,
+        apart: 0.0,
+        at_rest: f32::INFINITY,
+        may_touch: false,
+    };
+
+    /// Whether the pair is, and stays, farther apart along its normal than `reach` `[m]`.
+    #[inline]
+    pub(super) fn is_far(&self, reach: f32) -> bool {
+        self.pair.distance >= reach && self.apart >= reach
+    }
+}
+
+/// What is near and what of it may touch, in the order in which it was asked for.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Batch {
+    near: Vec<Near>,
+    /// Of each; more than there are.
+    found: Vec<Found>,
+    /// Which are particles and faces, and which edges.
+    kinds: [Vec<u32>; 2],
+}
+
+impl Batch {
+    /// Room for so many pairs.
+    pub(super) fn new(most: usize) -> Self {
+        let kinds = [Vec::with_capacity(most), Vec::with_capacity(most)];
+        Self { near: Vec::with_capacity(most), found: vec![Found::NOTHING; most], kinds }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.near.clear();
+        self.kinds.iter_mut().for_each(Vec::clear);
+    }
+
+    #[inline]
+    pub(super) fn len(&self) -> usize {
+        self.near.len()
+    }
+
+    #[inline]
+    pub(super) fn push(&mut self, near: Near) {
+        self.kinds[usize::from(near.kind == ProximityKind::EdgeEdge)].push(self.near.len() as u32);
+        self.near.push(near);
+    }
+
+    /// Forgets all but those to `keep`.
+    pub(super) fn retain(&mut self, keep: impl Fn(&Near) -> bool) {
+        let all = core::mem::take(&mut self.near);
+        self.clear();
+        all.into_iter().filter(keep).for_each(|near| self.push(near));
+    }
+
+    /// What is near, and what it came to.
+    #[cfg(test)]
+    pub(super) fn all(&self) -> impl Iterator<Item = (&Near, &Found)> {
+        self.near.iter().zip(&self.found)
+    }
+
+    /// What number `i` came to, when last [found](Self::find).
+    #[inline]
+    pub(super) fn found(&self, i: usize) -> &Found {
+        &self.found[i]
+    }
+
+    /// Finds the closest points of all that is near, at `positions` `[m]`, and whether each pair may touch on its way `ahead` `[m]`.
+    pub(super) fn find(&mut self, positions: &[Vec4], ahead: &[Vec3A]) {
+        self.found.resize(self.found.len().max(self.near.len()), Found::NOTHING);
+        for four in fours(&self.kinds[0]) {
+            find_four::<false>(&self.near, four, &mut self.found, positions, ahead);
+        }
+        for four in fours(&self.kinds[1]) {
+            find_four::<true>(&self.near, four, &mut self.found, positions, ahead);
+        }
+    }
+
+    /// Finds how far apart `rest` `[m]` has what may touch, where that `matters`.
+    pub(super) fn find_at_rest(&mut self, rest: &[Vec3], matters: impl Fn(&Found) -> bool) {
+        let Self { kinds, found, .. } = self;
+        for kind in kinds.iter_mut() {
+            kind.retain(|&i| {
+                let found = &mut found[i as usize];
+                found.at_rest = f32::INFINITY;
+                found.may_touch && matters(found)
+            });
+        }
+        let at = |v: u32| rest[v as usize].extend(0.0);
+        for (edges_too, four) in [false, true].into_iter().zip(&*kinds).flat_map(|(of, kind)| fours(kind).map(move |i| (of, i)))
+        {
+            let ids = each(|lane| found[four[lane]].pair.particles);
+            let x = each(|k| Four::of(each(|lane| at(ids[lane][k]))));
+            let distance = if edges_too { edges(&x, &x).distance } else { vertex_faces(&x).distance };
+            (0..WIDE).for_each(|lane| found[four[lane]].at_rest = distance[lane]);
+        }
+    }
+}
+
+/// Numbers, four at a time; where there are fewer the last one again.
+#[inline]
+fn fours(of: &[u32]) -> impl Iterator<Item = [usize; WIDE]> + '_ {
+    of.chunks(WIDE).map(|four| each(|k| four[k.min(four.len() - 1)] as usize))
+}

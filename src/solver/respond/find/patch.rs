@@ -1,0 +1,242 @@
+//! The faces of a leaf side by side, so that one face is asked against four at once.
+//!
+//! ```text
+//! lanes     corner 0, 1, 2 of faces 0 1 2 3 | 4 5 6 7       where they are, and where they are foreseen to be
+//! corners   v v v v | v …                                    that the faces own, in the order of faces, each with its box
+//! edges     e e e e | e e e e | e …                          likewise
+//! ```
+//!
+//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved.
+
+use core::ops::Range;
+
+use glam::{Vec3A, Vec4};
+
+use super::gap::way;
+use crate::solver::detect::four::{Four, WIDE, each};
+use crate::solver::detect::tree::{Bounds, LEAF, Tree};
+
+/// Corners of the faces of a leaf, by corner and half of the lanes `[m]`; lanes without a face repeat the last one.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Lanes {
+    pub(super) now: [[Four; LEAF / WIDE]; 3],
+    pub(super) ahead: [[Four; LEAF / WIDE]; 3],
+}
+
+impl Lanes {
+    const NONE: Self = Self { now: [[Four::ZERO; LEAF / WIDE]; 3], ahead: [[Four::ZERO; LEAF / WIDE]; 3] };
+
+    #[inline(never)]
+    fn fit(&mut self, corners: &[[u32; 3]], positions: &[Vec4], ahead: &[Vec3A]) {
+        let Some(last) = corners.len().checked_sub(1) else { return };
+        for half in 0..LEAF / WIDE {
+            let faces = each(|k| corners[(half * WIDE + k).min(last)]);
+            for c in 0..3 {
+                self.now[c][half] = Four::of(each(|k| positions[faces[k][c] as usize]));
+                self.ahead[c][half] = Four::of(each(|k| ahead[faces[k][c] as usize].extend(0.0)));
+            }
+        }
+    }
+}
+
+/// Four boxes `[m]`.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+struct Boxes {
+    min: Four,
+    max: Four,
+}
+
+impl Boxes {
+    #[inline]
+    fn of(boxes: [Bounds; WIDE]) -> Self {
+        Self { min: Four::of(each(|k| boxes[k].min.extend(0.0))), max: Four::of(each(|k| boxes[k].max.extend(0.0))) }
+    }
+
+    /// Which of them come within `margin` `[m]` of another along every axis, as [`Bounds::meets`].
+    #[inline]
+    fn meets(&self, low: Four, high: Four, margin: Vec4) -> u32 {
+        let within = |low: Vec4, high: Vec4, min: Vec4, max: Vec4| low.cmple(max) & (min - margin).cmple(high);
+        let (x, y) = (within(low.x, high.x, self.min.x, self.max.x), within(low.y, high.y, self.min.y, self.max.y));
+        (x & y & within(low.z, high.z, self.min.z, self.max.z)).bitmask()
+    }
+}
+
+/// The particles or the edges that the faces of each leaf own, with their boxes.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Owned {
+    /// First of a leaf, a multiple of the lanes; and where those of each face begin after it, and end.
+    first: Vec<u32>,
+    starts: Vec<[u8; LEAF + 1]>,
+    /// The ends of each; twice a particle.
+    ends: Vec<[u32; 2]>,
+    /// Boxes, four at a time; the empty one where there is none.
+    boxes: Vec<Boxes>,
+}
+
+impl Owned {
+    /// Of all leaves; `ends` gives those that a face owns.
+    fn new<I: Iterator<Item = [u32; 2]>>(tree: &Tree, ends: impl Fn(u32) -> I) -> Self {
+        let mut owned = Self::default();
+        for leaf in 0..tree.leaves() {
+            let (first, mut starts) = (owned.ends.len(), [0; LEAF + 1]);
+            let faces = tree.leaf(leaf).faces;
+            for (lane, start) in starts.iter_mut().enumerate() {
+                *start = (owned.ends.len() - first) as u8;
+                owned.ends.extend(faces.get(lane).into_iter().flat_map(|&f| ends(f)));
+            }
+            owned.ends.resize(owned.ends.len().next_multiple_of(WIDE), [u32::MAX; 2]);
+            owned.first.push(first as u32);
+            owned.starts.push(starts);
+        }
+        let none = Boxes { min: Four::splat(Vec3A::INFINITY), max: Four::splat(Vec3A::NEG_INFINITY) };
+        owned.boxes = vec![none; owned.ends.len() / WIDE];
+        owned
+    }
+
+    /// Those of a leaf.
+    #[inline]
+    fn all(&self, leaf: u32) -> Range<usize> {
+        let first = self.first[leaf as usize] as usize;
+        first..first + usize::from(self.starts[leaf as usize][LEAF])
+    }
+
+    /// What the faces of a leaf own.
+    #[inline]
+    pub(super) fn leaf(&self, leaf: u32) -> Owns<'_> {
+        let (all, starts) = (self.all(leaf), &self.starts[leaf as usize]);
+        Owns { starts, ends: &self.ends[all.clone()], boxes: &self.boxes[all.start / WIDE..all.end.div_ceil(WIDE)] }
+    }
+
+    /// Boxes what a leaf owns: `around` gives the box of the way of a particle.
+    #[inline]
+    fn fit(&mut self, leaf: u32, around: impl Fn(u32) -> Bounds) {
+        let all = self.all(leaf);
+        for (ends, boxes) in self.ends[all.clone()].chunks(WIDE).zip(&mut self.boxes[all.start / WIDE..]) {
+            let of = |k: usize| ends.get(k).map_or(Bounds::EMPTY, |&[a, b]| around(a).union(around(b)));
+            *boxes = Boxes::of(each(of));
+        }
+    }
+}
+
+/// What the faces of a leaf own.
+#[derive(Clone, Copy)]
+pub(super) struct Owns<'a> {
+    starts: &'a [u8; LEAF + 1],
+    /// The ends of each; twice a particle.
+    pub(super) ends: &'a [[u32; 2]],
+    boxes: &'a [Boxes],
+}
+
+impl Owns<'_> {
+    /// Numbers of those that the face in a lane owns.
+    #[inline]
+    pub(super) fn of_face(&self, lane: usize) -> Range<usize> {
+        usize::from(self.starts[lane])..usize::from(self.starts[lane + 1])
+    }
+
+    /// Which come within `margin` `[m]` of a box along every axis, a bit for each number.
+    #[inline]
+    pub(super) fn within(&self, bounds: &Bounds, margin: f32) -> u32 {
+        let (low, high) = (Four::splat(bounds.min - Vec3A::splat(margin)), Four::splat(bounds.max));
+        let met = self.boxes.iter().rev().map(|boxes| boxes.meets(low, high, Vec4::splat(margin)));
+        met.fold(0, |bits, met| bits << WIDE | met)
+    }
+}
+
+/// All leaves.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Patches {
+    lanes: Vec<Lanes>,
+    corners: Owned,
+    edges: Owned,
+    /// Whether the lanes of each are known, and its boxes.
+    known: Vec<[bool; 2]>,
+}
+
+impl Patches {
+    /// Of a tree; `owns` has, of each face, bits 0 to 2 for corners it owns, and 3 to 5 for its edges.
+    pub(super) fn new(tree: &Tree, faces: &[[u32; 3]], owns: &[u8]) -> Self {
+        let owned = |f: u32, shift: u32, next: usize| {
+            let (t, bits) = (faces[f as usize], owns[f as usize] >> shift);
+            (0..3).filter(move |k| bits & (1 << k) != 0).map(move |k| [t[k], t[(k + next) % 3]])
+        };
+        Self {
+            lanes: vec![Lanes::NONE; tree.leaves() as usize],
+            corners: Owned::new(tree, |f| owned(f, 0, 0)),
+            edges: Owned::new(tree, |f| owned(f, 3, 1)),
+            known: vec![[false; 2]; tree.leaves() as usize],
+        }
+    }
+
+    /// Everything moved.
+    pub(super) fn forget(&mut self) {
+        self.known.fill([false; 2]);
+    }
+
+    /// The corners of the faces of a leaf.
+    #[inline]
+    pub(super) fn lanes(&mut self, tree: &Tree, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) -> &Lanes {
+        let lanes = &mut self.lanes[leaf as usize];
+        if !core::mem::replace(&mut self.known[leaf as usize][0], true) {
+            lanes.fit(tree.leaf(leaf).corners, positions, ahead);
+        }
+        lanes
+    }
+
+    /// The corners and the edges that the faces of a leaf own.
+    #[inline]
+    pub(super) fn owned(&self, leaf: u32) -> [Owns<'_>; 2] {
+        [self.corners.leaf(leaf), self.edges.leaf(leaf)]
+    }
+
+    /// Makes boxes of what the faces of a leaf own.
+    #[inline]
+    pub(super) fn fit(&mut self, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) {
+        if !core::mem::replace(&mut self.known[leaf as usize][1], true) {
+            self.corners.fit(leaf, |v| way(positions, ahead, v));
+            self.edges.fit(leaf, |v| way(positions, ahead, v));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::detect::{PartRef, Surface};
+    use crate::solver::rest::RestShape;
+    use crate::solver::scene::grid;
+
+    #[test]
+    fn what_faces_own_is_asked_as_its_box_is() {
+        let mesh = grid(9, 8, |u, v| glam::vec3(u, 0.0, v));
+        let (rest, _) = RestShape::build(&mesh).expect("a sheet");
+        let part = PartRef { topology: &rest.topology, rest: &rest.positions, layer: 0, self_collision: true, thickness: 0.01 };
+        let surface = Surface::new(&[part]).expect("a cloth");
+        let tree = Tree::new(&surface);
+        let faces = &surface.topology.faces;
+        let mut patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
+        let mut rng = fastrand::Rng::with_seed(2);
+        let positions: Vec<Vec4> = surface.rest.iter().map(|x| (*x + rng.f32()).extend(1.0)).collect();
+        let ahead: Vec<Vec3A> = positions.iter().map(|x| Vec3A::from_vec4(*x) + 0.2 * rng.f32()).collect();
+        let mut met = 0;
+        for leaf in 0..tree.leaves() {
+            patches.fit(leaf, &positions, &ahead);
+            let bounds = way(&positions, &ahead, rng.u32(0..72)).union(way(&positions, &ahead, rng.u32(0..72)));
+            for (of, count) in patches.owned(leaf).iter().zip([1, 2]) {
+                let within = of.within(&bounds, 0.1);
+                let own = |&[a, b]: &[u32; 2]| way(&positions, &ahead, a).union(way(&positions, &ahead, b));
+                let expected = of.ends.iter().map(own).map(|own| own.meets(&bounds, Vec3A::splat(0.1)));
+                let bits = expected.enumerate().fold(0, |bits, (k, meets)| bits | u32::from(meets) << k);
+                assert_eq!(within, bits);
+                met += bits.count_ones();
+                let lanes = tree.leaf(leaf).faces.len();
+                assert!((0..lanes).all(|lane| of.of_face(lane) == (count * lane..count * (lane + 1))));
+            }
+        }
+        assert!(met > 30, "{met}");
+    }
+}

@@ -1,0 +1,87 @@
+//! What pairs bore that a look forgets: they go on from there where the look finds them again.
+
+use crate::solver::detect::ProximityKind;
+use crate::solver::rest::NONE;
+
+/// Loads of pairs, chained by the first of their particles.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Loads {
+    /// First entry of each particle, or [`NONE`].
+    heads: Vec<u32>,
+    entries: Vec<Entry>,
+}
+
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+struct Entry {
+    kind: ProximityKind,
+    particles: [u32; 4],
+    /// Mean push `[m]` and drive `[kg·m]`.
+    load: [f32; 2],
+    next: u32,
+}
+
+impl Loads {
+    /// Makes room for so many particles, and as many pairs.
+    pub(super) fn fit(&mut self, particles: usize) {
+        self.heads.resize(particles, NONE);
+        self.reserve(particles);
+    }
+
+    /// Makes room for so many pairs.
+    pub(super) fn reserve(&mut self, pairs: usize) {
+        self.entries.reserve(pairs.saturating_sub(self.entries.len()));
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.entries.clear();
+        self.heads.fill(NONE);
+    }
+
+    /// Notes what a pair bears.
+    #[inline]
+    pub(super) fn note(&mut self, kind: ProximityKind, particles: [u32; 4], load: [f32; 2]) {
+        if let Some(head) = self.heads.get_mut(particles[0] as usize) {
+            let next = core::mem::replace(head, self.entries.len() as u32);
+            self.entries.push(Entry { kind, particles, load, next });
+        }
+    }
+
+    /// What a pair bore; nothing if it was not noted.
+    #[inline]
+    pub(super) fn of(&self, kind: ProximityKind, particles: [u32; 4]) -> [f32; 2] {
+        let mut next = self.heads.get(particles[0] as usize).copied().unwrap_or(NONE);
+        while let Some(entry) = self.entries.get(next as usize) {
+            if entry.particles == particles && entry.kind == kind {
+                return entry.load;
+            }
+            next = entry.next;
+        }
+        [0.0; 2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_gets_what_it_bore_and_no_other_does() {
+        use ProximityKind::{EdgeEdge, VertexFace};
+        let mut loads = Loads::default();
+        loads.note(VertexFace, [0, 1, 2, 3], [1.0; 2]);
+        assert_eq!(loads.of(VertexFace, [0, 1, 2, 3]), [0.0; 2], "without room nothing is noted");
+        loads.fit(8);
+        loads.note(VertexFace, [0, 1, 2, 3], [1.0, 2.0]);
+        loads.note(EdgeEdge, [0, 1, 2, 3], [3.0, 4.0]);
+        loads.note(EdgeEdge, [7, 1, 2, 3], [5.0, 6.0]);
+        assert_eq!(loads.of(VertexFace, [0, 1, 2, 3]), [1.0, 2.0]);
+        assert_eq!(loads.of(EdgeEdge, [0, 1, 2, 3]), [3.0, 4.0]);
+        assert_eq!(loads.of(EdgeEdge, [7, 1, 2, 3]), [5.0, 6.0]);
+        assert_eq!(loads.of(VertexFace, [7, 1, 2, 3]), [0.0; 2]);
+        assert_eq!(loads.of(EdgeEdge, [0, 1, 3, 2]), [0.0; 2]);
+        loads.clear();
+        assert_eq!(loads.of(EdgeEdge, [7, 1, 2, 3]), [0.0; 2]);
+    }
+}
