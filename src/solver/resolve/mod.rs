@@ -25,6 +25,7 @@ pub mod region;
 mod brake;
 mod layers;
 mod mark;
+mod nearest;
 mod patch;
 mod peel;
 mod plan;
@@ -34,6 +35,7 @@ mod separate;
 mod share;
 mod shift;
 mod shrink;
+mod votes;
 
 pub use contour::{Contour, ContourGraph, ContourKind};
 pub use latch::Strategy;
