@@ -22,6 +22,7 @@ pub mod gradient;
 pub mod history;
 pub mod latch;
 pub mod region;
+mod between;
 mod brake;
 mod layers;
 mod mark;
@@ -45,6 +46,7 @@ use glam::{Vec3, Vec4};
 use crate::solver::detect::{Crossing, Detector, Surface};
 use crate::solver::verdict::{Resort, Verdict};
 
+use between::Between;
 use gradient::Terms;
 #[cfg(feature = "research")]
 use history::{History, Push};
@@ -127,6 +129,7 @@ struct View<'a> {
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resolver {
     graph: ContourGraph,
+    between: Between,
     latches: Latches,
     flood: Flood,
     terms: Vec<Terms>,
@@ -237,6 +240,7 @@ impl Resolver {
         }
         let view = View { surface, crossings: detector.crossings(), positions };
         self.choose(view, settings);
+        self.between.take_in(view, &self.graph);
         if layered {
             self.order(view, settings.pace * settings.step * surface.mean_edge);
             if self.graph.contours.is_empty() && !self.layers.any() {
