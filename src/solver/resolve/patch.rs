@@ -21,17 +21,7 @@ pub(super) struct Patch {
 
 impl Patch {
     pub fn gather(&mut self, view: View<'_>, graph: &ContourGraph, contour: usize) {
-        self.seen.resize(view.surface.len(), [0; 2]);
-        self.ring.resize(view.surface.len(), [0; 2]);
-        self.now = 0;
-        self.stamp = self.stamp.wrapping_add(1);
-        if self.stamp == 0 {
-            self.seen.fill([0; 2]);
-            self.stamp = 1;
-        }
-        for side in &mut self.sides {
-            side.clear();
-        }
+        self.begin(view.surface);
         for &i in graph.nodes_of(contour) {
             let c = &view.crossings[i as usize];
             let side = usize::from(graph.side[i as usize]);
@@ -41,6 +31,21 @@ impl Patch {
             for v in view.surface.topology.faces[c.face as usize] {
                 self.put(1 - side, v);
             }
+        }
+    }
+
+    /// Forgets all particles and makes room for a surface.
+    pub fn begin(&mut self, surface: &Surface) {
+        self.seen.resize(surface.len(), [0; 2]);
+        self.ring.resize(surface.len(), [0; 2]);
+        self.now = 0;
+        self.stamp = self.stamp.wrapping_add(1);
+        if self.stamp == 0 {
+            self.seen.fill([0; 2]);
+            self.stamp = 1;
+        }
+        for side in &mut self.sides {
+            side.clear();
         }
     }
 
