@@ -53,6 +53,8 @@ pub struct Detector {
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
+    /// Pairs of faces that were asked at the last look.
+    asked: usize,
     pub(super) calm: Calm,
 }
 
@@ -73,6 +75,7 @@ impl Detector {
             ties: Ties::default(),
             doubtful: Vec::new(),
             crossings: Vec::new(),
+            asked: 0,
             calm: Calm::new(surface),
         }
     }
@@ -164,7 +167,9 @@ impl Detector {
         crossings.clear();
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
+        let mut count = 0;
         pairs(tree, &mut |f, g| {
+            count += 1;
             if crossings.is_empty() && !also(f, g) {
                 return;
             }
@@ -182,6 +187,7 @@ impl Detector {
                 doubtful.push((f, g));
             }
         });
+        self.asked = count;
         if !self.doubtful.is_empty() {
             self.cross_doubtful(surface, positions);
         }
@@ -213,6 +219,12 @@ impl Detector {
     #[must_use]
     pub fn crossings(&self) -> &[Crossing] {
         &self.crossings
+    }
+
+    /// Pairs of faces that were asked at the last look.
+    #[must_use]
+    pub fn asked(&self) -> usize {
+        self.asked
     }
 
     /// Whether a cloth was left out of the last detection because a particle of it is not finite or absurdly far away.

@@ -160,6 +160,8 @@ impl Island {
     pub(super) fn look(&mut self) {
         (self.stale, self.known) = (false, false);
         self.total = self.untangler.look(&self.surface, &self.positions);
+        let Untangler { detector, resolver } = &mut self.untangler;
+        resolver.effort.spend(self.surface.topology.faces.len() + detector.asked());
         self.sum_up();
     }
 

@@ -65,11 +65,13 @@ pub struct UntangleSettings {
     pub iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
     pub relaxations: u32,
+    /// Most work of a frame, in [visits](crate::solver::effort) for each face.
+    pub effort: u32,
 }
 
 impl Default for UntangleSettings {
     fn default() -> Self {
-        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2 }
+        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2, effort: u32::MAX }
     }
 }
 

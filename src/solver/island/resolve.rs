@@ -9,6 +9,7 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::load::AT_LOAD;
 use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
+use crate::solver::effort::Effort;
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::retreat::Retreat;
 use crate::solver::step::{displace, relax};
@@ -21,6 +22,7 @@ impl Island {
         if !self.total.is_clean() && (0..parts).any(|part| cloths.member(part).is_some_and(|m| m.at_load)) {
             self.load(settings, AT_LOAD, cloths);
         }
+        self.untangler.resolver.effort = self.effort(settings);
         let resorts = (0..parts).filter_map(|part| cloths.member(part).map(|m| m.outcome.resort));
         let resort = resorts.max().unwrap_or_default();
         self.escalate(resort);
@@ -33,6 +35,11 @@ impl Island {
             self.blend_members(dt, cloths);
         }
         self.give_back(cloths);
+    }
+
+    /// The work that a stage may do.
+    pub(super) fn effort(&self, settings: &UntangleSettings) -> Effort {
+        Effort::per_face(settings.effort, self.surface.topology.faces.len())
     }
 
     /// Draws what nothing could take apart to the animated pose, or to the shape at rest where it is.
@@ -120,6 +127,9 @@ impl Island {
                 self.relax(settings.relaxations, &mut relax);
             }
             self.keep_others_apart();
+            if self.untangler.resolver.effort.is_spent() {
+                break;
+            }
         }
         self.undo_what_got_worse();
     }
@@ -132,15 +142,18 @@ impl Island {
             self.look();
         }
         let Self { surface, untangler, undo, positions, previous, .. } = self;
-        let mut undone = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
-        // One more cloth each time.
-        while undone {
+        let any = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
+        let mut undone = any;
+        // One more cloth each time, as long as there may be work. What then crosses one that was put back, the next frame takes apart.
+        while undone && !self.untangler.resolver.effort.is_spent() {
             self.look();
             let Self { surface, untangler, undo, positions, previous, .. } = self;
             undone = undo.follow(surface, parts_of_contours(surface, untangler), positions, previous);
-            if !undone {
-                untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
-            }
+        }
+        self.stale = undone;
+        if any {
+            let Self { surface, untangler, undo, .. } = self;
+            untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
         }
     }
 
@@ -187,7 +200,8 @@ impl Island {
         self.put_back(MOST_RETREATS, Retreat::take_along);
     }
 
-    /// Puts back what crosses and looks again, some `rounds` at most, until nothing is left to put; whether there was any.
+    /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is left to put; whether there
+    /// was any.
     fn put_back(
         &mut self,
         rounds: usize,
@@ -196,7 +210,10 @@ impl Island {
         let mut any = false;
         for _ in 0..rounds {
             let Self { surface, untangler, retreat, positions, previous, .. } = self;
-            if self.total.is_clean() || !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
+            if self.total.is_clean() || untangler.resolver.effort.is_spent() {
+                break;
+            }
+            if !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
                 break;
             }
             (any, self.moved) = (true, true);

@@ -56,6 +56,8 @@ pub struct Latch {
     pub best: f32,
     /// Largest length so far `[m]`.
     pub longest: f32,
+    /// Whether nothing was done about it in the last iteration, since there was too much work for a frame.
+    pub waits: bool,
     /// Plan being carried out; 0: none yet.
     pub plan: u32,
     /// How far the region that is pushed reached through at most `[m]`.
@@ -158,9 +160,10 @@ impl Latches {
             }
             let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(k), ..Latch::new() });
             latch.age += 1;
-            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) {
+            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) && !latch.waits {
                 latch.progress(contour.length);
             }
+            latch.waits = false;
             latch.longest = latch.longest.max(contour.length);
             latch.centre = contour.centre;
             latch.kind = contour.kind;

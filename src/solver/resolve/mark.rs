@@ -29,7 +29,9 @@ impl Resolver {
         }
         for k in 0..self.graph.contours.len() {
             for side in 0..2 {
-                if self.graph.contours[k].kind.separates() && self.region(view, k, side, NONE).is_some() {
+                self.count_visits();
+                let may_ask = self.graph.contours[k].kind.separates() && !self.effort.is_spent();
+                if may_ask && self.region(view, k, side, NONE).is_some() {
                     self.flood.region().iter().for_each(|&v| self.patch.put(ALL, v));
                 }
             }

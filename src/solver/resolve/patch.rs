@@ -14,6 +14,8 @@ pub(super) struct Patch {
     ring: Vec<[u16; 2]>,
     now: u16,
     stamp: u32,
+    /// Edges and crossings looked at.
+    pub visits: usize,
     pub sides: [Vec<u32>; 2],
     /// End of the contour's own particles, then of each ring around them.
     pub ring_end: [Vec<u32>; 2],
@@ -25,6 +27,7 @@ impl Patch {
         for &i in graph.nodes_of(contour) {
             let c = &view.crossings[i as usize];
             let side = usize::from(graph.side[i as usize]);
+            self.visits += 1;
             for v in view.surface.topology.edges[c.edge as usize] {
                 self.put(side, v);
             }
@@ -62,7 +65,9 @@ impl Patch {
                 let last = self.sides[side].len();
                 for k in *first..last {
                     let v = self.sides[side][k];
-                    for &(u, _) in surface.topology.around(v) {
+                    let around = surface.topology.around(v);
+                    self.visits += around.len();
+                    for &(u, _) in around {
                         if self.seen[u as usize][1 - side] != self.stamp {
                             self.put(side, u);
                         }
