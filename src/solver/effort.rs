@@ -3,6 +3,8 @@
 //! A *visit* is what is done about one particle, edge, crossing or pair of faces, some ten nanoseconds of it. The work of a frame that is in
 //! proportion to the size of its cloth needs no count. What can grow beyond that is counted, and goes on in the next frame where it is too much.
 
+use core::cell::Cell;
+
 /// Visits that were made and that may be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -33,6 +35,12 @@ impl Effort {
         self.spent = self.spent.saturating_add(visits as u64);
     }
 
+    /// For one walk that may take all of it by itself, whatever was spent before.
+    #[must_use]
+    pub const fn meter(&self) -> Meter {
+        Meter { most: self.most, spent: Cell::new(0) }
+    }
+
     /// Visits made so far.
     #[must_use]
     pub const fn spent(&self) -> u64 {
@@ -44,5 +52,33 @@ impl Effort {
     #[must_use]
     pub const fn is_spent(&self) -> bool {
         self.spent >= self.most
+    }
+}
+
+/// Counts the visits of one walk: those of who walks and of who is shown what is found.
+#[derive(Clone, Debug)]
+pub struct Meter {
+    most: u64,
+    spent: Cell<u64>,
+}
+
+impl Meter {
+    /// Counts visits.
+    #[inline]
+    pub fn spend(&self, visits: usize) {
+        self.spent.set(self.spent.get() + visits as u64);
+    }
+
+    /// Visits made so far.
+    #[must_use]
+    pub const fn spent(&self) -> usize {
+        self.spent.get() as usize
+    }
+
+    /// Whether the walk is to stop.
+    #[inline]
+    #[must_use]
+    pub const fn is_spent(&self) -> bool {
+        self.spent.get() >= self.most
     }
 }

@@ -16,10 +16,18 @@ use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 
 use crate::solver::rest::NONE;
 
+use crate::solver::effort::{Effort, Meter};
+
 use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
 use super::surface::Surface;
 use super::tree::Tree;
+
+/// Visits that a crossing costs: to work it out, to trace and to recognize it takes as long as to ask so many pairs of faces.
+const CROSSING: usize = 32;
+
+/// Visits that it costs to ask two faces what of them may touch.
+pub const ASK: usize = 4;
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,8 +61,15 @@ pub struct Detector {
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
-    /// Pairs of faces that were asked at the last look.
-    asked: usize,
+    /// Work that one look may be, and what the last one was.
+    most: Effort,
+    visits: usize,
+    /// Crossings that looks at parts of the cloth found: in this round before the last part, and in all of the round before. None where nobody looked.
+    round: u32,
+    before: Option<u32>,
+    elsewhere: u32,
+    /// Whether the last look was at all of the cloth.
+    is_whole: bool,
     pub(super) calm: Calm,
 }
 
@@ -75,7 +90,12 @@ impl Detector {
             ties: Ties::default(),
             doubtful: Vec::new(),
             crossings: Vec::new(),
-            asked: 0,
+            most: Effort::UNBOUNDED,
+            visits: 0,
+            round: 0,
+            before: None,
+            elsewhere: 0,
+            is_whole: true,
             calm: Calm::new(surface),
         }
     }
@@ -92,7 +112,8 @@ impl Detector {
         if positions.len() == surface.len() {
             self.tree.refit(surface, positions, None);
         }
-        self.detect_and(surface, positions, 0.0, |_, _| true)
+        self.walk(surface, positions, 0.0, 0, |_, _| true);
+        &self.crossings
     }
 
     /// As [`Self::detect`], of cloth that is looked at in every frame: only at what was close where it has hardly moved since.
@@ -105,16 +126,16 @@ impl Detector {
         if !known {
             self.tree.refit(surface, positions, None);
             if calm.begin(surface, positions) {
-                self.detect_and(surface, positions, calm.reach, |f, g| {
+                self.walk(surface, positions, calm.reach, 0, |f, g| {
                     calm.take_in(surface, positions, [f, g]);
                     true
                 });
                 let all = (0..surface.parts.len()).all(|part| !self.is_quarantined(part as u16));
-                if all && self.crossings.is_empty() {
+                if all && self.is_whole && self.crossings.is_empty() {
                     calm.end();
                 }
             } else {
-                self.detect_and(surface, positions, 0.0, |_, _| true);
+                self.walk(surface, positions, 0.0, 0, |_, _| true);
             }
         }
         self.calm = calm;
@@ -130,12 +151,67 @@ impl Detector {
         margin: f32,
         also: impl FnMut(u32, u32) -> bool,
     ) -> &[Crossing] {
+        self.walk(surface, positions, margin, ASK, also);
+        &self.crossings
+    }
+
+    /// Finds what crosses in as much of the cloth as one look may be at; `cost` is what it costs to call `also` `[visits]`.
+    fn walk(
+        &mut self,
+        surface: &Surface,
+        positions: &[Vec4],
+        margin: f32,
+        cost: usize,
+        mut also: impl FnMut(u32, u32) -> bool,
+    ) {
         if positions.len() != surface.len() {
             self.crossings.clear();
-            return &self.crossings;
+            return;
         }
-        self.cross(surface, positions, |tree, found| tree.pairs(surface, margin, found), also);
-        &self.crossings
+        let meter = self.most.meter();
+        let mut parts = [true; 2];
+        let also = |f: u32, g: u32| {
+            meter.spend(cost);
+            also(f, g)
+        };
+        self.cross(surface, positions, &meter, |tree, found| parts = tree.go_on(surface, margin, &meter, found), also);
+        self.sum_up(parts);
+    }
+
+    /// Sums up what was found elsewhere, where this look was at a part of the cloth only: whether at the first of a round, and at the last.
+    fn sum_up(&mut self, [is_first, is_last]: [bool; 2]) {
+        let found = self.crossings.len() as u32;
+        self.is_whole = is_first && is_last;
+        if is_first {
+            self.round = 0;
+        }
+        self.elsewhere = match (is_first, is_last) {
+            (true, true) => 0,
+            (false, true) => self.round,
+            // Of what nobody has looked at yet nobody knows that it is clean.
+            (_, false) => self.round.max(self.before.unwrap_or(1).saturating_sub(found)),
+        };
+        self.round += found;
+        if is_last {
+            self.before = (!is_first).then_some(self.round);
+        }
+    }
+
+    /// Bounds the work of one look: what is more is left to the next one.
+    pub fn bound(&mut self, most: Effort) {
+        self.most = most;
+    }
+
+    /// Whether the last look was at all of the cloth, not at a part of it only.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.is_whole
+    }
+
+    /// Edges that crossed faces elsewhere, where the last look was at a part of the cloth only: when it was looked at there, or 1 while nobody did.
+    #[must_use]
+    pub fn elsewhere(&self) -> u32 {
+        self.elsewhere
     }
 
     /// Says whether a cloth without an inverse mass moves all the same: of two that do not, crossings are not looked for.
@@ -147,7 +223,9 @@ impl Detector {
 
     /// As [`Self::detect`], where only `pairs` of faces can cross.
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
-        self.cross(surface, positions, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| true);
+        let meter = Effort::UNBOUNDED.meter();
+        self.cross(surface, positions, &meter, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| true);
+        (self.elsewhere, self.is_whole) = (0, true);
         &self.crossings
     }
 
@@ -155,6 +233,7 @@ impl Detector {
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
+        meter: &Meter,
         pairs: impl FnOnce(&mut Tree, &mut dyn FnMut(u32, u32)),
         mut also: F,
     ) {
@@ -167,9 +246,8 @@ impl Detector {
         crossings.clear();
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
-        let mut count = 0;
         pairs(tree, &mut |f, g| {
-            count += 1;
+            meter.spend(1);
             if crossings.is_empty() && !also(f, g) {
                 return;
             }
@@ -182,12 +260,13 @@ impl Detector {
             let sure = crossings.len();
             ties.met = false;
             cross_faces(surface, positions, asks, f, g, ties, crossings);
+            meter.spend(CROSSING * (crossings.len() - sure));
             if ties.met {
                 crossings.truncate(sure);
                 doubtful.push((f, g));
             }
         });
-        self.asked = count;
+        self.visits = meter.spent();
         if !self.doubtful.is_empty() {
             self.cross_doubtful(surface, positions);
         }
@@ -221,10 +300,10 @@ impl Detector {
         &self.crossings
     }
 
-    /// Pairs of faces that were asked at the last look.
+    /// Work that the last look was, in [visits](crate::solver::effort).
     #[must_use]
-    pub fn asked(&self) -> usize {
-        self.asked
+    pub fn visits(&self) -> usize {
+        self.visits
     }
 
     /// Whether a cloth was left out of the last detection because a particle of it is not finite or absurdly far away.

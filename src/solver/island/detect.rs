@@ -71,11 +71,13 @@ impl Island {
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let most = self.most;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
             finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
+            self.within.spend(finder.visits());
         } else {
             finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
         }
@@ -104,8 +106,11 @@ impl Island {
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let Self {
+            surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
+        } = self;
+        let most = *most;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         finder.begin(surface, &moment, self.horizon, contacts);
         untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
         let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
@@ -114,18 +119,24 @@ impl Island {
         self.looks = 1;
         self.stale = false;
         // Of a cloth that was left out nothing is known.
-        let all = (0..surface.parts.len()).all(|part| !untangler.detector.is_quarantined(part as u16));
-        self.known = all && self.total.is_clean();
+        let detector = &untangler.detector;
+        let all = detector.is_whole() && (0..surface.parts.len()).all(|part| !detector.is_quarantined(part as u16));
         self.sum_up();
+        self.known = all && self.total.is_clean();
     }
 
     /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
     /// is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let Self {
+            surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
+        } = self;
+        let most = *most;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         let detector = &mut untangler.detector;
-        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts)) {
+        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts))
+            || finder.is_cut()
+        {
             return false;
         }
         let crossings = detector.detect_among(surface, positions, contacts.close_faces());
@@ -161,13 +172,14 @@ impl Island {
         (self.stale, self.known) = (false, false);
         self.total = self.untangler.look(&self.surface, &self.positions);
         let Untangler { detector, resolver } = &mut self.untangler;
-        resolver.effort.spend(self.surface.topology.faces.len() + detector.asked());
+        resolver.effort.spend(self.surface.topology.faces.len() + detector.visits());
         self.sum_up();
     }
 
     /// Gives each cloth its share of the verdict.
     fn sum_up(&mut self) {
-        self.verdicts.fill(Verdict::default());
+        self.total.elsewhere = self.untangler.detector.elsewhere();
+        self.verdicts.fill(Verdict { elsewhere: self.total.elsewhere, ..Verdict::default() });
         for (contour, [a, b]) in parts_of_contours(&self.surface, &self.untangler) {
             for part in [Some(a), (a != b).then_some(b)].into_iter().flatten() {
                 let verdict = &mut self.verdicts[usize::from(part)];

@@ -28,6 +28,7 @@ pub use member::{Member, Members};
 
 use super::body::Touch;
 use super::detect::{Crossing, PartRef, Surface, SurfaceError};
+use super::effort::Effort;
 use super::resolve::{Contour, ResolveSettings, Strategy, Untangler};
 use super::respond::{Contacts, Finder};
 use super::retreat::Retreat;
@@ -71,7 +72,7 @@ pub struct UntangleSettings {
 
 impl Default for UntangleSettings {
     fn default() -> Self {
-        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2, effort: u32::MAX }
+        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2, effort: 256 }
     }
 }
 
@@ -122,6 +123,9 @@ pub struct Island {
     caught: Vec<bool>,
     /// Whether what was found at the last look is still known, as long as nothing moves far.
     known: bool,
+    /// Work that a look and the untangling of a frame may be, and that of the looks within this frame.
+    most: Effort,
+    within: Effort,
 }
 
 impl Island {
@@ -132,7 +136,7 @@ impl Island {
     pub fn new(cloths: &[PartRef<'_>]) -> Result<Self, SurfaceError> {
         let surface = Surface::new(cloths)?;
         let n = surface.len();
-        Ok(Self {
+        let mut island = Self {
             untangler: Untangler::new(&surface),
             finder: Finder::new(&surface),
             substep: vec![0.0; surface.parts.len()],
@@ -143,7 +147,15 @@ impl Island {
             verdicts: vec![Verdict::default(); surface.parts.len()],
             surface,
             ..Self::default()
-        })
+        };
+        island.bound(UntangleSettings::default().effort);
+        Ok(island)
+    }
+
+    /// Bounds the work of a frame to some `effort` for each face `[visits]`.
+    fn bound(&mut self, effort: u32) {
+        self.most = Effort::per_face(effort, self.surface.topology.faces.len());
+        self.untangler.detector.bound(self.most);
     }
 
     /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays known, except where it may

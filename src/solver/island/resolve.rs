@@ -9,7 +9,6 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::load::AT_LOAD;
 use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
-use crate::solver::effort::Effort;
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::retreat::Retreat;
 use crate::solver::step::{displace, relax};
@@ -22,7 +21,8 @@ impl Island {
         if !self.total.is_clean() && (0..parts).any(|part| cloths.member(part).is_some_and(|m| m.at_load)) {
             self.load(settings, AT_LOAD, cloths);
         }
-        self.untangler.resolver.effort = self.effort(settings);
+        self.bound(settings.effort);
+        self.untangler.resolver.effort = self.most;
         let resorts = (0..parts).filter_map(|part| cloths.member(part).map(|m| m.outcome.resort));
         let resort = resorts.max().unwrap_or_default();
         self.escalate(resort);
@@ -35,11 +35,6 @@ impl Island {
             self.blend_members(dt, cloths);
         }
         self.give_back(cloths);
-    }
-
-    /// The work that a stage may do.
-    pub(super) fn effort(&self, settings: &UntangleSettings) -> Effort {
-        Effort::per_face(settings.effort, self.surface.topology.faces.len())
     }
 
     /// Draws what nothing could take apart to the animated pose, or to the shape at rest where it is.
@@ -95,7 +90,7 @@ impl Island {
         // Layers go to their order through whatever lies between.
         let Self { surface, untangler, undo, positions, .. } = self;
         let may_undo = settings.resolve.method == Method::ByEndType && !untangler.resolver.orders_layers();
-        if may_undo && !self.total.is_clean() {
+        if may_undo && !self.total.is_clean() && untangler.detector.is_whole() {
             undo.begin(surface, positions, parts_of_contours(surface, untangler));
         }
         for i in 0..settings.iterations {
@@ -142,6 +137,10 @@ impl Island {
             self.look();
         }
         let Self { surface, untangler, undo, positions, previous, .. } = self;
+        // Of parts of the cloth nobody can say which were worse.
+        if !untangler.detector.is_whole() {
+            return;
+        }
         let any = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
         let mut undone = any;
         // One more cloth each time, as long as there may be work. What then crosses one that was put back, the next frame takes apart.

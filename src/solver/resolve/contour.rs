@@ -129,6 +129,7 @@ impl ContourGraph {
             contours: self.contours.len() as u32,
             contour_length: self.contours.iter().map(|c| c.length).fold(0.0, |sum, l| sum + l),
             regions: self.contours.iter().filter(|c| c.kind.separates()).count() as u32,
+            elsewhere: 0,
         }
     }
 

@@ -117,6 +117,8 @@ pub struct Tree {
     quarantined: Vec<bool>,
     joints: Vec<Joint>,
     stack: Vec<(u32, u32)>,
+    /// Where the last [`Self::go_on`] stopped; empty where it came to its end.
+    left: Vec<(u32, u32)>,
 }
 
 impl Tree {

@@ -5,6 +5,7 @@ use glam::Vec3A;
 use super::pack::lanes;
 use super::{Bounds, FLAT, IS_LEAF, Joint, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
+use crate::solver::effort::{Effort, Meter};
 use crate::solver::rest::NONE;
 
 /// First of a pair on the stack whose second is a [`Joint`].
@@ -14,11 +15,28 @@ impl Tree {
     /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`; in a cloth that does not
     /// collide with itself, only with faces of other cloths.
     pub fn pairs(&mut self, surface: &Surface, margin: f32, found: impl FnMut(u32, u32)) {
-        self.traverse::<false>(surface, margin, found);
+        self.pairs_within(surface, margin, &Effort::UNBOUNDED.meter(), found);
+    }
+
+    /// As [`Self::pairs`], of which those that come last are left out where there is too much work.
+    pub fn pairs_within(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(u32, u32)) {
+        self.traverse::<false>(surface, margin, &[(0, 0)], meter, found);
+    }
+
+    /// As [`Self::pairs`], in parts where there is too much work: each goes on where the one before stopped. Pairs of nodes that are left do not
+    /// depend on where particles are. Says whether it began with the first part, and whether this was the last.
+    pub fn go_on(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(u32, u32)) -> [bool; 2] {
+        let left = core::mem::take(&mut self.left);
+        let is_first = left.is_empty();
+        self.traverse::<false>(surface, margin, if is_first { &[(0, 0)] } else { left.as_slice() }, meter, found);
+        self.left = left;
+        self.left.clear();
+        self.left.extend_from_slice(&self.stack);
+        [is_first, self.left.is_empty()]
     }
 
     /// As [`Self::pairs`], only for pairs with a face that is `marked` (by face).
-    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], found: impl FnMut(u32, u32)) {
+    pub fn pairs_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], meter: &Meter, found: impl FnMut(u32, u32)) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             self.nodes[i].marked = if node.right & IS_LEAF == 0 {
@@ -28,18 +46,29 @@ impl Tree {
                 self.faces[node.run()].iter().enumerate().map(bit).sum()
             };
         }
-        self.traverse::<true>(surface, margin, found);
+        self.traverse::<true>(surface, margin, &[(0, 0)], meter, found);
     }
 
-    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
+    /// Takes the pairs of nodes that are `left` apart, and leaves in the stack those that it did not come to.
+    fn traverse<const MARKED: bool>(
+        &mut self,
+        surface: &Surface,
+        margin: f32,
+        left: &[(u32, u32)],
+        meter: &Meter,
+        mut found: impl FnMut(u32, u32),
+    ) {
         if self.nodes.is_empty() {
             return;
         }
         let margin = Vec3A::splat(margin);
         let mut stack = core::mem::take(&mut self.stack);
         stack.clear();
-        stack.push((0, 0));
-        while let Some((a, b)) = stack.pop() {
+        stack.extend_from_slice(left);
+        while !meter.is_spent()
+            && let Some((a, b)) = stack.pop()
+        {
+            meter.spend(1);
             if a == JOINT {
                 if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
                     self.descend::<MARKED>(b, margin, &mut stack, &mut found);

@@ -49,6 +49,8 @@ impl Finder {
             drift: vec![0.0; surface.len()],
             longest,
             loose: loose(surface, &seams(surface)),
+            visits: 0,
+            is_cut: false,
         }
     }
 }
