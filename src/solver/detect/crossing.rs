@@ -14,20 +14,17 @@
 
 use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 
-use crate::solver::rest::NONE;
-
 use crate::solver::effort::{Effort, Meter};
+use crate::solver::rest::NONE;
 
 use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
+use super::parts::Parts;
 use super::surface::Surface;
 use super::tree::Tree;
 
 /// Visits that a crossing costs: to work it out, to trace and to recognize it takes as long as to ask so many pairs of faces.
 const CROSSING: usize = 32;
-
-/// Visits that it costs to ask two faces what of them may touch.
-pub const ASK: usize = 4;
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,15 +58,9 @@ pub struct Detector {
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
-    /// Work that one look may be, and what the last one was.
-    most: Effort,
+    parts: Parts,
+    /// Work that the last look was `[visits]`.
     visits: usize,
-    /// Crossings that looks at parts of the cloth found: in this round before the last part, and in all of the round before. None where nobody looked.
-    round: u32,
-    before: Option<u32>,
-    elsewhere: u32,
-    /// Whether the last look was at all of the cloth.
-    is_whole: bool,
     pub(super) calm: Calm,
 }
 
@@ -90,12 +81,8 @@ impl Detector {
             ties: Ties::default(),
             doubtful: Vec::new(),
             crossings: Vec::new(),
-            most: Effort::UNBOUNDED,
+            parts: Parts::default(),
             visits: 0,
-            round: 0,
-            before: None,
-            elsewhere: 0,
-            is_whole: true,
             calm: Calm::new(surface),
         }
     }
@@ -112,7 +99,7 @@ impl Detector {
         if positions.len() == surface.len() {
             self.tree.refit(surface, positions, None);
         }
-        self.walk(surface, positions, 0.0, 0, |_, _| true);
+        self.walk(surface, positions, 0.0, |_, _| true);
         &self.crossings
     }
 
@@ -126,16 +113,16 @@ impl Detector {
         if !known {
             self.tree.refit(surface, positions, None);
             if calm.begin(surface, positions) {
-                self.walk(surface, positions, calm.reach, 0, |f, g| {
+                self.walk(surface, positions, calm.reach, |f, g| {
                     calm.take_in(surface, positions, [f, g]);
                     true
                 });
                 let all = (0..surface.parts.len()).all(|part| !self.is_quarantined(part as u16));
-                if all && self.is_whole && self.crossings.is_empty() {
+                if all && self.parts.is_whole && self.crossings.is_empty() {
                     calm.end();
                 }
             } else {
-                self.walk(surface, positions, 0.0, 0, |_, _| true);
+                self.walk(surface, positions, 0.0, |_, _| true);
             }
         }
         self.calm = calm;
@@ -151,67 +138,37 @@ impl Detector {
         margin: f32,
         also: impl FnMut(u32, u32) -> bool,
     ) -> &[Crossing] {
-        self.walk(surface, positions, margin, ASK, also);
+        self.walk(surface, positions, margin, also);
         &self.crossings
     }
 
-    /// Finds what crosses in as much of the cloth as one look may be at; `cost` is what it costs to call `also` `[visits]`.
-    fn walk(
-        &mut self,
-        surface: &Surface,
-        positions: &[Vec4],
-        margin: f32,
-        cost: usize,
-        mut also: impl FnMut(u32, u32) -> bool,
-    ) {
+    /// Finds what crosses in as much of the cloth as one look may be at, as [`Self::detect_and`].
+    fn walk(&mut self, surface: &Surface, positions: &[Vec4], margin: f32, also: impl FnMut(u32, u32) -> bool) {
         if positions.len() != surface.len() {
             self.crossings.clear();
             return;
         }
-        let meter = self.most.meter();
+        let meter = self.parts.most.meter();
         let mut parts = [true; 2];
-        let also = |f: u32, g: u32| {
-            meter.spend(cost);
-            also(f, g)
-        };
         self.cross(surface, positions, &meter, |tree, found| parts = tree.go_on(surface, margin, &meter, found), also);
-        self.sum_up(parts);
-    }
-
-    /// Sums up what was found elsewhere, where this look was at a part of the cloth only: whether at the first of a round, and at the last.
-    fn sum_up(&mut self, [is_first, is_last]: [bool; 2]) {
-        let found = self.crossings.len() as u32;
-        self.is_whole = is_first && is_last;
-        if is_first {
-            self.round = 0;
-        }
-        self.elsewhere = match (is_first, is_last) {
-            (true, true) => 0,
-            (false, true) => self.round,
-            // Of what nobody has looked at yet nobody knows that it is clean.
-            (_, false) => self.round.max(self.before.unwrap_or(1).saturating_sub(found)),
-        };
-        self.round += found;
-        if is_last {
-            self.before = (!is_first).then_some(self.round);
-        }
+        self.parts.note(self.crossings.len() as u32, parts);
     }
 
     /// Bounds the work of one look: what is more is left to the next one.
     pub fn bound(&mut self, most: Effort) {
-        self.most = most;
+        self.parts.most = most;
     }
 
     /// Whether the last look was at all of the cloth, not at a part of it only.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.is_whole
+        self.parts.is_whole
     }
 
     /// Edges that crossed faces elsewhere, where the last look was at a part of the cloth only: when it was looked at there, or 1 while nobody did.
     #[must_use]
     pub fn elsewhere(&self) -> u32 {
-        self.elsewhere
+        self.parts.elsewhere
     }
 
     /// Says whether a cloth without an inverse mass moves all the same: of two that do not, crossings are not looked for.
@@ -225,7 +182,7 @@ impl Detector {
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
         let meter = Effort::UNBOUNDED.meter();
         self.cross(surface, positions, &meter, |_, found| pairs.iter().for_each(|&[f, g]| found(f, g)), |_, _| true);
-        (self.elsewhere, self.is_whole) = (0, true);
+        self.parts.note_whole();
         &self.crossings
     }
 

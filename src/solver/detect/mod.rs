@@ -9,6 +9,7 @@
 mod calm;
 pub mod crossing;
 pub mod orient;
+mod parts;
 pub mod proximity;
 pub(super) mod seams;
 pub mod surface;

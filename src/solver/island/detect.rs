@@ -113,14 +113,18 @@ impl Island {
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         finder.begin(surface, &moment, self.horizon, contacts);
         untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
-        let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
+        let meter = most.meter();
+        let ask = finder.ask(surface, &moment, |_| 0.0, contacts, false, &meter);
         let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), ask);
+        finder.note_cost(&meter);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;
         // Of a cloth that was left out nothing is known.
         let detector = &untangler.detector;
-        let all = detector.is_whole() && (0..surface.parts.len()).all(|part| !detector.is_quarantined(part as u16));
+        let all = detector.is_whole()
+            && !finder.is_cut()
+            && (0..surface.parts.len()).all(|part| !detector.is_quarantined(part as u16));
         self.sum_up();
         self.known = all && self.total.is_clean();
     }
@@ -152,6 +156,8 @@ impl Island {
 
     /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
     pub fn evaluate(&mut self) -> Verdict {
+        self.worked = self.untangler.resolver.effort.spent();
+        self.untangler.resolver.effort = self.most;
         if self.stale {
             self.look();
         }

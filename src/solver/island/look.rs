@@ -33,8 +33,3 @@ impl Island {
         self.untangler.resolver.regions(&self.surface, self.crossings(), &self.positions, flood, found);
     }
 }
-impl Island {
-    pub fn spent(&self) -> f32 {
-        self.untangler.resolver.effort.spent() as f32 / self.surface.topology.faces.len() as f32
-    }
-}

@@ -6,7 +6,6 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::load::AT_LOAD;
 use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
@@ -18,19 +17,20 @@ impl Island {
     /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
     pub fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
-        if !self.total.is_clean() && (0..parts).any(|part| cloths.member(part).is_some_and(|m| m.at_load)) {
-            self.load(settings, AT_LOAD, cloths);
-        }
         self.bound(settings.effort);
         self.untangler.resolver.effort = self.most;
+        self.load_in_frame(settings, cloths);
         let resorts = (0..parts).filter_map(|part| cloths.member(part).map(|m| m.outcome.resort));
         let resort = resorts.max().unwrap_or_default();
         self.escalate(resort);
-        self.take_apart(settings, |part, positions| {
-            if let Some(m) = cloths.member(part) {
-                relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
-            }
-        });
+        // What goes on at load is not done with until then.
+        if self.loading.is_none() {
+            self.take_apart(settings, |part, positions| {
+                if let Some(m) = cloths.member(part) {
+                    relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
+                }
+            });
+        }
         if resort == Resort::Blend {
             self.blend_members(dt, cloths);
         }

@@ -96,3 +96,27 @@ impl Votes {
         list
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_through_a_thousand_faces_casts_three_votes_for_each() {
+        const FACES: u32 = 1000;
+        // Where the faces stand along the edge has nothing to do with their numbers.
+        let t = |face: u32| (face * 389 % FACES) as f32 / FACES as f32;
+        let crossing = |face: u32| Crossing { edge: 0, face, t: t(face), weights: [1.0, 0.0, 0.0], touching: false };
+        let crossings: Vec<Crossing> = (0..FACES).map(crossing).collect();
+        let graph =
+            ContourGraph { contour_of: (0..FACES).collect(), side: vec![0; FACES as usize], ..ContourGraph::default() };
+        let mut votes = Votes::default();
+        votes.take_in(&crossings, &graph);
+        let cast = votes.cast(&crossings, &graph);
+        assert!(cast.len() <= 3 * FACES as usize, "{} votes", cast.len());
+        for face in 0..FACES {
+            let best = cast.iter().filter(|v| v.contour == face).max_by_key(|v| v.weight);
+            assert_eq!(best.map(|v| v.before), Some(face));
+        }
+    }
+}

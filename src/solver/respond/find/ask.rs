@@ -9,6 +9,10 @@ use super::{Contacts, Finder, MARGIN, Moment, Touch};
 use crate::solver::detect::Surface;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
 use crate::solver::detect::tree::Bounds;
+use crate::solver::effort::Meter;
+
+/// Visits that it costs to ask two faces.
+const ASK: usize = 4;
 
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
@@ -16,7 +20,7 @@ const MOST_PAIRS: usize = 32;
 impl Finder {
     /// What to do with two faces whose boxes meet: their primitives are asked how far apart they are and will be. Whether it is
     /// asked `anew`, of faces nobody has looked for crossings at since they were elsewhere. Says of two faces whether they may
-    /// cross now.
+    /// cross now; more than the `meter` allows are not asked, and may.
     pub fn ask<'a>(
         &'a mut self,
         surface: &'a Surface,
@@ -24,6 +28,7 @@ impl Finder {
         tangled: impl Fn(u32) -> f32 + 'a,
         contacts: &'a mut Contacts,
         anew: bool,
+        meter: &'a Meter,
     ) -> impl FnMut(u32, u32) -> bool + 'a {
         let &Moment { positions, touch, takes_part, pinned, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
@@ -47,7 +52,12 @@ impl Finder {
             most,
             anew,
         };
-        move |f: u32, g: u32| asked.faces(f, g)
+        move |f: u32, g: u32| {
+            meter.is_spent() || {
+                meter.spend(ASK);
+                asked.faces(f, g)
+            }
+        }
     }
 }
 

@@ -26,7 +26,6 @@ pub use moment::Moment;
 
 use super::{Contacts, Touch};
 use crate::solver::detect::Surface;
-use crate::solver::detect::crossing::ASK;
 use crate::solver::detect::tree::Tree;
 use crate::solver::effort::Meter;
 use flat::Flatness;
@@ -69,7 +68,7 @@ pub struct Finder {
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
-    /// What the last look of its own cost, and whether there was too much of it.
+    /// What the last look cost, and whether there was too much of it.
     visits: usize,
     is_cut: bool,
 }
@@ -98,27 +97,27 @@ impl Finder {
     ) {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        let mut ask = self.ask(surface, moment, tangled, contacts, false);
         let meter = moment.most.meter();
+        let mut ask = self.ask(surface, moment, tangled, contacts, false, &meter);
         tree.pairs_within(surface, Self::reach(moment), &meter, |f, g| {
-            meter.spend(ASK);
             ask(f, g);
         });
         drop(ask);
         self.note_cost(&meter);
     }
 
-    fn note_cost(&mut self, meter: &Meter) {
+    /// Notes what a look cost.
+    pub fn note_cost(&mut self, meter: &Meter) {
         (self.visits, self.is_cut) = (meter.spent(), meter.is_spent());
     }
 
-    /// Whether pairs were left out at the last look of its own, since there was too much work.
+    /// Whether pairs were left out at the last look, since there was too much work.
     #[must_use]
     pub fn is_cut(&self) -> bool {
         self.is_cut
     }
 
-    /// Work that the last look of its own was, in [visits](crate::solver::effort).
+    /// Work that the last look was, in [visits](crate::solver::effort).
     #[must_use]
     pub fn visits(&self) -> usize {
         self.visits

@@ -6,7 +6,6 @@ use super::foresee::{FARTHEST_EDGES, FARTHEST_THICKNESSES, foreseen, limited};
 use super::looked::Looked;
 use super::{Contacts, Finder, MARGIN, Moment};
 use crate::solver::detect::Surface;
-use crate::solver::detect::crossing::ASK;
 use crate::solver::detect::tree::Tree;
 
 /// How far particles may stray from where they were foreseen, as a share of the distance within which pairs were found. Two
@@ -72,10 +71,9 @@ impl Finder {
         self.flatness.forget();
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
-        let mut ask = self.ask(surface, moment, tangled, contacts, true);
         let meter = moment.most.meter();
+        let mut ask = self.ask(surface, moment, tangled, contacts, true, &meter);
         tree.pairs_with(surface, Self::reach(moment), &marked, &meter, |f, g| {
-            meter.spend(ASK);
             ask(f, g);
         });
         drop(ask);
