@@ -106,7 +106,7 @@ mod tests {
                 let (put_off, work) = frames(&mut scene, 200);
                 let what = format!("{n} triangles, {effort} visits: {work} in {} frames", put_off.len());
                 // A look may take all of it by itself, and comes on top.
-                assert!(work < 3.0 * effort as f32, "{what}");
+                assert!(work < 4.0 * effort as f32, "{what}");
                 assert!(put_off[0].contours > 0, "{what}: nothing was put off");
                 assert!(scene.crossings() == 0, "{what}: {} left", scene.crossings());
                 scene.step(1.0 / 60.0);
@@ -121,7 +121,7 @@ mod tests {
         let mut scene = heap(60, 64);
         scene.untangle.as_mut().expect("untangling").island.loading = Some(LoadReport::default());
         let (put_off, work) = frames(&mut scene, 100);
-        assert!(put_off[0].load && work < 3.0 * 64.0, "{work} visits, {put_off:?}");
+        assert!(put_off[0].load && work < 4.0 * 64.0, "{work} visits, {put_off:?}");
         assert!(put_off.len() > 1 && scene.crossings() == 0, "{} left after {put_off:?}", scene.crossings());
     }
 

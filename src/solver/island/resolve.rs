@@ -120,6 +120,9 @@ impl Island {
             self.iterations += 1;
             if settings.relaxations > 0 {
                 self.relax(settings.relaxations, &mut relax);
+                // Many iterations are much work, however little there is to be taken apart.
+                let sweeps = settings.relaxations as usize * self.surface.topology.faces.len();
+                self.untangler.resolver.effort.spend(sweeps);
             }
             self.keep_others_apart();
             if self.untangler.resolver.effort.is_spent() {

@@ -108,8 +108,9 @@ mod tests {
         let t = |face: u32| (face * 389 % FACES) as f32 / FACES as f32;
         let crossing = |face: u32| Crossing { edge: 0, face, t: t(face), weights: [1.0, 0.0, 0.0], touching: false };
         let crossings: Vec<Crossing> = (0..FACES).map(crossing).collect();
-        let graph =
-            ContourGraph { contour_of: (0..FACES).collect(), side: vec![0; FACES as usize], ..ContourGraph::default() };
+        let mut graph = ContourGraph::default();
+        graph.contour_of.extend(0..FACES);
+        graph.side.resize(FACES as usize, 0);
         let mut votes = Votes::default();
         votes.take_in(&crossings, &graph);
         let cast = votes.cast(&crossings, &graph);
