@@ -92,6 +92,11 @@ impl Detector {
         self.calm.forget();
     }
 
+    /// Forgets what was found of cloth that hardly moves, of a surface that is some times as large now.
+    pub fn rescale(&mut self, surface: &Surface) {
+        self.calm.rescale(surface);
+    }
+
     /// Finds all crossings at `positions` (`[m]`, `w` inverse mass), sorted by edge, then face.
     ///
     /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](super::surface::FARTHEST) takes no part.

@@ -15,6 +15,7 @@ pub mod load;
 mod look;
 mod member;
 mod put_off;
+mod rescale;
 mod resolve;
 mod substep;
 mod undo;

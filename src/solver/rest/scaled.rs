@@ -4,7 +4,7 @@
 //!   length [m] s     area [m²] s²     curvature and shares of edges [1/m] s⁻¹     squares of those s⁻²     angles and weights as they are
 //! ```
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use super::{Bends, Membrane, Net, RestShape, Springs};
 
@@ -27,6 +27,16 @@ impl RestShape {
         bends.scale(s);
         net.scale(s);
         shape.is_consistent().then_some(shape)
+    }
+
+    /// Whether this is the shape of the same mesh as another, some times as large, to rounding.
+    #[must_use]
+    pub fn is_multiple_of(&self, other: &Self) -> bool {
+        let s = self.mean_edge / other.mean_edge;
+        // Of the coordinates, whose rounding is that of the largest.
+        let size = self.positions.iter().fold(Vec3::ZERO, |size, x| size.max(x.abs())).max_element();
+        let is_near = |(mine, theirs): (&Vec3, &Vec3)| mine.distance(*theirs * s) <= 1.0e-5 * size;
+        self.topology == other.topology && self.positions.iter().zip(&other.positions).all(is_near)
     }
 }
 
@@ -68,7 +78,7 @@ impl Net {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec2, Vec3, vec2, vec3};
+    use glam::{Vec2, vec2, vec3};
 
     use super::*;
     use crate::solver::rest::SourceMesh;
@@ -92,6 +102,7 @@ mod tests {
     fn scaled_by_a_power_of_two_a_shape_is_the_one_that_would_be_built() {
         for s in [0.25, 0.5, 2.0, 1024.0] {
             assert!(built(1.0).scaled(s) == Some(built(s)), "times {s}");
+            assert!(built(s).is_multiple_of(&built(1.0)), "times {s}");
         }
     }
 
@@ -127,6 +138,13 @@ mod tests {
         for s in [0.0, -1.0, f32::NAN, f32::INFINITY, 1.0e-40] {
             assert_eq!(built(1.0).scaled(s), None, "times {s}");
         }
-        assert!(built(1.0).positions.iter().any(|x| *x != Vec3::ZERO));
+    }
+
+    #[test]
+    fn a_shape_that_is_wider_in_one_direction_is_no_multiple() {
+        let mut wide = mesh(1.0);
+        wide.positions.iter_mut().for_each(|x| x.x *= 1.01);
+        let wide = RestShape::build(&wide).expect("a sheet").0;
+        assert!(wide.topology == built(1.0).topology && !wide.is_multiple_of(&built(1.0)));
     }
 }
