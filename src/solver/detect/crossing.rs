@@ -23,8 +23,9 @@ use super::parts::Parts;
 use super::surface::Surface;
 use super::tree::Tree;
 
-/// Visits that a crossing costs: to work it out, to trace and to recognize it takes as long as to ask so many pairs of faces.
-const CROSSING: usize = 32;
+/// Visits that it costs to ask whether two faces cross, and those of a crossing, which is worked out, traced and recognized.
+const PAIR: usize = 4;
+const CROSSING: usize = 64;
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -209,7 +210,7 @@ impl Detector {
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
         pairs(tree, &mut |f, g| {
-            meter.spend(1);
+            meter.spend(PAIR);
             if crossings.is_empty() && !also(f, g) {
                 return;
             }

@@ -114,7 +114,7 @@ impl Island {
             let moved = underway || resolver.advance(surface, detector, positions, previous, &settings.resolve);
             self.moved |= moved;
             self.stale |= moved;
-            if self.total.is_clean() && (!moved || settings.resolve.method.remembers_sides()) {
+            if self.total.crossings == 0 && (!moved || settings.resolve.method.remembers_sides()) {
                 break;
             }
             self.iterations += 1;

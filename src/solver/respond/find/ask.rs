@@ -11,8 +11,9 @@ use crate::solver::detect::proximity::{closest_edges, vertex_face};
 use crate::solver::detect::tree::Bounds;
 use crate::solver::effort::Meter;
 
-/// Visits that it costs to ask two faces.
-const ASK: usize = 4;
+/// Visits that it costs to ask two faces, and how far apart two of their primitives are.
+const ASK: usize = 3;
+pub(super) const PRIMITIVES: usize = 2;
 
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
@@ -51,6 +52,7 @@ impl Finder {
             thickest,
             most,
             anew,
+            meter,
         };
         move |f: u32, g: u32| {
             meter.is_spent() || {
@@ -88,6 +90,7 @@ pub(super) struct Asked<'a, T> {
     thickest: f32,
     /// Whether nobody has looked for crossings of the faces since they were elsewhere.
     anew: bool,
+    pub meter: &'a Meter,
 }
 
 /// One of two faces.

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec3A};
 
-use super::ask::Asked;
+use super::ask::{Asked, PRIMITIVES};
 use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::Proximity;
@@ -31,6 +31,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
     /// Lists a `pair` if it may touch; its first primitive has so many particles as `first`, and it is of `faces` whose boxes met.
     #[inline]
     pub(super) fn list(&mut self, pair: Proximity, first: usize, faces: [u32; 2]) {
+        self.meter.spend(PRIMITIVES);
         if self.contacts.len() >= self.most {
             return;
         }
