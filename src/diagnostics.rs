@@ -111,7 +111,7 @@ fn measure(
     diagnostics.add_measurement(&Plugin::CONTACTS, || {
         sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|g| g.solver.contacts().touching()))
     });
-    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().crossings)));
+    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().all_crossings())));
     diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|g| g.solver.total().contours)));
     diagnostics.add_measurement(&Plugin::PUT_OFF, || sum(|(report, ..)| usize::from(report.put_off)));
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {

@@ -17,6 +17,12 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// Edges that cross faces, where they were looked at last.
+    #[must_use]
+    pub fn all_crossings(&self) -> u32 {
+        self.crossings.saturating_add(self.elsewhere)
+    }
+
     /// Whether nothing crosses.
     #[must_use]
     pub fn is_clean(&self) -> bool {

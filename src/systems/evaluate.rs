@@ -62,7 +62,7 @@ pub(crate) fn judge(
             }
             let outcome = particles.display.settle(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
 
-            report.crossings = verdict.crossings;
+            report.crossings = verdict.all_crossings();
             report.contours = verdict.contours;
             report.contour_length = verdict.contour_length;
             report.regions = verdict.regions;
