@@ -48,7 +48,7 @@ mod tests {
         assert!(!island.rescale(0, &[Vec3::ZERO]) && !island.rescale(2, &large.positions));
         let mut expected = scene(&large);
         for frame in 0..40 {
-            (rescaled.step(1.0 / 60.0), expected.step(1.0 / 60.0));
+            [&mut rescaled, &mut expected].into_iter().for_each(|scene| scene.step(1.0 / 60.0));
             let equal = rescaled.cloths.iter().zip(&expected.cloths).all(|(a, b)| a.state == b.state);
             assert!(equal, "frame {frame}");
         }
