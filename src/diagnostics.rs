@@ -50,6 +50,8 @@ impl ClothDiagnosticsPlugin {
     pub const CROSSINGS: DiagnosticPath = DiagnosticPath::const_new("cloth/crossings");
     /// Intersection curves.
     pub const CONTOURS: DiagnosticPath = DiagnosticPath::const_new("cloth/contours");
+    /// Cloths of which the last frame put work off.
+    pub const PUT_OFF: DiagnosticPath = DiagnosticPath::const_new("cloth/put_off");
     /// Frames held in a row by the cloth that is held for longest.
     pub const HELD_FRAMES: DiagnosticPath = DiagnosticPath::const_new("cloth/held_frames");
     /// Cloths that [`ClothBudget`](crate::ClothBudget) leaves less than all detail.
@@ -61,12 +63,13 @@ impl ClothDiagnosticsPlugin {
     pub const TIMES: [DiagnosticPath; 6] =
         [Self::INTEGRATE, Self::DETECT, Self::RESOLVE, Self::EVALUATE, Self::RESPOND, Self::SYNC];
     /// The counts.
-    pub const COUNTS: [DiagnosticPath; 8] = [
+    pub const COUNTS: [DiagnosticPath; 9] = [
         Self::PARTICLES,
         Self::SPRINGS,
         Self::CONTACTS,
         Self::CROSSINGS,
         Self::CONTOURS,
+        Self::PUT_OFF,
         Self::HELD_FRAMES,
         Self::LOWERED,
         Self::SLEEPING,
@@ -108,8 +111,9 @@ fn measure(
     diagnostics.add_measurement(&Plugin::CONTACTS, || {
         sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|g| g.solver.contacts().touching()))
     });
-    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().crossings)));
+    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().all_crossings())));
     diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|g| g.solver.total().contours)));
+    diagnostics.add_measurement(&Plugin::PUT_OFF, || sum(|(report, ..)| usize::from(report.put_off)));
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))
     });

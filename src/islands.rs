@@ -95,9 +95,9 @@ pub(crate) struct Member {
 }
 
 impl Member {
-    /// Whether a surface built from `other` will do: settings may differ.
+    /// Whether a surface built from `other` will do: settings may differ, and it may be some times as large.
     fn fits(&self, other: &Self) -> bool {
-        self.entity == other.entity && Arc::ptr_eq(&self.rest, &other.rest)
+        self.entity == other.entity && (Arc::ptr_eq(&self.rest, &other.rest) || self.rest.is_multiple_of(&other.rest))
     }
 }
 
@@ -141,7 +141,8 @@ impl ClothIslands {
         self.list.iter().map(|island| island.members.iter().map(|m| m.entity))
     }
 
-    /// How many islands were built so far: of other members than before, or of a new shape at rest. No setting builds one.
+    /// How many islands were built so far: of other members than before, or of a new shape at rest that is no multiple of the one before.
+    /// No setting builds one.
     #[must_use]
     pub fn builds(&self) -> u64 {
         self.builds
@@ -206,6 +207,11 @@ impl ClothIslands {
             });
             let mut island = if known { core::mem::take(&mut before[old]) } else { ClothIsland::default() };
             if known {
+                for (part, (old, new)) in island.members.iter().zip(members.iter()).enumerate() {
+                    if !Arc::ptr_eq(&old.rest, &new.rest) {
+                        island.solver.rescale(part, &new.rest.positions);
+                    }
+                }
                 island.members.clone_from(members);
                 for (part, member) in members.iter().enumerate() {
                     let ClothCollision { garment_layer, self_collision, .. } = member.collision;

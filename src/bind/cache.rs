@@ -7,12 +7,21 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
 use super::Authored;
+use super::placement::multiple;
 use crate::solver::rest::{BuildReport, RestError, RestShape, SourceMesh};
 
 /// Rest shapes by mesh and baked scale; forgotten with the last cloth that uses them.
 #[derive(Resource, Default)]
 pub(crate) struct RestCache {
-    shapes: HashMap<(AssetId<Mesh>, [u32; 9]), (Weak<RestShape>, BuildReport)>,
+    shapes: HashMap<(AssetId<Mesh>, [u32; 9]), Known>,
+}
+
+/// A rest shape that some cloth has.
+struct Known {
+    shape: Weak<RestShape>,
+    report: BuildReport,
+    /// The shape it is a multiple of, with the scale of that; none if it was built itself.
+    of: Option<(Arc<RestShape>, Mat3)>,
 }
 
 impl RestCache {
@@ -24,10 +33,15 @@ impl RestCache {
         authored: &Authored,
     ) -> Result<(Arc<RestShape>, BuildReport), RestError> {
         let key = (source, bake.to_cols_array().map(f32::to_bits));
-        if let Some((shape, report)) = self.shapes.get(&key)
-            && let Some(shape) = shape.upgrade()
+        if let Some(known) = self.shapes.get(&key)
+            && let Some(shape) = known.shape.upgrade()
         {
-            return Ok((shape, *report));
+            return Ok((shape, known.report));
+        }
+        if let Some((shape, known)) = self.scale_another(source, bake) {
+            let report = known.report;
+            self.keep(key, known);
+            return Ok((shape, report));
         }
         let mirrored = bake.determinant() < 0.0;
         let mesh = SourceMesh {
@@ -37,9 +51,29 @@ impl RestCache {
         };
         let (shape, report) = RestShape::build(&mesh)?;
         let shape = Arc::new(shape);
-        self.shapes.retain(|_, (shape, _)| shape.strong_count() > 0);
-        self.shapes.insert(key, (Arc::downgrade(&shape), report));
+        self.keep(key, Known { shape: Arc::downgrade(&shape), report, of: None });
         Ok((shape, report))
+    }
+
+    /// The shape of a mesh at a scale that is a multiple of another's, made of what was built: a scale that breathes builds nothing.
+    fn scale_another(&self, source: AssetId<Mesh>, bake: Mat3) -> Option<(Arc<RestShape>, Known)> {
+        let of_mesh = self.shapes.iter().filter(|((id, _), _)| *id == source);
+        let (_, times, of, report) = of_mesh
+            .filter_map(|((_, bits), known)| {
+                let built = || Some((known.shape.upgrade()?, Mat3::from_cols_array(&bits.map(f32::from_bits))));
+                let of = known.of.clone().or_else(built)?;
+                Some((*bits, multiple(&bake, &of.1)?, of, known.report))
+            })
+            // Not the one that is found first: that depends on hashes.
+            .min_by_key(|(bits, ..)| *bits)?;
+        let shape = Arc::new(of.0.scaled(times)?);
+        let known = Known { shape: Arc::downgrade(&shape), report, of: Some(of) };
+        Some((shape, known))
+    }
+
+    fn keep(&mut self, key: (AssetId<Mesh>, [u32; 9]), known: Known) {
+        self.shapes.retain(|_, known| known.shape.strong_count() > 0);
+        self.shapes.insert(key, known);
     }
 
     /// Forgets the shapes of a mesh that changed.

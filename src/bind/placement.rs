@@ -71,6 +71,13 @@ pub(crate) fn seen_from(affine: &Affine3A, origin: DVec3) -> Affine3A {
     Affine3A { matrix3: affine.matrix3, translation: translation.as_vec3().into() }
 }
 
+/// How many times as large one baked scale is as another, if it is a multiple of it.
+pub(crate) fn multiple(bake: &Mat3, of: &Mat3) -> Option<f32> {
+    let times = uniform_scale(bake) / uniform_scale(of);
+    let size = bake.to_cols_array().into_iter().map(f32::abs).fold(0.0, f32::max);
+    (times.is_finite() && times > 0.0 && bake.abs_diff_eq(*of * times, SCALE_TOLERANCE * size)).then_some(times)
+}
+
 /// Uniform scale of a matrix: the cube root of its volume.
 pub(crate) fn uniform_scale(matrix: &Mat3) -> f32 {
     matrix.determinant().abs().cbrt()

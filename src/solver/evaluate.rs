@@ -274,7 +274,7 @@ mod tests {
     use super::*;
 
     const DT: f32 = 1.0 / 60.0;
-    const DIRTY: Verdict = Verdict { crossings: 3, contours: 1, contour_length: 0.1, regions: 0 };
+    const DIRTY: Verdict = Verdict { crossings: 3, contours: 1, contour_length: 0.1, regions: 0, elsewhere: 0 };
 
     fn run(settings: EvaluateSettings, frames: &[bool]) -> Vec<Shown> {
         let mut evaluator = Evaluator::default();

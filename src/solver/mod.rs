@@ -16,6 +16,7 @@ pub mod wind;
 pub mod integrate;
 pub mod step;
 pub mod detect;
+pub mod effort;
 pub mod verdict;
 pub mod resolve;
 pub mod evaluate;

@@ -359,7 +359,7 @@ impl Scene {
     /// Edges that cross faces; 0 without untangling.
     #[must_use]
     pub fn crossings(&self) -> u32 {
-        self.untangle.as_ref().map_or(0, |u| u.island.total().crossings)
+        self.untangle.as_ref().map_or(0, |u| u.island.total().all_crossings())
     }
 
     /// Whether a cloth is shown in its last clean shape.

@@ -101,7 +101,7 @@ pub fn drape_rate(mean_edge: f32) -> f32 {
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stepping {
     /// Substeps per second of simulated time `[Hz]`. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`, or up to eight
-    /// times as many while a body that moves much faster than the pins is near.
+    /// times as many while a body that moves much faster than the pins is near, or where gravity would let cloth fall by more than an edge in one.
     pub substep_rate: f32,
     /// Longest frame that is simulated `[s]`; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
     pub max_frame: f32,

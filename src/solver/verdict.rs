@@ -14,6 +14,8 @@ pub struct Verdict {
     pub contour_length: f32,
     /// Contours that cut a piece off a sheet.
     pub regions: u32,
+    /// Edges that crossed faces elsewhere, where so much may cross that each look is at a part of the cloth: as many as when it was looked at there.
+    pub elsewhere: u32,
 }
 
 impl Verdict {
@@ -25,10 +27,16 @@ impl Verdict {
         self.regions += u32::from(contour.kind.separates());
     }
 
+    /// Edges that cross faces, where they were looked at last.
+    #[must_use]
+    pub fn all_crossings(&self) -> u32 {
+        self.crossings.saturating_add(self.elsewhere)
+    }
+
     /// Whether nothing crosses.
     #[must_use]
     pub fn is_clean(&self) -> bool {
-        self.crossings == 0
+        self.crossings == 0 && self.elsewhere == 0
     }
 }
 

@@ -62,7 +62,7 @@ pub(crate) fn judge(
             }
             let outcome = particles.display.settle(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
 
-            report.crossings = verdict.crossings;
+            report.crossings = verdict.all_crossings();
             report.authored = at.map_or(0, |(island, part)| island.solver.authored(part));
             report.contours = verdict.contours;
             report.contour_length = verdict.contour_length;
@@ -70,6 +70,7 @@ pub(crate) fn judge(
             report.held = outcome.shown == Shown::Held;
             report.held_frames = outcome.held_frames;
             report.iterations = at.map_or(0, |(island, _)| island.solver.iterations());
+            report.put_off = at.is_some_and(|(island, _)| !island.solver.put_off().is_nothing());
             let of = |stage: usize| at.map_or(0.0, |(island, part)| island.share(part) * island.times[stage]);
             (report.detect_ms, report.resolve_ms) = (of(0), of(1));
             (report.respond_ms, report.contacts) = (0.0, 0);

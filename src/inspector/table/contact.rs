@@ -127,13 +127,24 @@ pub(super) const UNTANGLE: [Setting; 9] = [
     ),
     Setting::new(
         Part::Untangle,
+        "effort",
+        "visits per face",
+        Kind::Count(Scale::whole(16.0, 1_000_000.0).slider(16.0, 4096.0).log(), |s| Some(&mut s.untangle.effort)),
+        [
+            "Most work of a frame beyond what is in proportion to the size of the cloth. What is more goes on in the next frame.",
+            "Heaps stay tangled for longer; piles that land hard cross.",
+            "Cloth that crosses all over holds up the frame.",
+        ],
+    ),
+    Setting::new(
+        Part::Untangle,
         "at_load",
         "",
         Kind::Switch { get: |s| s.untangle.at_load, set: |s, on| s.untangle.at_load = on },
         [
             "Whether a cloth that is tangled in its first frame is taken apart before it is shown. Matters for cloths still to be bound.",
             "Off: comes apart before the eyes of the player.",
-            "On: the first frame may take long.",
+            "On: the first frames may take long.",
         ],
     ),
 ];

@@ -87,6 +87,13 @@ impl Calm {
         self.used = Some(0);
     }
 
+    /// Forgets what was close, of a surface whose edges have another length.
+    pub fn rescale(&mut self, surface: &Surface) {
+        self.reach = 2.0 * SLACK * surface.mean_edge;
+        self.noted.fill(Vec3A::NAN);
+        self.forget();
+    }
+
     /// Forgets what was close.
     pub fn forget(&mut self) {
         self.used = None;

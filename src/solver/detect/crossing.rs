@@ -14,12 +14,18 @@
 
 use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 
+use crate::solver::effort::{Effort, Meter};
 use crate::solver::rest::NONE;
 
 use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
+use super::parts::Parts;
 use super::surface::Surface;
 use super::tree::{Meeting, Tree};
+
+/// Visits that it costs to ask whether two faces cross, and those of a crossing, which is worked out, traced and recognized.
+const PAIR: usize = 4;
+const CROSSING: usize = 64;
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +59,9 @@ pub struct Detector {
     /// Pairs of faces that met a tie.
     doubtful: Vec<(u32, u32)>,
     crossings: Vec<Crossing>,
+    parts: Parts,
+    /// Work that the last look was `[visits]`.
+    visits: usize,
     pub(super) calm: Calm,
 }
 
@@ -73,6 +82,8 @@ impl Detector {
             ties: Ties::default(),
             doubtful: Vec::new(),
             crossings: Vec::new(),
+            parts: Parts::default(),
+            visits: 0,
             calm: Calm::new(surface),
         }
     }
@@ -80,6 +91,11 @@ impl Detector {
     /// Forgets what was found of cloth that hardly moves: another part of it counts now.
     pub fn forget(&mut self) {
         self.calm.forget();
+    }
+
+    /// Forgets what was found of cloth that hardly moves, of a surface that is some times as large now.
+    pub fn rescale(&mut self, surface: &Surface) {
+        self.calm.rescale(surface);
     }
 
     /// Finds all crossings at `positions` (`[m]`, `w` inverse mass), sorted by edge, then face.
@@ -119,7 +135,7 @@ impl Detector {
                     });
                 });
                 let all = (0..surface.parts.len()).all(|part| !self.is_quarantined(part as u16));
-                if all && self.crossings.is_empty() {
+                if all && self.parts.is_whole && self.crossings.is_empty() {
                     calm.end();
                 }
             } else {
@@ -143,8 +159,11 @@ impl Detector {
             self.crossings.clear();
             return &self.crossings;
         }
-        self.cross(surface, positions, |tree, crosser| {
-            tree.meetings(surface, margin, |tree, met| {
+        let meter = self.parts.most.meter();
+        let mut parts = [true; 2];
+        self.cross(surface, positions, &meter, |tree, crosser| {
+            parts = tree.go_on(surface, margin, &meter, |tree, met| {
+                meter.spend(PAIR * met.count());
                 if crosser.found() {
                     tree.pairs_of(met, |f, g| {
                         crosser.ask(f, g);
@@ -154,7 +173,25 @@ impl Detector {
                 }
             });
         });
+        self.parts.note(self.crossings.len() as u32, parts);
         &self.crossings
+    }
+
+    /// Bounds the work of one look: what is more is left to the next one.
+    pub fn bound(&mut self, most: Effort) {
+        self.parts.most = most;
+    }
+
+    /// Whether the last look was at all of the cloth, not at a part of it only.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.parts.is_whole
+    }
+
+    /// Edges that crossed faces elsewhere, where the last look was at a part of the cloth only: when it was looked at there, or 1 while nobody did.
+    #[must_use]
+    pub fn elsewhere(&self) -> u32 {
+        self.parts.elsewhere
     }
 
     /// Says whether a cloth without an inverse mass moves all the same: of two that do not, crossings are not looked for.
@@ -166,15 +203,17 @@ impl Detector {
 
     /// As [`Self::detect`], where only `pairs` of faces can cross.
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
-        self.cross(surface, positions, |_, crosser| {
+        let meter = Effort::UNBOUNDED.meter();
+        self.cross(surface, positions, &meter, |_, crosser| {
             for &[f, g] in pairs {
                 crosser.ask(f, g);
             }
         });
+        self.parts.note_whole();
         &self.crossings
     }
 
-    fn cross(&mut self, surface: &Surface, positions: &[Vec4], pairs: impl FnOnce(&mut Tree, &mut Crosser<'_>)) {
+    fn cross(&mut self, surface: &Surface, positions: &[Vec4], meter: &Meter, pairs: impl FnOnce(&mut Tree, &mut Crosser<'_>)) {
         let Self { tree, asks, kinematic, moving, ties, doubtful, crossings, .. } = self;
         for ((part, out), moves) in surface.parts.iter().zip(kinematic.iter_mut()).zip(&*moving) {
             let range = part.particles.start as usize..part.particles.end as usize;
@@ -185,7 +224,8 @@ impl Detector {
         doubtful.clear();
         let fixed = kinematic.iter().any(|&k| k);
         let kinematic = fixed.then_some(kinematic.as_slice());
-        pairs(tree, &mut Crosser { surface, positions, asks, kinematic, ties, doubtful, crossings });
+        pairs(tree, &mut Crosser { surface, positions, asks, kinematic, ties, doubtful, crossings, meter });
+        self.visits = meter.spent();
         if !self.doubtful.is_empty() {
             self.cross_doubtful(surface, positions);
         }
@@ -219,6 +259,12 @@ impl Detector {
         &self.crossings
     }
 
+    /// Work that the last look was, in [visits](crate::solver::effort).
+    #[must_use]
+    pub fn visits(&self) -> usize {
+        self.visits
+    }
+
     /// Whether a cloth was left out of the last detection because a particle of it is not finite or absurdly far away.
     #[must_use]
     pub fn is_quarantined(&self, part: u16) -> bool {
@@ -248,6 +294,7 @@ pub struct Crosser<'a> {
     ties: &'a mut Ties,
     doubtful: &'a mut Vec<(u32, u32)>,
     crossings: &'a mut Vec<Crossing>,
+    meter: &'a Meter,
 }
 
 impl Crosser<'_> {
@@ -260,7 +307,7 @@ impl Crosser<'_> {
     /// Asks two faces; whether they, or others before, cross.
     #[inline]
     pub fn ask(&mut self, f: u32, g: u32) -> bool {
-        let Self { surface, positions, asks, kinematic, ties, doubtful, crossings } = self;
+        let Self { surface, positions, asks, kinematic, ties, doubtful, crossings, meter } = self;
         let still = |kinematic: &[bool], face: u32| kinematic[usize::from(surface.part_of_face(face))];
         if kinematic.is_some_and(|kinematic| still(kinematic, f) && still(kinematic, g)) {
             return !crossings.is_empty();
@@ -268,6 +315,7 @@ impl Crosser<'_> {
         let sure = crossings.len();
         ties.met = false;
         cross_faces(surface, positions, asks, f, g, ties, crossings);
+        meter.spend(CROSSING * (crossings.len() - sure));
         if ties.met {
             crossings.truncate(sure);
             doubtful.push((f, g));

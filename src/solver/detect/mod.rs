@@ -10,6 +10,7 @@ mod calm;
 pub(super) mod four;
 pub mod crossing;
 pub mod orient;
+mod parts;
 pub mod proximity;
 pub(super) mod seams;
 pub mod surface;

@@ -117,6 +117,17 @@ impl Surface {
         Ok(surface)
     }
 
+    /// Gives a cloth other positions at rest `[m]`; false if it has another number of them.
+    pub fn reshape(&mut self, part: usize, rest: &[Vec3]) -> bool {
+        let range = self.parts.get(part).map(|part| part.particles.start as usize..part.particles.end as usize);
+        let Some(mine) = range.and_then(|range| self.rest.get_mut(range)).filter(|mine| mine.len() == rest.len()) else {
+            return false;
+        };
+        mine.copy_from_slice(rest);
+        self.measure();
+        true
+    }
+
     fn append(&mut self, index: u16, cloth: &PartRef<'_>) {
         let (from, to) = (cloth.topology, &mut self.topology);
         let (p0, e0, f0) = (to.particles, to.edges.len() as u32, to.faces.len() as u32);
@@ -142,7 +153,8 @@ impl Surface {
     }
 
     fn measure(&mut self) {
-        self.areas = vec![0.0; self.rest.len()];
+        self.areas.clear();
+        self.areas.resize(self.rest.len(), 0.0);
         for t in &self.topology.faces {
             let [a, b, c] = t.map(|v| self.rest[v as usize]);
             let third = (b - a).cross(c - a).length() / 6.0;
@@ -151,7 +163,8 @@ impl Surface {
             }
         }
         let edges = &self.topology.edges;
-        self.on_border = vec![false; self.rest.len()];
+        self.on_border.clear();
+        self.on_border.resize(self.rest.len(), false);
         for (e, ends) in edges.iter().enumerate() {
             if self.topology.is_border(e as u32) {
                 self.on_border[ends[0] as usize] = true;

@@ -71,11 +71,13 @@ impl Island {
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let most = self.most;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
             finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
+            self.within.spend(finder.visits());
         } else {
             finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
         }
@@ -104,31 +106,44 @@ impl Island {
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let Self {
+            surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
+        } = self;
+        let most = *most;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         finder.begin(surface, &moment, self.horizon, contacts);
         untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
-        let mut ask = finder.ask(surface, &moment, |_| 0.0, contacts, false);
+        let meter = most.meter();
+        let mut ask = finder.ask(surface, &moment, |_| 0.0, contacts, false, &meter);
         let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), |tree, met, crosser| {
             ask.leaves(tree, met, |f, g| crosser.ask(f, g));
         });
         ask.finish();
+        finder.note_cost(&meter);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;
         // Of a cloth that was left out nothing is known.
-        let all = (0..surface.parts.len()).all(|part| !untangler.detector.is_quarantined(part as u16));
-        self.known = all && untangler.detector.crossings().is_empty();
+        let detector = &untangler.detector;
+        let all = detector.is_whole()
+            && !finder.is_cut()
+            && (0..surface.parts.len()).all(|part| !detector.is_quarantined(part as u16));
         self.sum_up();
+        self.known = all && self.crossings().is_empty();
     }
 
     /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
     /// is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
-        let Self { surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, .. } = self;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned };
+        let Self {
+            surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
+        } = self;
+        let most = *most;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         let detector = &mut untangler.detector;
-        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts)) {
+        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts))
+            || finder.is_cut()
+        {
             return false;
         }
         let crossings = detector.detect_among(surface, positions, contacts.close_faces());
@@ -144,6 +159,8 @@ impl Island {
 
     /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
     pub fn evaluate(&mut self) -> Verdict {
+        self.worked = self.untangler.resolver.effort.spent();
+        self.untangler.resolver.effort = self.most;
         if self.stale {
             self.look();
         }
@@ -163,18 +180,22 @@ impl Island {
     pub(super) fn look(&mut self) {
         (self.stale, self.known) = (false, false);
         self.total = self.untangler.look(&self.surface, &self.positions);
+        let Untangler { detector, resolver } = &mut self.untangler;
+        resolver.effort.spend(self.surface.topology.faces.len() + detector.visits());
         self.sum_up();
     }
 
     /// Gives each cloth its share of the verdict.
     fn sum_up(&mut self) {
-        self.verdicts.fill(Verdict::default());
+        let elsewhere = self.untangler.detector.elsewhere();
+        self.total.elsewhere = elsewhere;
+        self.verdicts.fill(Verdict { elsewhere, ..Verdict::default() });
         self.authored.fill(0);
         if self.crossings().is_empty() {
             return;
         }
-        let Self { surface, untangler, pinned, bound, .. } = self;
-        self.total = untangler.leave_held(surface, |v| pinned[v as usize] || bound[v as usize]);
+        let Self { surface, untangler, pinned, held, .. } = self;
+        self.total = Verdict { elsewhere, ..untangler.leave_held(surface, |v| pinned[v as usize] || held[v as usize]) };
         for (contour, [a, b]) in parts_of_contours(&self.surface, &self.untangler) {
             for part in [Some(a), (a != b).then_some(b)].into_iter().flatten().map(usize::from) {
                 if contour.authored {

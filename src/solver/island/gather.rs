@@ -13,11 +13,11 @@ impl Island {
         match m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len())) {
             Some(skinned) => {
                 let thickness = self.surface.parts[part].thickness;
-                for (i, bound) in self.bound[range].iter_mut().enumerate() {
-                    *bound = m.scratch.reins.distance(skinned, i) < thickness;
+                for (i, held) in self.held[range].iter_mut().enumerate() {
+                    *held = m.scratch.reins.distance(skinned, i) < thickness;
                 }
             }
-            None => self.bound[range].fill(false),
+            None => self.held[range].fill(false),
         }
         if m.still {
             self.hold(part);

@@ -4,7 +4,7 @@
 //! (advance ─► springs ─► look)*       first by end type, then by region, then along more directions, until clean or spent
 //! ```
 //!
-//! No time passes and no velocity comes of it.
+//! No time passes and no velocity comes of it. What is more than the work of a frame goes on in the next ones, between which time does pass.
 
 use glam::{Vec3, Vec4};
 
@@ -13,7 +13,7 @@ use crate::solver::rest::RestShape;
 use crate::solver::verdict::{Resort, Verdict};
 
 /// Iterations at load, at most.
-pub(super) const AT_LOAD: u32 = 300;
+const AT_LOAD: u32 = 300;
 
 /// Iterations between two looks at whether to try something stronger.
 const PORTION: u32 = 16;
@@ -50,14 +50,26 @@ fn relax_edges(rest: &RestShape, positions: &mut [Vec4]) {
 }
 
 impl Island {
-    /// Takes the cloths apart before the first frame, in at most `most` iterations.
+    /// Takes the cloths apart before the first frame, in at most `most` iterations, whatever work that is.
     pub fn untangle_at_load(&mut self, settings: &UntangleSettings, most: u32, cloths: &mut impl Members) -> LoadReport {
         for part in 0..self.surface.parts.len() {
             if let Some(m) = cloths.member(part) {
                 self.gather_member(part, &m);
             }
         }
-        let report = self.load(settings, most, cloths);
+        let start: Vec<Vec3> = self.positions.iter().map(|p| p.truncate()).collect();
+        let mut report = LoadReport { before: self.detect_gathered(), ..LoadReport::default() };
+        report.after = report.before;
+        let mut moved = false;
+        let mut goes_on = true;
+        while goes_on {
+            self.untangler.resolver.effort = self.most;
+            goes_on = self.load(settings, most, &mut report, cloths);
+            moved |= self.moved;
+        }
+        self.moved = moved;
+        let way = |(now, start): (&Vec4, &Vec3)| now.truncate().distance(*start);
+        report.farthest = self.positions.iter().zip(&start).map(way).fold(0.0, f32::max);
         for part in 0..self.surface.parts.len() {
             if let Some(m) = cloths.member(part) {
                 self.scatter(part, m.state, m.offset);
@@ -66,17 +78,25 @@ impl Island {
         report
     }
 
-    /// Takes what was gathered apart in at most `most` iterations.
-    pub(super) fn load(&mut self, settings: &UntangleSettings, most: u32, cloths: &mut impl Members) -> LoadReport {
+    /// Begins to take apart what is to be taken apart at load, or goes on with it, as far as the work of a frame allows.
+    pub(super) fn load_in_frame(&mut self, settings: &UntangleSettings, cloths: &mut impl Members) {
+        let begins = (0..self.surface.parts.len()).any(|part| cloths.member(part).is_some_and(|m| m.at_load));
+        let known = self.loading.take().or_else(|| begins.then(LoadReport::default));
+        if let Some(mut report) = known.filter(|_| !self.total.is_clean()) {
+            self.loading = self.load(settings, AT_LOAD, &mut report, cloths).then_some(report);
+        }
+    }
+
+    /// Takes what was gathered apart in at most `most` iterations, those that the report tells of included, as far as the work of a frame allows.
+    /// Whether there is more to be done.
+    fn load(&mut self, settings: &UntangleSettings, most: u32, report: &mut LoadReport, cloths: &mut impl Members) -> bool {
         let mut relax = |part: usize, positions: &mut [Vec4]| {
             if let Some(m) = cloths.member(part) {
                 relax_edges(m.cloth.rest, positions);
             }
         };
-        let start: Vec<Vec3> = self.positions.iter().map(|p| p.truncate()).collect();
-        let mut report = LoadReport { before: self.detect_gathered(), ..LoadReport::default() };
-        let mut moved = false;
-        while report.iterations < most {
+        let (mut moved, mut goes_on) = (false, true);
+        while goes_on && report.iterations < most {
             self.escalate(match 3 * report.iterations / most {
                 0 => Resort::None,
                 1 => Resort::Regions,
@@ -89,14 +109,13 @@ impl Island {
             let taken = self.iterations();
             report.iterations += taken;
             report.after = self.detect_gathered();
-            if taken == 0 {
+            goes_on = taken > 0;
+            if self.untangler.resolver.effort.is_spent() {
                 break;
             }
         }
         self.escalate(Resort::None);
         self.moved |= moved;
-        let way = |(now, start): (&Vec4, &Vec3)| now.truncate().distance(*start);
-        report.farthest = self.positions.iter().zip(&start).map(way).fold(0.0, f32::max);
-        report
+        goes_on && report.iterations < most
     }
 }

@@ -6,7 +6,6 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::load::AT_LOAD;
 use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
@@ -19,17 +18,20 @@ impl Island {
     pub fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
         self.rein_in(dt, cloths);
-        if !self.total.is_clean() && (0..parts).any(|part| cloths.member(part).is_some_and(|m| m.at_load)) {
-            self.load(settings, AT_LOAD, cloths);
-        }
+        self.bound(settings.effort);
+        self.untangler.resolver.effort = self.most;
+        self.load_in_frame(settings, cloths);
         let resorts = (0..parts).filter_map(|part| cloths.member(part).map(|m| m.outcome.resort));
         let resort = resorts.max().unwrap_or_default();
         self.escalate(resort);
-        self.take_apart(settings, |part, positions| {
-            if let Some(m) = cloths.member(part) {
-                relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
-            }
-        });
+        // What goes on at load is not done with until then.
+        if self.loading.is_none() {
+            self.take_apart(settings, |part, positions| {
+                if let Some(m) = cloths.member(part) {
+                    relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
+                }
+            });
+        }
         if resort == Resort::Blend {
             self.blend_members(dt, cloths);
         }
@@ -89,7 +91,7 @@ impl Island {
         // Layers go to their order through whatever lies between.
         let Self { surface, untangler, undo, positions, .. } = self;
         let may_undo = settings.resolve.method == Method::ByEndType && !untangler.resolver.orders_layers();
-        if may_undo && !self.total.is_clean() {
+        if may_undo && !self.total.is_clean() && untangler.detector.is_whole() {
             undo.begin(surface, positions, parts_of_contours(surface, untangler));
         }
         for i in 0..settings.iterations {
@@ -113,14 +115,20 @@ impl Island {
             let moved = underway || resolver.advance(surface, detector, positions, previous, &settings.resolve);
             self.moved |= moved;
             self.stale |= moved;
-            if self.total.is_clean() && (!moved || settings.resolve.method.remembers_sides()) {
+            if self.total.crossings == 0 && (!moved || settings.resolve.method.remembers_sides()) {
                 break;
             }
             self.iterations += 1;
             if settings.relaxations > 0 {
                 self.relax(settings.relaxations, &mut relax);
+                // Many iterations are much work, however little there is to be taken apart.
+                let sweeps = settings.relaxations as usize * self.surface.topology.faces.len();
+                self.untangler.resolver.effort.spend(sweeps);
             }
             self.keep_others_apart();
+            if self.untangler.resolver.effort.is_spent() {
+                break;
+            }
         }
         self.undo_what_got_worse();
     }
@@ -133,15 +141,22 @@ impl Island {
             self.look();
         }
         let Self { surface, untangler, undo, positions, previous, .. } = self;
-        let mut undone = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
-        // One more cloth each time.
-        while undone {
+        // Of parts of the cloth nobody can say which were worse.
+        if !untangler.detector.is_whole() {
+            return;
+        }
+        let any = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
+        let mut undone = any;
+        // One more cloth each time, as long as there may be work. What then crosses one that was put back, the next frame takes apart.
+        while undone && !self.untangler.resolver.effort.is_spent() {
             self.look();
             let Self { surface, untangler, undo, positions, previous, .. } = self;
             undone = undo.follow(surface, parts_of_contours(surface, untangler), positions, previous);
-            if !undone {
-                untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
-            }
+        }
+        self.stale = undone;
+        if any {
+            let Self { surface, untangler, undo, .. } = self;
+            untangler.resolver.give_up_plans(|v| undo.has_undone(surface.part(v)));
         }
     }
 
@@ -188,7 +203,8 @@ impl Island {
         self.put_back(MOST_RETREATS, Retreat::take_along);
     }
 
-    /// Puts back what crosses and looks again, some `rounds` at most, until nothing is left to put; whether there was any.
+    /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is left to put; whether there
+    /// was any.
     fn put_back(
         &mut self,
         rounds: usize,
@@ -197,7 +213,10 @@ impl Island {
         let mut any = false;
         for _ in 0..rounds {
             let Self { surface, untangler, retreat, positions, previous, .. } = self;
-            if self.total.is_clean() || !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
+            if self.total.is_clean() || untangler.resolver.effort.is_spent() {
+                break;
+            }
+            if !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
                 break;
             }
             (any, self.moved) = (true, true);

@@ -57,6 +57,7 @@ impl Island {
         cross.resize(self.surface.parts.len(), false);
         if any {
             let detector = detector.get_or_insert_with(|| Detector::new(&self.surface));
+            detector.bound(self.most);
             for crossing in detector.detect(&self.surface, targets) {
                 cross[usize::from(self.surface.part_of_edge(crossing.edge))] = true;
                 cross[usize::from(self.surface.part_of_face(crossing.face))] = true;

@@ -27,6 +27,7 @@ impl Island {
             }
         }
         self.takes_back &= self.retreat.knows();
+        self.within = self.most;
         self.count = count;
         // Share of the time looked ahead that passes in a substep.
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
@@ -249,7 +250,7 @@ impl Island {
     /// foreseen to be; everywhere when that time is up. Otherwise only when that is `due`.
     fn look_ahead(&mut self, cloths: &mut impl Members, each: f32, due: bool) {
         let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
-        if !due && !over {
+        if !over && (!due || self.within.is_spent()) {
             return;
         }
         let mut strayed = over;

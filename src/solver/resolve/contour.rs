@@ -224,8 +224,15 @@ impl ContourGraph {
         if first == NONE {
             return None;
         }
-        let run = crossings[first as usize..].iter().take_while(|c| c.edge == edge);
-        run.zip(first..).find(|(c, _)| c.face == face).map(|(_, i)| i)
+        // Mostly an edge crosses one face; one that crosses thousands is searched in steps that double.
+        let from_here = &crossings[first as usize..];
+        let is_before = |c: &Crossing| (c.edge, c.face) < (edge, face);
+        let mut past = 1;
+        while from_here.get(past).is_some_and(is_before) {
+            past *= 2;
+        }
+        let at = from_here[..from_here.len().min(past + 1)].partition_point(is_before);
+        from_here.get(at).filter(|c| (c.edge, c.face) == (edge, face)).map(|_| first + at as u32)
     }
 
     fn walk_all(&mut self, surface: &Surface, crossings: &[Crossing]) {
@@ -317,19 +324,31 @@ impl ContourGraph {
                 (Some(x), Some(y)) => x ^ y,
                 _ => 0,
             };
-            for path in &mut self.paths {
-                if path.root == gone {
-                    path.root = keep;
-                    path.flip ^= flip;
-                }
-            }
+            let gone = &mut self.paths[gone as usize];
+            (gone.root, gone.flip) = (keep, flip);
+        }
+        for path in 0..self.paths.len() as u32 {
+            self.root(path);
         }
     }
 
-    fn root(&self, path: u32) -> u32 {
-        self.paths[path as usize].root
+    /// The first path of the contour that a path belongs to. It and all on the way there are led to it at once, with their flips.
+    fn root(&mut self, path: u32) -> u32 {
+        let (mut root, mut flip) = (path, 0);
+        while self.paths[root as usize].root != root {
+            flip ^= self.paths[root as usize].flip;
+            root = self.paths[root as usize].root;
+        }
+        let mut next = path;
+        while next != root {
+            let path = &mut self.paths[next as usize];
+            (next, path.root) = (path.root, root);
+            flip ^= core::mem::replace(&mut path.flip, flip);
+        }
+        root
     }
 
+    /// The side of a path's border; [`Self::root`] must have been asked for it.
     fn border_of(&self, path: u32) -> Option<u8> {
         let path = &self.paths[path as usize];
         path.ends.iter().find(|e| e.code == BORDER && !path.closed).map(|e| e.side ^ path.flip)

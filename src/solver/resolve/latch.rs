@@ -1,7 +1,7 @@
 //! What was decided for a contour, kept until that contour dies.
 //!
 //! Choosing anew every time flips between strategies halfway and never ends. A contour is recognized by the crossings it shares with
-//! the time before: an equal pair counts 4, an equal edge 1, the largest sum wins; without any, the nearest centre within reach.
+//! the time before, as these vote ([`votes`](super::votes)); without any, the nearest centre within reach.
 
 use glam::Vec3;
 
@@ -9,7 +9,9 @@ use crate::solver::detect::Crossing;
 use crate::solver::rest::NONE;
 use crate::solver::verdict::Resort;
 
-use super::contour::{Contour, ContourGraph, ContourKind};
+use super::contour::{ContourGraph, ContourKind};
+use super::nearest::Nearest;
+use super::votes::Votes;
 
 /// How a contour is being taken apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +56,8 @@ pub struct Latch {
     pub best: f32,
     /// Largest length so far `[m]`.
     pub longest: f32,
+    /// Whether nothing was done about it in the last iteration, since there was too much work for a frame.
+    pub waits: bool,
     /// Plan being carried out; 0: none yet.
     pub plan: u32,
     /// How far the region that is pushed reached through at most `[m]`.
@@ -111,37 +115,39 @@ pub struct Latches {
     /// Parallel to [`ContourGraph::contours`].
     pub now: Vec<Latch>,
     before: Vec<Latch>,
-    /// Sorted `(edge, face, contour, side)` of the time before.
-    keys: Vec<(u32, u32, u32, u8)>,
-    /// `(contour, contour before, weight, weight of equal sides)`
-    votes: Vec<(u32, u32, i32, i32)>,
+    votes: Votes,
+    /// Centres of contours of the time before.
+    nearest: Nearest,
 }
 
 impl Latches {
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.now.clear();
-        self.keys.clear();
+        self.votes.clear();
     }
 
     /// Carries memories over to the contours found now. `fresh` decides for a contour that is new.
     pub fn carry(&mut self, crossings: &[Crossing], graph: &ContourGraph, fresh: impl Fn(usize) -> Strategy) {
         core::mem::swap(&mut self.now, &mut self.before);
-        self.vote(crossings, graph);
         self.now.clear();
-        let mut votes = self.votes.iter().copied().peekable();
+        self.nearest.take_in(self.before.iter().map(|l| l.centre));
+        let mut votes = self.votes.cast(crossings, graph).iter().peekable();
         for (k, contour) in graph.contours.iter().enumerate() {
             let mut best = (0, NONE, 0);
-            while let Some((new, old, mut sum, mut same)) = votes.next_if(|v| v.0 == k as u32) {
-                while let Some(more) = votes.next_if(|v| v.0 == new && v.1 == old) {
-                    sum += more.2;
-                    same += more.3;
+            while let Some(vote) = votes.next_if(|v| v.contour == k as u32) {
+                let (mut sum, mut same) = (vote.weight, vote.same);
+                while let Some(more) = votes.next_if(|v| v.contour == vote.contour && v.before == vote.before) {
+                    sum += more.weight;
+                    same += more.same;
                 }
                 if sum > best.0 {
-                    best = (sum, old, same);
+                    best = (sum, vote.before, same);
                 }
             }
-            let mut old = self.before.get(best.1 as usize).copied().or_else(|| self.nearest(contour));
+            let nearest = &mut self.nearest;
+            let before = if best.1 == NONE { nearest.find(contour.centre, REACH * contour.edge) } else { Some(best.1) };
+            let mut old = before.and_then(|i| self.before.get(i as usize)).copied();
             if let Some(old) = &mut old
                 && 2 * best.2 < best.0
             {
@@ -154,39 +160,15 @@ impl Latches {
             }
             let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(k), ..Latch::new() });
             latch.age += 1;
-            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) {
+            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) && !latch.waits {
                 latch.progress(contour.length);
             }
+            latch.waits = false;
             latch.longest = latch.longest.max(contour.length);
             latch.centre = contour.centre;
             latch.kind = contour.kind;
             self.now.push(latch);
         }
-        self.keys.clear();
-        let sides = graph.contour_of.iter().zip(&graph.side);
-        self.keys.extend(crossings.iter().zip(sides).map(|(c, (&k, &side))| (c.edge, c.face, k, side)));
-    }
-
-    /// Joins two lists sorted by edge.
-    fn vote(&mut self, crossings: &[Crossing], graph: &ContourGraph) {
-        self.votes.clear();
-        let mut low = 0;
-        for ((c, &contour), &side) in crossings.iter().zip(&graph.contour_of).zip(&graph.side) {
-            while self.keys.get(low).is_some_and(|k| k.0 < c.edge) {
-                low += 1;
-            }
-            for key in self.keys[low..].iter().take_while(|k| k.0 == c.edge) {
-                let weight = if key.1 == c.face { 4 } else { 1 };
-                self.votes.push((contour, key.2, weight, if key.3 == side { weight } else { 0 }));
-            }
-        }
-        self.votes.sort_unstable();
-    }
-
-    fn nearest(&self, contour: &Contour) -> Option<Latch> {
-        let reach = REACH * contour.edge;
-        let distance = |l: &Latch| l.centre.distance_squared(contour.centre);
-        let best = self.before.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(best) < reach * reach).then_some(*best)
+        self.votes.take_in(crossings, graph);
     }
 }

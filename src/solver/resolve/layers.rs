@@ -12,10 +12,11 @@
 
 use glam::{Vec3, Vec4};
 
+use super::between::cloths;
 use super::contour::ContourGraph;
 use super::plan::Plans;
 use super::probe::{Course, Member, Stray};
-use super::separate::{AGREE, ONE_WAY, agreement, between, cloths, facing, facing_at, mean};
+use super::separate::{AGREE, ONE_WAY, agreement, facing, facing_at, mean};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
@@ -193,7 +194,7 @@ fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray
 impl Resolver {
     /// Plans how cloths get into the order of their layers, in steps of at most `step` `[m]`.
     pub(super) fn order(&mut self, view: View<'_>, step: f32) {
-        let Self { graph, layers: Layers { plans, pairs, strays, of_pair, .. }, probe, set, .. } = self;
+        let Self { graph, between, layers: Layers { plans, pairs, strays, of_pair, .. }, probe, set, .. } = self;
         pairs.retain(|p| plans.is_live(p.plan));
         let at_contours = (0..graph.contours.len()).filter_map(|k| ordered(view.surface, cloths(view, graph, k)?));
         for cloths in at_contours.chain(strays.iter().map(|s| s.0)) {
@@ -201,7 +202,7 @@ impl Resolver {
                 continue;
             }
             set.clear();
-            set.extend(between(view, graph, cloths));
+            set.extend(between.of(cloths));
             of_pair.clear();
             of_pair.extend(strays.iter().filter(|s| s.0 == cloths).map(|s| s.1));
             let (mut plan, mut held) = (0, false);

@@ -20,27 +20,25 @@ impl Resolver {
         let view = View { surface, crossings, positions };
         weights.clear();
         weights.resize(view.surface.len(), 0.0);
+        // All of them together: what is near one of them is found once, however many there are.
+        const ALL: usize = 0;
+        self.patch.begin(surface);
+        for c in crossings {
+            let (edge, face) = (surface.topology.edges[c.edge as usize], surface.topology.faces[c.face as usize]);
+            edge.into_iter().chain(face).for_each(|v| self.patch.put(ALL, v));
+        }
         for k in 0..self.graph.contours.len() {
-            self.patch.gather(view, &self.graph, k);
             for side in 0..2 {
-                if self.graph.contours[k].kind.separates() && self.region(view, k, side as u8, NONE).is_some() {
-                    for &v in self.flood.region() {
-                        self.patch.put(side, v);
-                    }
+                self.count_visits();
+                let may_ask = self.graph.contours[k].kind.separates() && !self.effort.is_spent();
+                if may_ask && self.region(view, k, side, NONE).is_some() {
+                    self.flood.region().iter().for_each(|&v| self.patch.put(ALL, v));
                 }
             }
-            self.patch.grow(view.surface, rings);
-            for side in 0..2 {
-                let (particles, ends) = (&self.patch.sides[side], &self.patch.ring_end[side]);
-                let mut ring = 0;
-                for (i, &v) in particles.iter().enumerate() {
-                    while i >= ends[ring] as usize {
-                        ring += 1;
-                    }
-                    let weight = &mut weights[v as usize];
-                    *weight = weight.max(1.0 - ring as f32 / (rings + 1) as f32);
-                }
-            }
+        }
+        self.patch.grow(surface, rings);
+        for (v, ring) in self.patch.by_ring(ALL) {
+            weights[v as usize] = 1.0 - ring as f32 / (rings + 1) as f32;
         }
     }
 }

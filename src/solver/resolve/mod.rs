@@ -22,9 +22,11 @@ pub mod gradient;
 pub mod history;
 pub mod latch;
 pub mod region;
+mod between;
 mod brake;
 mod layers;
 mod mark;
+mod nearest;
 mod patch;
 mod peel;
 mod plan;
@@ -34,6 +36,8 @@ mod separate;
 mod share;
 mod shift;
 mod shrink;
+mod turns;
+mod votes;
 
 pub use contour::{Contour, ContourGraph, ContourKind};
 pub use latch::Strategy;
@@ -41,8 +45,10 @@ pub use latch::Strategy;
 use glam::{Vec3, Vec4};
 
 use crate::solver::detect::{Crossing, Detector, Surface};
+use crate::solver::effort::Effort;
 use crate::solver::verdict::{Resort, Verdict};
 
+use between::Between;
 use gradient::Terms;
 #[cfg(feature = "research")]
 use history::{History, Push};
@@ -125,6 +131,7 @@ struct View<'a> {
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resolver {
     graph: ContourGraph,
+    between: Between,
     latches: Latches,
     flood: Flood,
     terms: Vec<Terms>,
@@ -140,6 +147,11 @@ pub struct Resolver {
     plans: Plans,
     probe: Probe,
     set: Vec<Member>,
+    /// Work of this frame.
+    pub(crate) effort: Effort,
+    /// Contours that the last iteration put off, and the edge at which the first of them begins: the next one goes on there.
+    put_off: u32,
+    next: u32,
     #[cfg(feature = "research")]
     history: History,
     #[cfg(feature = "research")]
@@ -228,33 +240,24 @@ impl Resolver {
         } else {
             self.layers.clear();
         }
+        self.put_off = 0;
         if self.graph.contours.is_empty() && !self.layers.any() {
             self.latches.clear();
             self.plans.clear();
+            self.next = 0;
             return false;
         }
         let view = View { surface, crossings: detector.crossings(), positions };
         self.choose(view, settings);
+        self.between.take_in(view, &self.graph);
         if layered {
             self.order(view, settings.pace * settings.step * surface.mean_edge);
             if self.graph.contours.is_empty() && !self.layers.any() {
                 return false;
             }
         }
-        for k in 0..self.graph.contours.len() {
-            let step = settings.step * self.graph.contours[k].edge;
-            match settings.method {
-                #[cfg(feature = "research")]
-                Method::History => {}
-                #[cfg(feature = "research")]
-                Method::LocalGradient => self.shrink_each(view, k, step),
-                #[cfg(feature = "research")]
-                Method::GlobalGradient => self.shrink(view, k, step, false, settings),
-                Method::ByEndType => self.undo(view, previous, k, step, settings),
-            }
-        }
-        self.layers.plans.advance(&mut self.shift);
-        self.plans.advance(&mut self.shift);
+        self.undo_contours(view, previous, settings);
+        self.advance_plans();
         self.brake.apply_to_velocity(positions, previous);
         self.shift.apply(positions, previous);
         true
@@ -266,9 +269,16 @@ impl Resolver {
         if self.layers.any() || self.latches.now.is_empty() || !self.latches.now.iter().all(planned) {
             return false;
         }
-        self.plans.advance(&mut self.shift);
+        self.effort.spend(self.plans.moves());
+        self.advance_plans();
         self.shift.apply(positions, previous);
         true
+    }
+
+    /// One iteration of every plan.
+    fn advance_plans(&mut self) {
+        self.layers.plans.advance(&mut self.shift);
+        self.plans.advance(&mut self.shift);
     }
 
     /// Does to a contour what was decided.

@@ -14,6 +14,8 @@ pub(super) struct Patch {
     ring: Vec<[u16; 2]>,
     now: u16,
     stamp: u32,
+    /// Edges and crossings looked at.
+    pub visits: usize,
     pub sides: [Vec<u32>; 2],
     /// End of the contour's own particles, then of each ring around them.
     pub ring_end: [Vec<u32>; 2],
@@ -21,8 +23,24 @@ pub(super) struct Patch {
 
 impl Patch {
     pub fn gather(&mut self, view: View<'_>, graph: &ContourGraph, contour: usize) {
-        self.seen.resize(view.surface.len(), [0; 2]);
-        self.ring.resize(view.surface.len(), [0; 2]);
+        self.begin(view.surface);
+        for &i in graph.nodes_of(contour) {
+            let c = &view.crossings[i as usize];
+            let side = usize::from(graph.side[i as usize]);
+            self.visits += 1;
+            for v in view.surface.topology.edges[c.edge as usize] {
+                self.put(side, v);
+            }
+            for v in view.surface.topology.faces[c.face as usize] {
+                self.put(1 - side, v);
+            }
+        }
+    }
+
+    /// Forgets all particles and makes room for a surface.
+    pub fn begin(&mut self, surface: &Surface) {
+        self.seen.resize(surface.len(), [0; 2]);
+        self.ring.resize(surface.len(), [0; 2]);
         self.now = 0;
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
@@ -31,16 +49,6 @@ impl Patch {
         }
         for side in &mut self.sides {
             side.clear();
-        }
-        for &i in graph.nodes_of(contour) {
-            let c = &view.crossings[i as usize];
-            let side = usize::from(graph.side[i as usize]);
-            for v in view.surface.topology.edges[c.edge as usize] {
-                self.put(side, v);
-            }
-            for v in view.surface.topology.faces[c.face as usize] {
-                self.put(1 - side, v);
-            }
         }
     }
 
@@ -57,7 +65,9 @@ impl Patch {
                 let last = self.sides[side].len();
                 for k in *first..last {
                     let v = self.sides[side][k];
-                    for &(u, _) in surface.topology.around(v) {
+                    let around = surface.topology.around(v);
+                    self.visits += around.len();
+                    for &(u, _) in around {
                         if self.seen[u as usize][1 - side] != self.stamp {
                             self.put(side, u);
                         }

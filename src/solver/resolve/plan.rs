@@ -42,6 +42,8 @@ pub(super) struct Plans {
     last: u32,
     /// Particles to be settled when the rest of a side follows.
     farthest: BinaryHeap<(u32, u32)>,
+    /// Edges looked at.
+    pub visits: usize,
 }
 
 impl Plans {
@@ -79,6 +81,11 @@ impl Plans {
         self.live > 0
     }
 
+    /// Particles moved in an iteration, again for each plan that moves them.
+    pub fn moves(&self) -> usize {
+        self.list[..self.live].iter().map(|plan| plan.moves.len()).sum()
+    }
+
     /// Whether a plan is still being carried out.
     pub fn is_live(&self, number: u32) -> bool {
         self.numbers.binary_search(&number).is_ok()
@@ -105,7 +112,7 @@ impl Plans {
 
     /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` `[m]`. Returns its number, never 0.
     pub fn carry_out(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], probe: &mut Probe, step: f32) -> u32 {
-        let Self { list, live, numbers, last, farthest } = self;
+        let Self { list, live, numbers, last, farthest, visits } = self;
         if *live == list.len() {
             list.push(Plan::default());
         }
@@ -118,7 +125,7 @@ impl Plans {
         let room =
             (ROOM * probe.edge + thickness(view, probe)).min(apart_at_rest(view, graph, set).max(LEAST_ROOM * probe.edge));
         share_ways(view, probe);
-        (0..2).for_each(|side| follow(view, probe, side, room, farthest));
+        *visits += (0..2).map(|side| follow(view, probe, side, room, farthest)).sum::<usize>();
         let share = shares([0, 1].map(|s: usize| load(view.positions, probe.behind[s].iter().copied())));
         let mut longest = 0.0_f32;
         for (side, share) in share.into_iter().enumerate() {
@@ -183,8 +190,9 @@ fn share_ways(view: View<'_>, probe: &mut Probe) {
     }
 }
 
-/// Lengthens every way by `room` `[m]` and lets the rest of the side follow, so far that no edge is strained much.
-fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) {
+/// Lengthens every way by `room` `[m]` and lets the rest of the side follow, so far that no edge is strained much. Returns how many edges were looked
+/// at.
+fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) -> usize {
     let at = |v: u32| view.positions[v as usize].truncate();
     let Probe { seen, stamp, behind, .. } = probe;
     farthest.clear();
@@ -194,6 +202,7 @@ fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &
         farthest.push((way.to_bits(), v));
     }
     behind[side].clear();
+    let mut visits = 0;
     // Farthest first, so that each particle is settled once (Dijkstra). Positive floats are in the order of their bits.
     while let Some((bits, v)) = farthest.pop() {
         let Seen { way, along, .. } = seen[v as usize][side];
@@ -201,7 +210,9 @@ fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &
             continue;
         }
         behind[side].push(v);
-        for &(u, _) in view.surface.topology.around(v) {
+        let around = view.surface.topology.around(v);
+        visits += around.len();
+        for &(u, _) in around {
             let edge = at(u) - at(v);
             let (on, across) = (edge.dot(along).abs(), edge.reject_from_normalized(along).length());
             let way = way - STRAIN * on - SLOPE * across;
@@ -213,4 +224,5 @@ fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &
             }
         }
     }
+    visits
 }

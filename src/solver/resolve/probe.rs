@@ -130,6 +130,8 @@ pub(super) struct Probe {
     pub cost: f32,
     /// Pinned particles that were looked at and meet faces that are pinned, too, and those of them that have a way to go.
     pub pins: [u32; 2],
+    /// Particles and crossings looked at.
+    pub visits: usize,
 }
 
 impl Probe {
@@ -185,7 +187,9 @@ impl Probe {
             self.start(view, graph, set, side);
             let strays = strays.iter().filter(|s| s.side == side);
             self.queue.extend(strays.map(|s| (s.particle, s.face, s.near)));
-            if !self.flood(view, side, course, most) {
+            let goes_on = self.flood(view, side, course, most);
+            self.visits += self.queue.len();
+            if !goes_on {
                 return;
             }
         }
@@ -199,6 +203,7 @@ impl Probe {
             let moves = moves(side, &edge) || moves(1 - side, &face) || self.lift(view, side, along, edge, c.face);
             undone += u32::from(moves);
         }
+        self.visits += all as usize;
         self.undone = undone as f32 / f32::max(all as f32, 1.0);
     }
 

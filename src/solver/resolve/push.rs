@@ -123,6 +123,7 @@ impl Resolver {
             }
         }
         if share[1] > 0.0 {
+            self.patch.visits += others.len();
             for v in others {
                 self.shift.add(v, -share[1] * motion, motion.length());
             }

@@ -47,6 +47,8 @@ pub struct Flood {
     head: [usize; 2],
     area: [f32; 2],
     chosen: usize,
+    /// Edges looked at.
+    pub visits: usize,
 }
 
 impl Flood {
@@ -66,6 +68,7 @@ impl Flood {
 
     /// Cuts an edge, or mends it when it was cut before.
     pub fn toggle(&mut self, edge: u32) {
+        self.visits += 1;
         let cut = &mut self.cut[edge as usize];
         *cut = if *cut == self.cut_stamp { 0 } else { self.cut_stamp };
     }
@@ -110,7 +113,9 @@ impl Flood {
             }
             for k in head..last {
                 let v = queue[k];
-                for &(u, e) in surface.topology.around(v) {
+                let around = surface.topology.around(v);
+                self.visits += around.len();
+                for &(u, e) in around {
                     if self.cut[e as usize] != self.cut_stamp && self.seen[u as usize] != self.stamp {
                         self.seen[u as usize] = self.stamp;
                         self.from[u as usize] = v;
@@ -177,7 +182,9 @@ impl Flood {
         self.area[k] += surface.areas[v as usize];
         let mine = self.stamp + k as u32;
         let other = self.stamp + 1 - k as u32;
-        for &(u, e) in surface.topology.around(v) {
+        let around = surface.topology.around(v);
+        self.visits += around.len();
+        for &(u, e) in around {
             if self.cut[e as usize] == self.cut_stamp || self.wall[u as usize] == self.cut_stamp {
                 continue;
             }

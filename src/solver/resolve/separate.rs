@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use super::between::cloths;
 use super::contour::ContourGraph;
 use super::latch::Strategy;
 use super::probe::{Course, Member, nodes};
@@ -55,33 +56,23 @@ pub(super) fn agreement(view: View<'_>, graph: &ContourGraph, set: &[Member]) ->
     sum / f32::max(count as f32, 1.0)
 }
 
-/// The cloths on the two sides of a contour.
-pub(super) fn cloths(view: View<'_>, graph: &ContourGraph, contour: usize) -> Option<[u16; 2]> {
-    let &i = graph.nodes_of(contour).first()?;
-    let c = &view.crossings[i as usize];
-    let (a, b) = (view.surface.part_of_edge(c.edge), view.surface.part_of_face(c.face));
-    Some(if graph.side[i as usize] == 0 { [a, b] } else { [b, a] })
-}
-
-/// The contours between two cloths, the first of which is to be side 0.
-pub(super) fn between(view: View<'_>, graph: &ContourGraph, [a, b]: [u16; 2]) -> impl Iterator<Item = Member> {
-    (0..graph.contours.len()).filter_map(move |contour| {
-        let pair = cloths(view, graph, contour)?;
-        (pair == [a, b] || pair == [b, a]).then(|| Member { contour, flip: u8::from(pair != [a, b]) })
-    })
-}
-
 impl Resolver {
     /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`, together with all other contours
     /// between the same two cloths if one direction undoes them all. Returns whether there is one.
     pub(super) fn separate(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
         let mut set = core::mem::take(&mut self.set);
         set.clear();
-        if let Some(pair) = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]) {
-            set.extend(between(view, &self.graph, pair));
+        let pair = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]);
+        let between_two = pair.is_some();
+        let mut done = false;
+        if let Some(pair) = pair.filter(|&pair| self.between.may_work(pair)) {
+            set.extend(self.between.of(pair));
+            done = set.len() > 1 && self.separate_all(view, &set, between_two, step);
+            if !done {
+                // Nor does it for the next of them: each looks through all.
+                self.between.note_failure(pair);
+            }
         }
-        let between_two = !set.is_empty();
-        let mut done = set.len() > 1 && self.separate_all(view, &set, between_two, step);
         if !done {
             set.clear();
             set.push(Member { contour, flip: 0 });

@@ -230,7 +230,11 @@ impl Bends {
     #[must_use]
     pub fn entry(&self, row: u32, column: u32) -> Option<(usize, usize)> {
         let range = self.row(row as usize);
-        range.clone().zip(&self.columns[range]).find_map(|(k, lanes)| Some((k, lanes.iter().position(|c| *c == column)?)))
+        // By halving: a hub of a fan has a row of thousands.
+        let first = range.start;
+        let columns = &self.columns[range];
+        let k = columns.partition_point(|lanes| lanes[LANES - 1] < column);
+        Some((first + k, columns.get(k)?.iter().position(|c| *c == column)?))
     }
 
     /// Where the row of a particle is in [`Self::columns`].

@@ -7,6 +7,7 @@ pub mod geodesic;
 mod membrane;
 mod net;
 mod order;
+mod scaled;
 mod source;
 mod springs;
 mod topology;

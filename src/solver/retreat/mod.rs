@@ -55,6 +55,8 @@ pub struct Retreat {
     stayed: bool,
     /// Frames in a row in which they did.
     stays: u32,
+    /// Which cloths cross.
+    crossed: Vec<bool>,
     pins: Pins,
 }
 
@@ -119,6 +121,7 @@ impl Retreat {
         self.substeps = substeps as f32;
         self.pins.forget();
         self.farthest.clear();
+        self.note_crossed(surface, crossings);
         let mut shared: Option<Vec3A> = None;
         for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
             // What was stopped on its way flew before.
@@ -126,7 +129,7 @@ impl Retreat {
             let farthest = FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 };
             // What no contact keeps apart would have to be taken back for ever.
             self.farthest.push(if takes_part.get(i) == Some(&true) { farthest } else { 0.0 });
-            if !crosses(surface, crossings, i) {
+            if !self.crossed[i] {
                 continue;
             }
             // Of free particles; of all where none is.
@@ -261,7 +264,8 @@ impl Retreat {
         }
         let mean = self.mean();
         let mut any = false;
-        for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| crosses(surface, crossings, *part)) {
+        self.note_crossed(surface, crossings);
+        for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| self.crossed[*part]) {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
                 now.w > 0.0 && Vec3A::from_vec4(*now - *then).length_squared() > self.farthest[i] * self.farthest[i]
             };
@@ -283,15 +287,18 @@ impl Retreat {
         self.stayed |= any;
         any
     }
+
+    /// Notes which cloths are part of a crossing.
+    fn note_crossed(&mut self, surface: &Surface, crossings: &[Crossing]) {
+        self.crossed.clear();
+        self.crossed.resize(surface.parts.len(), false);
+        let parts = crossings.iter().flat_map(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)]);
+        parts.for_each(|part| self.crossed[usize::from(part)] = true);
+    }
 }
 
 fn range(part: &Part) -> Range<usize> {
     part.particles.start as usize..part.particles.end as usize
-}
-
-/// Whether a cloth is part of a crossing.
-fn crosses(surface: &Surface, crossings: &[Crossing], part: usize) -> bool {
-    crossings.iter().any(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)].map(usize::from).contains(&part))
 }
 
 /// Longest way of a free particle `[m]`.

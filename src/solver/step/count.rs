@@ -35,7 +35,7 @@ impl Stepped<'_> {
     #[must_use]
     pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
-        let count = substeps_of(stepping, input.dt);
+        let count = self.substeps_of_pull(stepping);
         scratch.driven = false;
         if input.bodies.is_empty() {
             return count;
@@ -79,6 +79,17 @@ impl Stepped<'_> {
         count * borne.max(driven)
     }
 
+    /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many where cloth would fall by more than an edge in one, `g h² > L`.
+    /// There its constraints have turned by more than they are long before they are solved, and tear at each other.
+    fn substeps_of_pull(&self, stepping: &Stepping) -> u32 {
+        let Self { rest, input, .. } = *self;
+        let count = substeps_of(stepping, input.dt);
+        let h = input.dt.min(stepping.max_frame) / count as f32;
+        let edges = input.gravity.length() * h * h / rest.mean_edge;
+        // NaN passes no comparison.
+        if edges > 1.0 { count * edges.sqrt().min(MOST_DRIVEN).ceil() as u32 } else { count }
+    }
+
     /// How far a heavier body may press the cloth in a substep `[m]`.
     pub(super) fn most_pressed(&self) -> f32 {
         PRESSED * self.fabric.strain_limit.min(ELASTIC) * self.rest.mean_edge
@@ -100,4 +111,55 @@ impl Stepped<'_> {
 /// Substeps of equal length in a frame of `dt` `[s]` at `rate` `[Hz]`: at least one, and not one more for rounding.
 pub(super) fn substeps(dt: f32, rate: f32) -> u32 {
     ((dt * rate - 1.0e-3).ceil() as u32).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{Vec3, vec3};
+
+    use crate::solver::evaluate::EvaluateSettings;
+    use crate::solver::island::UntangleSettings;
+    use crate::solver::rest::RestShape;
+    use crate::solver::scene::{GRAVITY, Scene, SceneCloth, grid};
+    use crate::solver::settings::Fabric;
+
+    /// A square of 16² vertices and `size` `[m]`, held at two corners.
+    fn hang(size: f32, gravity: Vec3) -> Scene {
+        let mesh = grid(16, 16, |u, v| size * vec3(u - 0.5, 0.0, v - 0.5));
+        let rest = Arc::new(RestShape::build(&mesh).expect("a sheet").0);
+        let scene = Scene { gravity, ..Scene::new(vec![SceneCloth::new(rest, Fabric::default(), Vec3::ZERO, &[0, 15])]) };
+        scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true).expect("a sheet")
+    }
+
+    #[test]
+    fn tiny_cloth_hangs_under_a_hundred_times_gravity_as_it_is_made() {
+        for size in [0.001, 0.01, 0.1] {
+            let mut scene = hang(size, 100.0 * GRAVITY);
+            let mut worst = 0.0f32;
+            for frame in 0..90 {
+                scene.step(1.0 / 60.0);
+                if frame > 60 {
+                    worst = worst.max(scene.cloths[0].report.worst_edge);
+                }
+            }
+            let (x, lowest) = (scene.crossings(), scene.cloths[0].lowest() / size);
+            assert!(worst < 1.2 && x == 0 && lowest < -0.9 && lowest > -1.3, "{size} m: edge {worst}, {x} cross, at {lowest}");
+        }
+    }
+
+    #[test]
+    fn only_cloth_that_falls_by_more_than_an_edge_takes_more_substeps() {
+        let substeps = |size: f32, times: f32| {
+            let mut scene = hang(size, times * GRAVITY);
+            scene.step(1.0 / 60.0);
+            scene.cloths[0].report.substeps
+        };
+        assert_eq!([1.0, 0.1, 0.01].map(|size| substeps(size, 1.0)), [6; 3]);
+        assert_eq!(substeps(1.0, 100.0), 6);
+        assert_eq!(substeps(0.01, 100.0), 24, "7.6 mm in a substep, edges of 0.8 mm");
+        assert_eq!([100.0, 1.0e6].map(|times| substeps(0.001, times)), [48; 2], "no more than eight times");
+        assert_eq!(substeps(0.001, f32::NAN), 6);
+    }
 }

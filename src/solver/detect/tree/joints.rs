@@ -23,11 +23,10 @@ impl Tree {
                 continue;
             }
             let below = self.faces[ranges[i as usize + 1].clone()].iter().flat_map(|&f| topology.faces[f as usize]);
-            let mut shared: Vec<u32> = below.filter(|&v| belongs(v, node.right)).collect();
+            // Through the hub of a fan of thousands every node would be joined to every other; boxes do for it.
+            let mut shared: Vec<u32> = below.filter(|&v| topology.around(v).len() <= HUB && belongs(v, node.right)).collect();
             shared.sort_unstable();
             shared.dedup();
-            // Through the hub of a fan of thousands every node would be joined to every other; boxes do for it.
-            shared.retain(|&v| topology.around(v).len() <= HUB);
             if !shared.is_empty() {
                 self.nodes[i as usize].link = self.joints.len() as u32;
                 self.joints.push(Joint { nodes: [i + 1, node.right], first: 0, count: 0 });

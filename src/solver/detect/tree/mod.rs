@@ -103,8 +103,9 @@ struct Joint {
 /// The faces of a leaf, one in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafRef<'a> {
-    /// Their numbers, and their corners.
+    /// Their numbers.
     pub faces: &'a [u32],
+    /// Their corners.
     pub corners: &'a [[u32; 3]],
     pack: &'a Pack,
 }
@@ -138,6 +139,8 @@ pub struct Tree {
     unjoined: bool,
     joints: Vec<Joint>,
     stack: Vec<(u32, u32)>,
+    /// Where the last [`Self::go_on`] stopped; empty where it came to its end.
+    left: Vec<(u32, u32)>,
 }
 
 impl Tree {

@@ -5,6 +5,7 @@ use glam::Vec3A;
 use super::pack::lanes;
 use super::{Bounds, FLAT, IS_LEAF, Joint, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
+use crate::solver::effort::{Effort, Meter};
 use crate::solver::rest::NONE;
 
 /// First of a pair on the stack whose second is a [`Joint`].
@@ -22,20 +23,47 @@ pub struct Meeting {
     pub joined: bool,
 }
 
+impl Meeting {
+    /// How many pairs of faces come close.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        u64::from_le_bytes(self.hits).count_ones() as usize
+    }
+}
+
 impl Tree {
     /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`; in a cloth that does not
     /// collide with itself, only with faces of other cloths.
     pub fn pairs(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
-        self.meetings(surface, margin, |tree, met| tree.pairs_of(met, &mut found));
+        self.meetings(surface, margin, &Effort::UNBOUNDED.meter(), |tree, met| tree.pairs_of(met, &mut found));
     }
 
-    /// As [`Self::pairs`], two leaves at a time.
-    pub fn meetings(&mut self, surface: &Surface, margin: f32, found: impl FnMut(&Self, &Meeting)) {
-        self.traverse::<false>(surface, margin, found);
+    /// As [`Self::pairs`], two leaves at a time. Those that come last are left out where there is too much work.
+    pub fn meetings(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) {
+        self.traverse::<false>(surface, margin, &[(0, 0)], meter, found);
+    }
+
+    /// As [`Self::meetings`], in parts where there is too much work: each goes on where the one before stopped. Pairs of nodes that are left do not
+    /// depend on where particles are. Says whether it began with the first part, and whether this was the last.
+    pub fn go_on(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) -> [bool; 2] {
+        let left = core::mem::take(&mut self.left);
+        let is_first = left.is_empty();
+        self.traverse::<false>(surface, margin, if is_first { &[(0, 0)] } else { left.as_slice() }, meter, found);
+        self.left = left;
+        self.left.clear();
+        self.left.extend_from_slice(&self.stack);
+        [is_first, self.left.is_empty()]
     }
 
     /// As [`Self::meetings`], only for pairs with a face that is `marked` (by face).
-    pub fn meetings_with(&mut self, surface: &Surface, margin: f32, marked: &[bool], found: impl FnMut(&Self, &Meeting)) {
+    pub fn meetings_with(
+        &mut self,
+        surface: &Surface,
+        margin: f32,
+        marked: &[bool],
+        meter: &Meter,
+        found: impl FnMut(&Self, &Meeting),
+    ) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             self.nodes[i].marked = if node.right & IS_LEAF == 0 {
@@ -45,7 +73,7 @@ impl Tree {
                 self.faces[node.run()].iter().enumerate().map(bit).sum()
             };
         }
-        self.traverse::<true>(surface, margin, found);
+        self.traverse::<true>(surface, margin, &[(0, 0)], meter, found);
     }
 
     /// Calls `found` with each pair of faces of a meeting, in order.
@@ -57,15 +85,26 @@ impl Tree {
         }
     }
 
-    fn traverse<const MARKED: bool>(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(&Self, &Meeting)) {
+    /// Takes the pairs of nodes that are `left` apart, and leaves in the stack those that it did not come to.
+    fn traverse<const MARKED: bool>(
+        &mut self,
+        surface: &Surface,
+        margin: f32,
+        left: &[(u32, u32)],
+        meter: &Meter,
+        mut found: impl FnMut(&Self, &Meeting),
+    ) {
         if self.nodes.is_empty() {
             return;
         }
         let margin = Vec3A::splat(margin);
         let mut stack = core::mem::take(&mut self.stack);
         stack.clear();
-        stack.push((0, 0));
-        while let Some((a, b)) = stack.pop() {
+        stack.extend_from_slice(left);
+        while !meter.is_spent()
+            && let Some((a, b)) = stack.pop()
+        {
+            meter.spend(1);
             if a == JOINT {
                 if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
                     self.descend::<MARKED>(b, margin, &mut stack, &mut found);

@@ -13,6 +13,11 @@ use super::refresh::DRIFT;
 use super::{Contacts, Finder, MARGIN, Moment, Touch};
 use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
 use crate::solver::detect::{ProximityKind, Surface};
+use crate::solver::effort::Meter;
+
+/// Visits that it costs to ask two faces, and how far apart two of their primitives are.
+const ASK: usize = 3;
+const PRIMITIVES: usize = 2;
 
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
@@ -24,7 +29,7 @@ pub(super) const MOST_NEAR: usize = BATCH + LEAF * (3 + 3 + 3 * 3);
 
 impl Finder {
     /// What to ask leaves with whose boxes meet. Whether it is asked `anew`, of faces nobody has looked for crossings at since
-    /// they were elsewhere.
+    /// they were elsewhere. More than the `meter` allows are not asked, and may cross.
     pub fn ask<'a, T: Fn(u32) -> f32>(
         &'a mut self,
         surface: &'a Surface,
@@ -32,6 +37,7 @@ impl Finder {
         tangled: T,
         contacts: &'a mut Contacts,
         anew: bool,
+        meter: &'a Meter,
     ) -> Asked<'a, T> {
         let &Moment { positions, touch, takes_part, pinned, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
@@ -57,6 +63,7 @@ impl Finder {
             thickest,
             most,
             anew,
+            meter,
         }
     }
 }
@@ -90,12 +97,18 @@ pub struct Asked<'a, T> {
     thickest: f32,
     /// Whether nobody has looked for crossings of the faces since they were elsewhere.
     anew: bool,
+    meter: &'a Meter,
 }
 
 impl<T: Fn(u32) -> f32> Asked<'_, T> {
     /// Asks for what may touch of the faces of two leaves. `cross` is told of faces that may cross now, and says whether
     /// something does: then nothing more is asked, but it is told of all that is left.
     pub fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
+        if self.meter.is_spent() {
+            tree.pairs_of(met, |f, g| _ = cross(f, g));
+            return;
+        }
+        self.meter.spend(ASK * met.count());
         let (a, b) = (tree.leaf(met.leaves[0]), tree.leaf(met.leaves[1]));
         let (u, v) = (a.corners[0][0], b.corners[0][0]);
         // A thick cloth does not make the others look farther.
@@ -214,7 +227,7 @@ impl Pair<'_> {
     /// owns with the other face, then the edges that both own. What shares a particle is not.
     #[inline]
     fn take<T>(&self, asked: &mut Asked<'_, T>, i: usize, faces: u32) {
-        let Asked { patches, positions, ahead, batch, .. } = asked;
+        let Asked { patches, positions, ahead, batch, meter, .. } = asked;
         let &Self { leaves: [a, b], numbers, reach, across, joined } = self;
         let [[corners, edges], [their_corners, their_edges]] = [patches.owned(numbers[0]), patches.owned(numbers[1])];
         let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);
@@ -230,7 +243,10 @@ impl Pair<'_> {
         }
         for k in lanes(faces) {
             let (u, faces) = (b.corners[k], [a.faces[i], b.faces[k]]);
-            let mut note = |kind, particles| batch.push(Near { kind, particles, faces, reach, across });
+            let mut note = |kind, particles| {
+                meter.spend(PRIMITIVES);
+                batch.push(Near { kind, particles, faces, reach, across });
+            };
             for (&[v, _], met) in corners.ends[corners.of_face(i)].iter().zip(corner_met) {
                 if met & (1 << k) != 0 && !(joined && u.contains(&v)) {
                     note(ProximityKind::VertexFace, [v, u[0], u[1], u[2]]);

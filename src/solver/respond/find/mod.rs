@@ -30,6 +30,7 @@ pub use moment::Moment;
 use super::{Contacts, Touch};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
+use crate::solver::effort::Meter;
 use batch::Batch;
 use flat::Flatness;
 use looked::Looked;
@@ -74,6 +75,9 @@ pub struct Finder {
     loose: Vec<bool>,
     /// Pairs whose closest points are to be found next.
     batch: Batch,
+    /// What the last look cost, and whether there was too much of it.
+    visits: usize,
+    is_cut: bool,
 }
 
 impl Finder {
@@ -100,9 +104,28 @@ impl Finder {
     ) {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        let mut ask = self.ask(surface, moment, tangled, contacts, false);
-        tree.meetings(surface, Self::reach(moment), |tree, met| ask.leaves(tree, met, |_, _| false));
+        let meter = moment.most.meter();
+        let mut ask = self.ask(surface, moment, tangled, contacts, false, &meter);
+        tree.meetings(surface, Self::reach(moment), &meter, |tree, met| ask.leaves(tree, met, |_, _| false));
         ask.finish();
+        self.note_cost(&meter);
+    }
+
+    /// Notes what a look cost.
+    pub fn note_cost(&mut self, meter: &Meter) {
+        (self.visits, self.is_cut) = (meter.spent(), meter.is_spent());
+    }
+
+    /// Whether pairs were left out at the last look, since there was too much work.
+    #[must_use]
+    pub fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// Work that the last look was, in [visits](crate::solver::effort).
+    #[must_use]
+    pub fn visits(&self) -> usize {
+        self.visits
     }
 
     /// Where each particle is foreseen to be `[m]`, less the motion that all cloths share.

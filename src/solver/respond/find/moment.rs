@@ -3,6 +3,7 @@
 use glam::Vec4;
 
 use crate::solver::body::Touch;
+use crate::solver::effort::Effort;
 
 /// What pairs are looked for in: the state of all cloths after a substep.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,8 @@ pub struct Moment<'a> {
     pub takes_part: &'a [bool],
     /// Whether pins hold each particle; what is not to be moved has no inverse mass either.
     pub pinned: &'a [bool],
+    /// Work that one look may be: of pairs that come on top, in cloth that is crushed, nothing is known.
+    pub most: Effort,
 }
 
 impl Moment<'_> {

@@ -29,15 +29,10 @@ impl Finder {
                 }
             }
         }
-        let length = |e: u32| {
-            let [a, b] = topology.edges[e as usize].map(|v| surface.rest[v as usize]);
-            a.distance(b)
-        };
-        let longest = surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)).collect();
         let start = vec![Vec3A::ZERO; surface.len()];
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
         let shifted = astray.clone();
-        Self {
+        let mut finder = Self {
             patches: Patches::new(tree, &topology.faces, &owns),
             ahead: start.clone(),
             before: vec![Vec3A::NAN; surface.len()],
@@ -51,9 +46,23 @@ impl Finder {
             haste: 0.0,
             faces: vec![Looked::default(); topology.faces.len()],
             drift: vec![0.0; surface.len()],
-            longest,
+            longest: Vec::new(),
             loose: loose(surface, &seams(surface)),
             batch: Batch::new(MOST_NEAR),
-        }
+            visits: 0,
+            is_cut: false,
+        };
+        finder.measure(surface);
+        finder
+    }
+
+    /// Measures the longest edges of a surface, which is new or some times as large as before.
+    pub fn measure(&mut self, surface: &Surface) {
+        let length = |e: u32| {
+            let [a, b] = surface.topology.edges[e as usize].map(|v| surface.rest[v as usize]);
+            a.distance(b)
+        };
+        self.longest.clear();
+        self.longest.extend(surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)));
     }
 }

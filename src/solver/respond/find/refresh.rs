@@ -51,6 +51,7 @@ impl Finder {
         if drifted > most {
             return false;
         }
+        self.is_cut = false;
         if drifted > 0 {
             self.find_strayed(surface, tree, moment, 0.0, dt, tangled, contacts);
         }

@@ -70,9 +70,11 @@ impl Finder {
         self.flatness.forget();
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
-        let mut ask = self.ask(surface, moment, tangled, contacts, true);
-        tree.meetings_with(surface, Self::reach(moment), &marked, |tree, met| ask.leaves(tree, met, |_, _| false));
+        let meter = moment.most.meter();
+        let mut ask = self.ask(surface, moment, tangled, contacts, true, &meter);
+        tree.meetings_with(surface, Self::reach(moment), &marked, &meter, |tree, met| ask.leaves(tree, met, |_, _| false));
         ask.finish();
+        self.note_cost(&meter);
         self.marked = marked;
     }
 
