@@ -18,7 +18,7 @@ mod slumber;
 
 pub(crate) use air::{WorldAir, reaches};
 pub(crate) use binding::{Binding, Change, TakenSkin, WaitingSince};
-pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldBody, WorldRigid, is_near, jumped};
+pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldBody, WorldRigid, is_near, jumped, swept};
 pub(crate) use inputs::ClothInputs;
 pub(crate) use motion::Motion;
 pub use particles::ClothParticles;

@@ -15,7 +15,7 @@ mod limit;
 
 use glam::Vec3;
 
-pub use avoid::Surroundings;
+pub use avoid::{AvoidBuffers, Surroundings};
 
 /// Below this maximum distance a particle is as good as pinned `[m]`.
 pub const PINNED: f32 = 1.0e-3;
