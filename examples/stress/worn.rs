@@ -1,8 +1,11 @@
 //! What a frame did to all clothes together.
 
+use std::collections::HashSet;
+
 use bevy::prelude::*;
 use bevy_drape::ClothIslands;
 use bevy_drape::prelude::*;
+use bevy_drape::solver::rest::RestShape;
 use serde_json::{Map, Value};
 
 use crate::stages::{NAMES, Stages};
@@ -63,16 +66,19 @@ impl Worn {
         let world = app.world();
         let particles: usize = cloths.iter(world).map(|(particles, _)| particles.len()).sum();
         let springs: usize = cloths.iter(world).map(|(_, rest)| rest.shape().constraints()).sum();
+        let shapes: HashSet<*const RestShape> = cloths.iter(world).map(|(_, rest)| core::ptr::from_ref(rest.shape())).collect();
         let p50 = self.stages.each_mut().map(|times| percentile(times, 50));
         let stages: Map<String, Value> = NAMES.iter().zip(p50).map(|(name, ms)| ((*name).to_string(), ms.into())).collect();
         let more = serde_json::json!({
             "cloths": cloths.iter(world).count(),
+            "rest_shapes": shapes.len(),
             "islands": world.resource::<ClothIslands>().members().count(),
             "frames": self.frames.len(),
             "particles": particles,
             "springs": springs,
             "substeps": percentile(&mut self.substeps, 50),
             "most_substeps": self.most_substeps,
+            "frame_ms_least": percentile(&mut self.frames, 0),
             "frame_ms_p50": percentile(&mut self.frames, 50),
             "frame_ms_p95": percentile(&mut self.frames, 95),
             "counted_ms_p50": percentile(&mut self.counted, 50),
