@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Draws every picture in docs/gallery from runs without a window: docs/gallery.sh [NAME ...]. Look at them before you commit them.
-# Drawn twice by one build on one machine they have the same bytes, except those with times in them: inspector.png and figure_6.png.
+# Drawn twice by one build on one machine they have the same bytes, except those with times in them: inspector.png, crowd.png and figure_6.png.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export BEVY_ASSET_ROOT="$PWD"
@@ -18,6 +18,7 @@ pictures=(
     "skirt.gif skirt --frames 240 --out"
     "character.png character --outfit dress --clip Turn --width 960 --frames 80 --out"
     "cape.png character --outfit cape --clip Run --width 960 --frames 90 --out"
+    "crowd.png crowd --budget 60 --width 960 --frames 70 --out"
     "twist.gif twist --frames 240 --out"
     "funnel.gif funnel --frames 240 --out"
     "two_sheets.gif two_sheets --width 640 --frames 240 --out"

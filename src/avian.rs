@@ -23,7 +23,7 @@ use bevy::prelude::*;
 use crate::components::body::ColliderBody;
 use crate::components::{ClothCollider, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 use crate::notices::{Notices, label};
-use crate::simulation::{WorldBodies, WorldBody, jumped};
+use crate::simulation::{WorldBodies, WorldBody, jumped, swept};
 use crate::solver::body::shape;
 use crate::time::ClothTime;
 
@@ -150,14 +150,17 @@ pub(crate) fn colliders(
         let from = body.pose.filter(|from| !jumped(from, &to, body.reach, dt)).unwrap_or(to);
         body.pose = Some(to);
         let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
+        let margin = margin.map_or(0.0, |m| m.0);
+        let swept = swept(shape, [&from, &to], margin);
         world.bodies.push(WorldBody {
+            swept,
             entity,
             character: None,
             shape: shape.clone(),
             from,
             to,
             layers: own_layers.copied().unwrap_or_else(|| layers.copied().unwrap_or_default().into()),
-            margin: margin.map_or(0.0, |m| m.0),
+            margin,
             static_friction: friction.static_coefficient,
             dynamic_friction: friction.dynamic_coefficient,
             rigid: None,

@@ -22,6 +22,7 @@ mod query;
 mod recorder;
 mod schedule;
 pub mod simulation;
+mod skin_query;
 mod snapshot;
 mod systems;
 mod time;
@@ -58,6 +59,7 @@ pub use query::ClothQuery;
 pub use recorder::{ClothRecorder, ClothRecorderPlugin};
 pub use schedule::ClothSystems;
 pub use simulation::{ClothParticles, ClothRest};
+pub use skin_query::ClothSkinQuery;
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 
 /// What most apps need.

@@ -6,6 +6,27 @@ use bevy::prelude::*;
 use crate::components::{ClothColorChannel, ClothMap, ClothPaint};
 use crate::solver::rest::RestShape;
 
+impl ClothMap {
+    /// What was painted at each vertex of a mesh, as it is there: 0 to 1, unless somebody painted otherwise. None where the map is not painted.
+    ///
+    /// # Errors
+    /// The reason, where the mesh does not have what the map names.
+    #[must_use]
+    pub fn painted(&self, mesh: &Mesh) -> Option<Result<Vec<f32>, String>> {
+        match self {
+            Self::Off | Self::Uniform(_) => None,
+            Self::Painted { paint, .. } => Some(painted(paint, mesh)),
+        }
+    }
+}
+
+fn painted(paint: &ClothPaint, mesh: &Mesh) -> Result<Vec<f32>, String> {
+    Ok(match paint {
+        ClothPaint::Color(channel) => color(mesh, *channel)?.collect(),
+        ClothPaint::Attribute(name) => attribute(mesh, name)?.collect(),
+    })
+}
+
 /// A channel of the vertex colours; the reason where there are none.
 pub(crate) fn color(mesh: &Mesh, channel: ClothColorChannel) -> Result<impl Iterator<Item = f32> + '_, String> {
     let Ok(VertexAttributeValues::Float32x4(colors)) = mesh.try_attribute(Mesh::ATTRIBUTE_COLOR) else {
@@ -65,10 +86,7 @@ pub(crate) fn spread(map: &ClothMap, mesh: &Mesh, rest: &RestShape, (least, most
         ClothMap::Uniform(value) => return Ok(vec![usable(*value); rest.positions.len()]),
         ClothMap::Painted { paint, low, high } => (paint, usable(*low), usable(*high)),
     };
-    let painted: Vec<f32> = match paint {
-        ClothPaint::Color(channel) => color(mesh, *channel)?.collect(),
-        ClothPaint::Attribute(name) => attribute(mesh, name)?.collect(),
-    };
+    let painted = painted(paint, mesh)?;
     let mut values = vec![low; rest.positions.len()];
     for (&particle, paint) in rest.particle_of_vertex.iter().zip(painted).rev() {
         let paint = if paint.is_nan() { 0.0 } else { paint.clamp(0.0, 1.0) };

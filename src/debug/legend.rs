@@ -29,6 +29,12 @@ impl ClothDebug {
         let percent = (1.0e5 * super::springs::full_scale(self.strain)).round() / 1.0e3;
         let says = |text: &str, color| (text.to_string(), color);
         add(self.pins, "pins", &[says("held firmly", scale::sequential(1.0)), says("hardly held", scale::sequential(0.0))]);
+        let reaches =
+            [says("held on the skin", scale::sequential(0.0)), says("farthest of this cloth", scale::sequential(1.0))];
+        add(self.maps, "maps", &reaches);
+        let used =
+            [says("at its place on the skin", scale::sequential(0.0)), says("as far as it may be", scale::sequential(1.0))];
+        add(self.targets, "targets", &used);
         add(self.wind, "wind", &[says("still air", scale::sequential(0.0)), says("20 m/s", scale::sequential(1.0))]);
         add(
             self.springs,

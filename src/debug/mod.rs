@@ -14,6 +14,8 @@
 //! | item | after | drawn |
 //! |---|---|---|
 //! | [`pins`](ClothDebug::pins) | Prepare | where each held particle is and where it is held, by weight |
+//! | [`maps`](ClothDebug::maps) | Prepare | edges on the skin, by how far cloth may be from it there |
+//! | [`targets`](ClothDebug::targets) | Prepare | from each particle to its place on the skin, by the share that it takes of its maximum distance |
 //! | [`wind`](ClothDebug::wind) | Prepare | velocity of the air at triangles, by speed |
 //! | [`springs`](ClothDebug::springs) | Integrate | edges, by strain |
 //! | [`contacts`](ClothDebug::contacts) | Integrate | where cloth touches cloth and bodies, by force |
@@ -27,12 +29,14 @@ mod bvh;
 mod contacts;
 mod contours;
 mod legend;
+mod maps;
 mod normals;
 mod pins;
 mod regions;
 mod scale;
 mod sleep;
 mod springs;
+mod targets;
 mod wind;
 
 pub use legend::LegendLine;
@@ -67,6 +71,10 @@ pub struct ClothGizmos;
 pub struct ClothDebug {
     /// A cross at each particle that is held, and a line to where. Default true.
     pub pins: bool,
+    /// Edges where the skin is, by how far cloth may be from it: the map of [`ClothLimits::max_distance`](crate::ClothLimits::max_distance). Default false.
+    pub maps: bool,
+    /// A line from each particle to its place on the skin, by the share that it takes of its maximum distance. Default false.
+    pub targets: bool,
     /// Arrows along the velocity of the air at triangles, at most [`arrows`](Self::arrows) on each cloth. Default false.
     pub wind: bool,
     /// Every edge, by its strain. Default false.
@@ -121,6 +129,8 @@ impl Default for ClothDebug {
 impl ClothDebug {
     const OFF: Self = Self {
         pins: false,
+        maps: false,
+        targets: false,
         wind: false,
         springs: false,
         contacts: false,
@@ -139,8 +149,21 @@ impl ClothDebug {
     };
 
     /// Names of all items, in the order of the frame.
-    pub const ITEMS: [&str; 11] =
-        ["pins", "wind", "springs", "contacts", "bvh", "crossings", "contours", "regions", "sleep", "normals", "bounds"];
+    pub const ITEMS: [&str; 13] = [
+        "pins",
+        "maps",
+        "targets",
+        "wind",
+        "springs",
+        "contacts",
+        "bvh",
+        "crossings",
+        "contours",
+        "regions",
+        "sleep",
+        "normals",
+        "bounds",
+    ];
 
     /// Draws nothing; scales as by default.
     #[must_use]
@@ -166,6 +189,8 @@ impl ClothDebug {
     pub fn item_mut(&mut self, name: &str) -> Option<&mut bool> {
         Some(match name {
             "pins" => &mut self.pins,
+            "maps" => &mut self.maps,
+            "targets" => &mut self.targets,
             "wind" => &mut self.wind,
             "springs" => &mut self.springs,
             "contacts" => &mut self.contacts,
@@ -197,6 +222,8 @@ impl Plugin for ClothDebugPlugin {
             app,
             (
                 pins::draw.run_if(|debug: Res<ClothDebug>| debug.pins),
+                maps::draw.run_if(|debug: Res<ClothDebug>| debug.maps),
+                targets::draw.run_if(|debug: Res<ClothDebug>| debug.targets),
                 wind::draw.run_if(|debug: Res<ClothDebug>| debug.wind),
                 springs::draw.run_if(|debug: Res<ClothDebug>| debug.springs),
                 contacts::draw.run_if(|debug: Res<ClothDebug>| debug.contacts),

@@ -8,13 +8,15 @@ use ron::extensions::Extensions;
 use super::setting::Setting;
 use super::settings::{ClothSettings, Edit};
 use super::table::settings;
-use crate::components::{ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod, ClothMaterial, ClothOnTargetLost};
+use crate::components::{
+    ClothBody, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia, ClothLimits, ClothLod, ClothMaterial, ClothOnTargetLost,
+};
 use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
 ///
 /// The material is written over the preset that it differs least from. What lies elsewhere follows as comments, where it differs: weights
-/// of pins, which belong to the sets that the program makes, and wind and gravity of the world, which are resources.
+/// of pins, which belong to the sets that the program makes, the body of the character, and wind, gravity and budget of the world, which are resources.
 #[must_use]
 pub fn as_rust(settings: &ClothSettings) -> String {
     let mut lines = vec![material_as_rust(&settings.material)];
@@ -40,6 +42,10 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     if let Some(drive) = &settings.drive {
         lines.push(over(drive, &ClothDrive::default(), "default()"));
     }
+    if let Some(inertia) = settings.inertia {
+        lines.push(over(&ClothInertia { space: None, ..inertia }, &ClothInertia::default(), "default()"));
+    }
+    add(&mut lines, &settings.priority);
     if let Some(lod) = &settings.lod {
         lines.push(over(lod, &ClothLod::default(), "default()"));
     }
@@ -57,6 +63,16 @@ fn elsewhere(settings: &ClothSettings) -> String {
     }
     if settings.pins.on_target_lost != ClothOnTargetLost::default() {
         lines.push(format!("pins.on_target_lost = {};", literal(&settings.pins.on_target_lost)));
+    }
+    if settings.inertia.is_some_and(|inertia| inertia.space.is_some()) {
+        lines.push("inertia.space = Some(space);".into());
+    }
+    if let Some(body) = settings.body.filter(|body| *body != ClothBody::default()) {
+        let body = over(&body, &ClothBody::default(), "default()");
+        lines.extend(format!("commands.entity(body).insert({body});").lines().map(String::from));
+    }
+    if let Some(budget) = &settings.budget {
+        lines.push(format!("commands.insert_resource(ClothBudget {{ ms: {} }});", number_as_rust(budget.ms)));
     }
     if settings.wind != ClothGlobalWind::default() {
         let wind = over(&settings.wind, &ClothGlobalWind::default(), "default()");

@@ -39,6 +39,7 @@ mod specimen;
 mod state;
 mod table;
 mod tangle;
+mod wearer;
 mod widgets;
 
 pub use actions::STEP;

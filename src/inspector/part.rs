@@ -19,8 +19,14 @@ pub enum Part {
     Limits,
     /// [`ClothDrive`](crate::ClothDrive).
     Drive,
+    /// [`ClothInertia`](crate::ClothInertia).
+    Inertia,
+    /// [`ClothBody`](crate::ClothBody), of the character that wears it.
+    Body,
     /// [`ClothLod`](crate::ClothLod).
     Lod,
+    /// [`ClothPriority`](crate::ClothPriority).
+    Priority,
     /// [`ClothWind`](crate::ClothWind).
     OwnWind,
     /// [`ClothPins`](crate::ClothPins).
@@ -29,11 +35,13 @@ pub enum Part {
     Wind,
     /// [`ClothGravity`](crate::ClothGravity).
     Gravity,
+    /// [`ClothBudget`](crate::ClothBudget).
+    Budget,
 }
 
 impl Part {
     /// All parts, in the order of the panel.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 17] = [
         Self::Material,
         Self::Solver,
         Self::Collision,
@@ -42,11 +50,15 @@ impl Part {
         Self::Sleep,
         Self::Limits,
         Self::Drive,
+        Self::Inertia,
+        Self::Body,
         Self::Lod,
+        Self::Priority,
         Self::OwnWind,
         Self::Pins,
         Self::Wind,
         Self::Gravity,
+        Self::Budget,
     ];
 
     /// What comes before the names of its settings.
@@ -61,11 +73,15 @@ impl Part {
             Self::Sleep => "sleep",
             Self::Limits => "limits",
             Self::Drive => "drive",
+            Self::Inertia => "inertia",
+            Self::Body => "body",
             Self::Lod => "lod",
+            Self::Priority => "budget",
             Self::OwnWind => "own wind",
             Self::Pins => "pins",
             Self::Wind => "wind",
             Self::Gravity => "gravity",
+            Self::Budget => "budget",
         }
     }
 
@@ -81,11 +97,15 @@ impl Part {
             Self::Sleep => "Sleep at rest",
             Self::Limits => "Distance from the skin",
             Self::Drive => "Drive to the skin",
+            Self::Inertia => "Inertia",
+            Self::Body => "Body of the character",
             Self::Lod => "Level of detail",
+            Self::Priority => "Priority",
             Self::OwnWind => "Wind at this cloth",
             Self::Pins => "Pins",
             Self::Wind => "Wind in the world",
             Self::Gravity => "Gravity in the world",
+            Self::Budget => "Budget of the world",
         }
     }
 }

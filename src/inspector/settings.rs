@@ -3,9 +3,11 @@
 use bevy::prelude::*;
 
 use super::part::Part;
+use super::wearer;
 use crate::components::{
-    ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity, ClothLimits, ClothLod, ClothMaterial, ClothPins, ClothSkipFrame,
-    ClothSleep, ClothSleepDisabled, ClothSolver, ClothUntangling, ClothUntanglingDisabled, ClothWind,
+    ClothBody, ClothBudget, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia, ClothLimits, ClothLod,
+    ClothMaterial, ClothPins, ClothPriority, ClothSkipFrame, ClothSleep, ClothSleepDisabled, ClothSolver, ClothUntangling,
+    ClothUntanglingDisabled, ClothWind,
 };
 use crate::presets::ClothPreset;
 
@@ -32,8 +34,14 @@ pub struct ClothSettings {
     pub limits: Option<ClothLimits>,
     /// How firmly it is drawn to the skin; without, not at all.
     pub drive: Option<ClothDrive>,
+    /// How much it feels of the motion of what carries it; without, all.
+    pub inertia: Option<ClothInertia>,
+    /// The body of the character that wears it; without, there is none.
+    pub body: Option<ClothBody>,
     /// What it costs far away; without, as much as near.
     pub lod: Option<ClothLod>,
+    /// How much it matters to the budget.
+    pub priority: ClothPriority,
     /// Its own wind; without, that of the world.
     pub own_wind: Option<ClothWind>,
     /// Where it is held.
@@ -42,6 +50,8 @@ pub struct ClothSettings {
     pub wind: ClothGlobalWind,
     /// Gravity in the world.
     pub gravity: ClothGravity,
+    /// What all cloths may cost; without, what they cost.
+    pub budget: Option<ClothBudget>,
 }
 
 impl ClothSettings {
@@ -68,11 +78,15 @@ impl ClothSettings {
             sleep_disabled: entity.contains::<ClothSleepDisabled>(),
             limits: entity.get::<ClothLimits>().cloned(),
             drive: entity.get::<ClothDrive>().cloned(),
+            inertia: entity.get::<ClothInertia>().copied(),
+            body: wearer::bodies(world, cloth).first().map(|(_, body)| *body),
             lod: entity.get::<ClothLod>().copied(),
+            priority: part(&entity),
             own_wind: entity.get::<ClothWind>().copied(),
             pins: part(&entity),
             wind: world.get_resource::<ClothGlobalWind>().copied().unwrap_or_default(),
             gravity: world.get_resource::<ClothGravity>().copied().unwrap_or_default(),
+            budget: world.get_resource::<ClothBudget>().copied(),
         })
     }
 
@@ -81,6 +95,19 @@ impl ClothSettings {
         match part {
             Part::Wind => world.insert_resource(self.wind),
             Part::Gravity => world.insert_resource(self.gravity),
+            Part::Budget => match self.budget {
+                Some(budget) => world.insert_resource(budget),
+                None => {
+                    world.remove_resource::<ClothBudget>();
+                }
+            },
+            Part::Body => {
+                for (body, _) in wearer::bodies(world, cloth) {
+                    if let (Some(settings), Ok(mut entity)) = (self.body, world.get_entity_mut(body)) {
+                        put(&mut entity, settings);
+                    }
+                }
+            }
             _ => {
                 let Ok(mut entity) = world.get_entity_mut(cloth) else { return };
                 match part {
@@ -98,17 +125,19 @@ impl ClothSettings {
                     }
                     Part::Limits => put_or_remove(&mut entity, self.limits.clone()),
                     Part::Drive => put_or_remove(&mut entity, self.drive.clone()),
+                    Part::Inertia => put_or_remove(&mut entity, self.inertia),
                     Part::Lod => put_or_remove(&mut entity, self.lod),
+                    Part::Priority => put(&mut entity, self.priority),
                     Part::Pins => put(&mut entity, self.pins.clone()),
                     Part::OwnWind => put_or_remove(&mut entity, self.own_wind),
-                    Part::Wind | Part::Gravity => {}
+                    Part::Body | Part::Wind | Part::Gravity | Part::Budget => {}
                 }
             }
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep, level of detail, pins, the
-    /// world, and whether it is untangled at all are not in files.
+    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep, inertia, level of detail,
+    /// priority, pins, the body, the world, and whether it is untangled at all are not in files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
         fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {
@@ -126,15 +155,16 @@ impl ClothSettings {
         }
     }
 
-    /// Takes over what belongs to the cloth alone: all but pins and world.
+    /// Takes over what belongs to the cloth alone: all but pins, body and world.
     pub(super) fn take(&mut self, other: &Self) {
-        let Self { pins, wind, gravity, .. } = self;
-        *self = Self { pins: core::mem::take(pins), wind: *wind, gravity: *gravity, ..other.clone() };
+        let Self { pins, body, wind, gravity, budget, .. } = self;
+        let (pins, body, budget) = (core::mem::take(pins), *body, *budget);
+        *self = Self { pins, body, wind: *wind, gravity: *gravity, budget, ..other.clone() };
     }
 }
 
 /// Parts that [`ClothSettings::take`] takes over.
-pub(super) const OWN: [Part; 10] = [
+pub(super) const OWN: [Part; 12] = [
     Part::Material,
     Part::Solver,
     Part::Collision,
@@ -143,7 +173,9 @@ pub(super) const OWN: [Part; 10] = [
     Part::Sleep,
     Part::Limits,
     Part::Drive,
+    Part::Inertia,
     Part::Lod,
+    Part::Priority,
     Part::OwnWind,
 ];
 

@@ -28,6 +28,18 @@ pub(crate) struct WorldBody {
     pub dynamic_friction: f32,
     /// Place in [`WorldBodies::rigids`] of the body that takes what cloth does to it.
     pub rigid: Option<u32>,
+    /// Corners of the box around its way in this frame, margin included `[m]`.
+    pub swept: (Vec3, Vec3),
+}
+
+/// Corners of the box around the way of a body in a frame, with its margin `[m]`.
+pub(crate) fn swept(shape: &SharedShape, [from, to]: [&Isometry3d; 2], margin: f32) -> (Vec3, Vec3) {
+    let pose = |at: &Isometry3d| Pose::from_parts(at.translation.into(), at.rotation);
+    let mut swept = shape.compute_aabb(&pose(to));
+    if from != to {
+        swept.merge(&shape.compute_aabb(&pose(from)));
+    }
+    (swept.mins - margin, swept.maxs + margin)
 }
 
 /// A body in the world that takes what cloth does to it.
@@ -88,12 +100,7 @@ pub(crate) fn jumped(from: &Isometry3d, to: &Isometry3d, reach: f32, dt: f32) ->
 
 /// Whether a body is, or was at the start of the frame, or passed between, near a box `[m]`.
 pub(crate) fn is_near(body: &WorldBody, low: Vec3, high: Vec3) -> bool {
-    let pose = |at: &Isometry3d| Pose::from_parts(at.translation.into(), at.rotation);
-    let mut swept = body.shape.compute_aabb(&pose(&body.to));
-    if body.from != body.to {
-        swept.merge(&body.shape.compute_aabb(&pose(&body.from)));
-    }
-    let margin = Vec3::splat(body.margin);
+    let (least, most) = body.swept;
     // A box that is not finite is near.
-    !((swept.mins - margin).cmpgt(high).any() || (swept.maxs + margin).cmplt(low).any())
+    !(least.cmpgt(high).any() || most.cmplt(low).any())
 }

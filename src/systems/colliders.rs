@@ -7,7 +7,7 @@ use crate::bind::{ColliderError, Sources, shape_of};
 use crate::components::body::{ColliderBody, Stage};
 use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
 use crate::notices::{Notices, PATIENCE, label};
-use crate::simulation::{WorldBodies, WorldBody, jumped};
+use crate::simulation::{WorldBodies, WorldBody, jumped, swept};
 use crate::solver::body::shape;
 use crate::time::ClothTime;
 
@@ -135,8 +135,10 @@ pub(crate) fn poses(
         body.pose = Some(to);
         let layers = layers.copied().unwrap_or_default();
         let character = characters.of(entity);
+        let swept = swept(&shape, [&from, &to], margin);
         bodies.push(WorldBody {
             entity,
+            swept,
             character,
             shape,
             from,

@@ -9,9 +9,11 @@ use crate::components::{
     ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::simulation::{Bones, ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, reaches};
+use crate::simulation::{
+    Bones, ClothInputs, ClothParticles, ClothRest, ClothScratch, WorldAir, WorldBodies, WorldBody, is_near, reaches,
+};
 use crate::solver::body::{Body, Pose};
-use crate::solver::skinned::Surroundings;
+use crate::solver::skinned::{AvoidBuffers, Surroundings};
 use crate::solver::state::ClothState;
 use crate::solver::wind::{self, Turbulence, Wind, ZoneMode, ZoneShape};
 use crate::time::ClothTime;
@@ -162,13 +164,14 @@ fn scaled(zone: ClothWindZone, scale: Vec3) -> ClothWindZone {
     ClothWindZone { shape, ..zone }
 }
 
-/// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed and its anchors tell, with its own radius to spare for
-/// what wind and bodies do `[m]`; none when it is nowhere.
+/// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed, its anchors and its skin tell, with its own radius to spare
+/// for what wind and bodies do `[m]`; none when it is nowhere.
 fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Vec3, Vec3)> {
     let ClothState { positions, previous, substep, .. } = &particles.state;
     let substeps = if *substep > 0.0 { dt / substep } else { 0.0 };
     let ends = positions.iter().zip(previous).map(|(x, old)| (*x + (*x - *old) * substeps).truncate());
-    let points = positions.iter().map(|x| x.truncate()).chain(ends).chain(inputs.anchors.to.iter().copied());
+    let targets = inputs.anchors.to.iter().chain(&inputs.skinned.to).copied();
+    let points = positions.iter().map(|x| x.truncate()).chain(ends).chain(targets);
     let (low, high) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     let spare = Vec3::splat(inputs.radius + inputs.gravity.length() * dt * dt);
     let seen = |p: Vec3| (particles.origin + p.as_dvec3()).as_vec3();
@@ -182,13 +185,24 @@ pub(crate) fn surroundings(
     world: Res<WorldBodies>,
     air: Res<WorldAir>,
     mut cloths: Query<
-        (Entity, &ClothRest, &ClothParticles, Option<&ClothCollisionLayers>, &mut ClothInputs, &mut ClothReport),
+        (
+            Entity,
+            &ClothRest,
+            &ClothParticles,
+            Option<&ClothCollisionLayers>,
+            &mut ClothInputs,
+            &mut ClothScratch,
+            &mut ClothReport,
+        ),
         With<Cloth>,
     >,
     bones: Bones,
-    mut planes: Local<Vec<Vec4>>,
+    mut near: Local<Vec<usize>>,
+    mut buffers: Local<AvoidBuffers>,
 ) {
-    for (entity, rest, particles, layers, mut inputs, mut report) in &mut cloths {
+    // Of characters there are crowds, and none meets the bones of all.
+    let crowded = world.bodies.iter().any(|body| body.character.is_some());
+    for (entity, rest, particles, layers, mut inputs, mut scratch, mut report) in &mut cloths {
         if inputs.asleep || inputs.carried {
             continue;
         }
@@ -199,12 +213,29 @@ pub(crate) fn surroundings(
             let translation = (Vec3::from(at.translation).as_dvec3() - origin).as_vec3();
             Pose::from_parts(translation, at.rotation)
         };
-        inputs.bodies.clear();
-        // A cloth does not meet the collider on its own entity.
-        let meets = |body: &&WorldBody| body.entity != entity && layers.touches(body.layers);
-        inputs.body_entities.clear();
-        inputs.body_entities.extend(world.bodies.iter().filter(meets).map(|body| body.entity));
+        let dt = time.delta_secs() * inputs.time_scale;
+        let room = if crowded || !air.zones.is_empty() { room(inputs, particles, dt) } else { None };
         let (character, carried, jumped) = (inputs.character, inputs.carried_by, inputs.jumped);
+        let reaches_it = |body: &WorldBody| {
+            let own = body.character.is_none() || body.character == character;
+            own || room.is_none_or(|(low, high)| is_near(body, low, high))
+        };
+        // A cloth does not meet the collider on its own entity.
+        let meets = |body: &WorldBody| body.entity != entity && layers.touches(body.layers) && reaches_it(body);
+        near.clear();
+        near.extend((0..world.bodies.len()).filter(|&index| meets(&world.bodies[index])));
+        let listed = || near.iter().map(|&index| &world.bodies[index]);
+        if !inputs.body_entities.iter().copied().eq(listed().map(|body| body.entity)) {
+            let number = |before: u32| {
+                let entity = inputs.body_entities.get(before as usize)?;
+                let now = near.binary_search_by_key(entity, |&index| world.bodies[index].entity).ok()?;
+                u32::try_from(now).ok()
+            };
+            scratch.solver.renumber_bodies(number);
+            inputs.body_entities.clear();
+            inputs.body_entities.extend(listed().map(|body| body.entity));
+        }
+        inputs.bodies.clear();
         // What the cloth does not feel of its carrier's motion, it does not feel of bodies either; after a jump, of those of its character.
         let goes_along =
             |body: &WorldBody| body.rigid.is_none() && (!jumped || (character.is_some() && body.character == character));
@@ -214,7 +245,7 @@ pub(crate) fn surroundings(
             None => pose(&body.from),
         };
         let ClothInputs { bodies, worn, skin, fabric, .. } = inputs;
-        bodies.extend(world.bodies.iter().filter(meets).map(|body| {
+        bodies.extend(listed().map(|body| {
             let bone = character.is_some() && body.character == character;
             let keep = fabric.thickness + body.margin;
             Body {
@@ -231,16 +262,14 @@ pub(crate) fn surroundings(
             }
         }));
         if inputs.avoids_bodies && inputs.skinned.is_active() {
-            let ClothInputs { bodies, fabric, skinned, time_scale, fade, .. } = inputs;
+            let ClothInputs { bodies, fabric, skinned, fade, .. } = inputs;
             let positions = &particles.state.positions;
             let around = Surroundings { bodies, rest: &rest.0, fabric, positions, share: *fade };
-            skinned.avoid(&around, time.delta_secs() * *time_scale, &mut planes);
+            skinned.avoid(&around, dt, &mut buffers);
         }
         report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
         inputs.wind.origin = origin;
         inputs.wind.zones.clear();
-        let dt = time.delta_secs() * inputs.time_scale;
-        let room = if air.zones.is_empty() { None } else { room(inputs, particles, dt) };
         let blows = |zone, at| room.is_none_or(|(low, high)| reaches(zone, at, low, high));
         let zones = air.zones.iter().filter(|(_, zone, at)| blows(zone, at));
         inputs.wind.zones.extend(zones.map(|(_, zone, at)| wind::WindZone {
@@ -298,7 +327,8 @@ mod tests {
             space: None,
             disturbed: false,
         };
-        let cloth = world.spawn((Cloth, ClothRest(Arc::new(RestShape::default())), inputs, particles)).id();
+        let scratch = ClothScratch::default();
+        let cloth = world.spawn((Cloth, ClothRest(Arc::new(RestShape::default())), inputs, particles, scratch)).id();
         world.run_system_once(surroundings).expect("a system");
         let seen = &world.get::<ClothInputs>(cloth).expect("inputs").wind.zones;
         seen.iter().filter_map(|seen| zones.iter().position(|(_, radius)| *radius == seen.velocity.y)).collect()

@@ -60,7 +60,7 @@ pub(crate) fn detail(
             inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3() - keep, high.as_vec3() + keep))
         };
         // What a body hangs on or lies in has to hold it, whoever looks.
-        inputs.bears = detail > ClothDetail::Full && bears();
+        inputs.bears = detail > ClothDetail::Full && !bodies.rigids.is_empty() && bears();
         let detail = if inputs.bears { ClothDetail::Full } else { detail };
         let rate = &mut inputs.stepping.substep_rate;
         let all = *rate;

@@ -86,7 +86,9 @@ pub(crate) fn watch(
             || core::mem::take(&mut cloth.particles.disturbed)
             || core::mem::take(&mut slumber.roused);
         let layers = cloth.layers.copied().unwrap_or_default();
-        let news = slumber.seen.update(cloth.entity, &cloth.inputs, layers, cloth.scratch.bounds, &around);
+        // What is carried along and awake does not rest: what is new around it is seen when it is simulated again.
+        let looks = slumber.asleep || !cloth.inputs.carried;
+        let news = looks && slumber.seen.update(cloth.entity, &cloth.inputs, layers, cloth.scratch.bounds, &around);
         if changed || news {
             slumber.quiet_for = 0.0;
             slumber.marks.clear();
@@ -146,7 +148,9 @@ impl Seen {
             others.filter(|body| is_near(body, low - keep, high + keep))
         };
         let taker = |body: &WorldBody| around.bodies.taker(body);
-        if near().count() != self.bodies.len() || !near().zip(&self.bodies).all(|(body, seen)| seen.is(body, taker(body))) {
+        let mut known = self.bodies.iter();
+        let same = near().all(|body| known.next().is_some_and(|seen| seen.is(body, taker(body)))) && known.next().is_none();
+        if !same {
             self.bodies.clear();
             self.bodies.extend(near().map(|body| SeenBody::of(body, taker(body))));
             news = true;

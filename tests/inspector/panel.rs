@@ -48,7 +48,7 @@ impl Panel {
         app.world_mut().resource_mut::<ClothInspector>().selected = Some(cloth);
         // So high that nothing has to be scrolled into view.
         let harness = Harness::builder()
-            .with_size([520.0, 5000.0])
+            .with_size([520.0, 6000.0])
             .build_ui_state(|ui, app: &mut App| cloth_inspector(ui, app.world_mut()), app);
         let mut panel = Self { harness, cloth, other, copied: None };
         panel.steps(3);

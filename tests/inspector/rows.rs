@@ -13,7 +13,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::panel::Panel;
 
-/// A panel in which every row exists: with limits and drive that are painted, a wind of its own, a level of detail, and a maximum until clean.
+/// A panel in which every row exists: with limits and drive that are painted, inertia, a wind of its own, a level of detail, a character with a body, a
+/// budget, and a maximum until clean.
 fn with_all_rows() -> Panel {
     let mut panel = Panel::new();
     let cloth = panel.cloth;
@@ -22,8 +23,14 @@ fn with_all_rows() -> Panel {
     let painted = |low: f32, high: f32| ClothMap::color(ClothColorChannel::G, low, high);
     let limits = ClothLimits { max_distance: painted(0.05, 0.3), backstop_distance: painted(0.01, 0.06), ..default() };
     let drive = ClothDrive { frequency: painted(1.0, 5.0), ..default() };
-    entity.insert((ClothWind::default(), ClothLod::default(), limits, drive));
+    let inertia = ClothInertia::CHARACTER;
+    entity.insert((ClothWind::default(), ClothLod::default(), limits, drive, inertia, ClothPriority(3.0)));
     entity.get_mut::<ClothSkipFrame>().expect("a cloth").policy = ClothSkipPolicy::UntilClean { max: 3 };
+    let character = world.spawn((Transform::default(), ClothCharacter)).id();
+    world.spawn((ClothBody { margin: 0.02, ..default() }, ChildOf(character)));
+    world.entity_mut(cloth).insert(ChildOf(character));
+    // So much that it lowers nothing.
+    world.insert_resource(ClothBudget { ms: 900.0 });
     panel.opened()
 }
 
@@ -55,10 +62,14 @@ fn part_of(component: &str) -> Option<Part> {
         "ClothSleep" => Part::Sleep,
         "ClothLimits" => Part::Limits,
         "ClothDrive" => Part::Drive,
+        "ClothInertia" => Part::Inertia,
+        "ClothBody" => Part::Body,
         "ClothLod" => Part::Lod,
+        "ClothPriority" => Part::Priority,
         "ClothWind" => Part::OwnWind,
         "ClothGlobalWind" => Part::Wind,
         "ClothGravity" => Part::Gravity,
+        "ClothBudget" => Part::Budget,
         // Pins have a row for each set: `pins_are_weakened_and_let_go`. The others say how it fares.
         "ClothPins" | "Cloth" | "ClothStatus" | "ClothReport" | "ClothBuildReport" => return None,
         other => panic!("{other} has no part in the panel"),
@@ -84,7 +95,8 @@ fn every_field_of_every_component_that_a_cloth_comes_with_has_a_row() {
     let world = panel.app().world();
     let all = world.resource::<AppTypeRegistry>().read();
     let components = world.inspect_entity(cloth).expect("a cloth").filter_map(ComponentInfo::type_id);
-    let of_world = [TypeId::of::<ClothGlobalWind>(), TypeId::of::<ClothGravity>()];
+    let of_world =
+        [TypeId::of::<ClothGlobalWind>(), TypeId::of::<ClothGravity>(), TypeId::of::<ClothBudget>(), TypeId::of::<ClothBody>()];
     let mut walked = Vec::new();
     for info in components.chain(of_world).filter_map(|id| all.get_type_info(id)) {
         let path = info.type_path_table();
@@ -92,8 +104,9 @@ fn every_field_of_every_component_that_a_cloth_comes_with_has_a_row() {
             continue;
         };
         let fields = fields(info, &all);
-        assert!(fields.len() > 1, "{part:?} has {fields:?}");
-        for field in fields {
+        assert!(!fields.is_empty() || part == Part::Priority, "{part:?} has {fields:?}");
+        // A space is an entity of the scene: the panel has none to choose from.
+        for field in fields.into_iter().filter(|field| field != "space") {
             let found = settings().any(|s| s.part == part && s.name.split('.').next() == Some(field.as_str()));
             assert!(found, "{part:?} has no row for `{field}`");
         }
@@ -163,7 +176,7 @@ fn what_is_typed_into_a_row_changes_that_setting_and_nothing_else_and_leads_back
         panel.type_into(&label, &show(value, setting.scale().is_some_and(|s| s.integer)));
         assert_eq!(panel.settings(), with(&before, setting, value), "{label}");
         // Only parts of the world are seen by the other cloth.
-        if !matches!(setting.part, Part::Wind | Part::Gravity) {
+        if !matches!(setting.part, Part::Wind | Part::Gravity | Part::Budget) {
             assert_eq!(panel.others(), others, "{label} changed the other cloth");
         }
         panel.click(&format!("reset {label}"));
@@ -265,6 +278,44 @@ fn a_level_of_detail_comes_and_goes_with_its_switch() {
     panel.harness.get_by_role_and_label(Role::CheckBox, "lod enabled").click();
     panel.steps(4);
     assert_eq!((panel.settings().lod, panel.others().lod), (None, None));
+}
+
+#[test]
+fn inertia_and_the_budget_come_and_go_with_their_switches() {
+    let mut panel = Panel::new().opened();
+    let switch = |panel: &mut Panel, label: &str| {
+        panel.harness.get_by_role_and_label(Role::CheckBox, label).click();
+        panel.steps(4);
+    };
+    assert_eq!((panel.settings().inertia, panel.shows("inertia max_speed")), (None, false));
+    switch(&mut panel, "inertia enabled");
+    panel.type_into("inertia max_speed", "8");
+    assert_eq!(panel.settings().inertia, Some(ClothInertia { max_speed: 8.0, ..default() }));
+    switch(&mut panel, "inertia enabled");
+    assert_eq!((panel.settings().inertia, panel.others().inertia), (None, None));
+    assert!(!panel.app().world().contains_resource::<ClothBudget>());
+    switch(&mut panel, "budget enabled");
+    panel.type_into("budget ms", "2");
+    assert_eq!(panel.app().world().get_resource::<ClothBudget>(), Some(&ClothBudget { ms: 2.0 }));
+    switch(&mut panel, "budget enabled");
+    assert!(!panel.app().world().contains_resource::<ClothBudget>());
+}
+
+#[test]
+fn every_body_of_the_character_is_set_and_no_other() {
+    let mut panel = Panel::new().opened();
+    assert!(!panel.shows("body margin"), "it belongs to no character");
+    let cloth = panel.cloth;
+    let world = panel.app().world_mut();
+    let character = world.spawn((Transform::default(), ClothCharacter)).id();
+    let own = [0; 2].map(|_| world.spawn((ClothBody::default(), ChildOf(character))).id());
+    let other = world.spawn(ClothBody::default()).id();
+    world.entity_mut(cloth).insert(ChildOf(character));
+    panel.steps(4);
+    panel.type_into("body margin", "0.03");
+    let margin = |panel: &mut Panel, body: Entity| panel.app().world().get::<ClothBody>(body).map(|body| body.margin);
+    assert_eq!(own.map(|body| margin(&mut panel, body)), [Some(0.03); 2]);
+    assert_eq!(margin(&mut panel, other), Some(0.015));
 }
 
 #[test]

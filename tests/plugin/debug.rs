@@ -29,7 +29,8 @@ fn scene(debug: ClothDebug) -> App {
         ClothSolver { gravity_scale: 0.0, ..default() },
     );
     let through = Quat::from_rotation_x(1.5);
-    spawn(&mut app, sheet(9), (border(), still.clone()));
+    let limits = ClothLimits { max_distance: ClothMap::Uniform(0.3), ..default() };
+    spawn(&mut app, sheet(9), (border(), limits, still.clone()));
     // Narrower, so that both ends of the curve are its own, and the curve cuts a piece off.
     let upright = Transform::from_rotation(through).with_translation(Vec3::new(0.03, 0.0, 0.1)).with_scale(Vec3::splat(0.5));
     spawn(&mut app, sheet(9), (upright, border(), still));

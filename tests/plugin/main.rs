@@ -11,6 +11,7 @@ mod bodies;
 mod budget;
 mod character;
 mod contact;
+mod crowd;
 mod debug;
 mod diagnostics;
 mod frame;

@@ -1,6 +1,7 @@
 //! The table of all settings: one line each drives its row in the panel, its tests, and what differs between A and B.
 
 mod air;
+mod character;
 mod contact;
 mod follow;
 mod lod;
@@ -23,11 +24,15 @@ pub const fn settings_of(part: Part) -> &'static [Setting] {
         Part::Sleep => &sleep::SLEEP,
         Part::Limits => &follow::LIMITS,
         Part::Drive => &follow::DRIVE,
+        Part::Inertia => &character::INERTIA,
+        Part::Body => &character::BODY,
         Part::Lod => &lod::LOD,
+        Part::Priority => &character::PRIORITY,
         Part::OwnWind => &air::OWN_WIND,
         Part::Pins => &[],
         Part::Wind => &air::WIND,
         Part::Gravity => &air::GRAVITY,
+        Part::Budget => &character::BUDGET,
     }
 }
 
@@ -71,6 +76,16 @@ mod tests {
         if let Some(lod) = &settings.lod {
             lod.checked(&mut checked);
         }
+        if let Some(inertia) = &settings.inertia {
+            inertia.checked(&mut checked);
+        }
+        if let Some(body) = &settings.body {
+            body.checked(&mut checked);
+        }
+        if let Some(budget) = &settings.budget {
+            budget.checked(&mut checked);
+        }
+        settings.priority.checked(&mut checked);
         settings.wind.checked(&mut checked);
         if let Some(ClothWind(wind)) = &settings.own_wind {
             wind.checked(&mut checked);
@@ -88,6 +103,7 @@ mod tests {
         let (max_distance, backstop_distance) = (painted.clone(), painted.clone());
         all.limits = Some(ClothLimits { max_distance, backstop_distance, ..default() });
         all.drive = Some(ClothDrive { frequency: painted, ..default() });
+        (all.inertia, all.body, all.budget) = (Some(default()), Some(default()), Some(default()));
         all
     }
 
@@ -115,6 +131,14 @@ mod tests {
             for setting in rows().filter(|s| s.name.ends_with(".high") || chosen == 2.0 && s.name.ends_with(".low")) {
                 assert_eq!(setting.default_value(), setting.get(&mut with), "{} of {chosen}", setting.label());
             }
+        }
+    }
+
+    #[test]
+    fn what_characters_have_begins_with_its_defaults() {
+        let mut with = ClothSettings { inertia: Some(default()), body: Some(default()), budget: Some(default()), ..default() };
+        for setting in character::INERTIA[1..].iter().chain(&character::BODY).chain(&character::BUDGET[1..]) {
+            assert_eq!(setting.default_value(), setting.get(&mut with), "{}", setting.label());
         }
     }
 

@@ -17,6 +17,7 @@
 mod advance;
 mod contacts;
 mod creases;
+mod depth;
 mod distance;
 mod faces;
 mod geometry;
@@ -40,6 +41,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 pub use contacts::{Approach, BodyContacts};
+pub use depth::depths;
 pub use faces::{FaceContacts, Sheet};
 pub use laid::{Grounds, Laid};
 pub use parry3d::math::Pose;

@@ -68,6 +68,16 @@ impl Pierced {
         &self.held
     }
 
+    /// Bodies have other numbers now, in the same order, or none.
+    pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        self.pairs.retain_mut(|pair| {
+            number(pair.body).is_some_and(|now| {
+                pair.body = now;
+                true
+            })
+        });
+    }
+
     /// Finds what bones go through as the frame begins. `worst`: length of the worst edge over that at rest.
     pub fn find(
         &mut self,

@@ -27,23 +27,32 @@ pub struct Surroundings<'a> {
     pub positions: &'a [Vec4],
 }
 
+/// Buffers of [`Skinned::avoid`].
+#[derive(Debug, Default)]
+pub struct AvoidBuffers {
+    planes: Vec<Vec4>,
+    /// Whether each target is away from the skin, and the springs with one end that is: both ends, and one over the squared length at rest `[1/m²]`.
+    away: Vec<bool>,
+    springs: Vec<(usize, usize, f32)>,
+}
+
 impl Skinned {
-    /// Takes the targets at the end of a frame of `dt` `[s]` out of bodies, to the distance that the fabric keeps. `planes` is a buffer.
-    pub fn avoid(&mut self, around: &Surroundings<'_>, dt: f32, planes: &mut Vec<Vec4>) {
+    /// Takes the targets at the end of a frame of `dt` `[s]` out of bodies, to the distance that the fabric keeps.
+    pub fn avoid(&mut self, around: &Surroundings<'_>, dt: f32, buffers: &mut AvoidBuffers) {
         let Self { to, way_out, .. } = self;
         way_out.resize(to.len(), Vec3::ZERO);
         if around.bodies.is_empty() && way_out.iter().all(|way| *way == Vec3::ZERO) {
             return;
         }
         self.skin.clone_from(to);
-        take_out(around.bodies, around.fabric.thickness, to, planes);
+        take_out(around.bodies, around.fabric.thickness, to, &mut buffers.planes);
         let mut any = false;
         for ((to, skin), way) in to.iter_mut().zip(&self.skin).zip(&*way_out) {
             *to = *skin + *way + (*to - *skin - *way).clamp_length_max(FASTEST * dt);
             any |= *to != *skin;
         }
         if any && around.positions.len() == self.to.len() {
-            self.keep_together(around);
+            self.keep_together(around, buffers);
         }
         for ((to, skin), way) in self.to.iter().zip(&self.skin).zip(&mut self.way_out) {
             *way = *to - *skin;
@@ -57,12 +66,22 @@ impl Skinned {
 
     /// Brings targets as near to their neighbours as the fabric asks for, or the skin has them. Where a bone goes through the skin, one is taken out on this
     /// side of it and the next on the other: no cloth can be at both.
-    fn keep_together(&mut self, around: &Surroundings<'_>) {
+    ///
+    /// Of two targets on the skin nothing is asked, so that only springs are gone through that have an end away from it; as targets move they become more.
+    fn keep_together(&mut self, around: &Surroundings<'_>, buffers: &mut AvoidBuffers) {
         let Self { to, skin, .. } = self;
+        let AvoidBuffers { away, springs, .. } = buffers;
+        away.clear();
+        away.extend(to.iter().zip(&*skin).map(|(to, skin)| to != skin));
         let longest = 1.0 + around.fabric.strain_limit;
+        let mut spreads = true;
         for _ in 0..SWEEPS {
+            if core::mem::take(&mut spreads) {
+                springs.clear();
+                springs.extend(around.rest.springs.each().filter(|(a, b, _)| away[*a] || away[*b]));
+            }
             let mut all = true;
-            for (a, b, inverse_square) in around.rest.springs.each() {
+            for &(a, b, inverse_square) in &*springs {
                 let square = to[a].distance_squared(to[b]);
                 if square * inverse_square <= longest * longest {
                     continue;
@@ -78,6 +97,10 @@ impl Skinned {
                 let along = (to[b] - to[a]).normalize_or_zero() * (off / both);
                 to[a] += along * free[0];
                 to[b] -= along * free[1];
+                for (i, free) in [(a, free[0]), (b, free[1])] {
+                    spreads |= free > 0.0 && !away[i];
+                    away[i] |= free > 0.0;
+                }
                 all = false;
             }
             if all {
@@ -111,7 +134,7 @@ mod tests {
         for _ in 0..30 {
             // The skin comes anew in each frame.
             skinned.to.clone_from(&skinned.from);
-            skinned.avoid(&around, 1.0 / 60.0, &mut Vec::new());
+            skinned.avoid(&around, 1.0 / 60.0, &mut AvoidBuffers::default());
         }
         (rest, positions, skinned)
     }

@@ -16,7 +16,7 @@ mod rein;
 
 use glam::Vec3;
 
-pub use avoid::Surroundings;
+pub use avoid::{AvoidBuffers, Surroundings};
 pub use rein::Reins;
 
 /// Below this maximum distance a particle is as good as pinned `[m]`.

@@ -122,6 +122,14 @@ impl Scratch {
         })
     }
 
+    /// The next frame lists other bodies than the last one: `number` says which place each has now, in the same order, or none. What is known of those that
+    /// stay goes with them.
+    pub fn renumber_bodies(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        self.contacts.renumber(&number);
+        self.faces.renumber(&number);
+        self.pierced.renumber(&number);
+    }
+
     /// The bodies that take what the cloth gives them.
     #[must_use]
     pub fn coupling(&self) -> &Coupling {

@@ -88,6 +88,16 @@ impl BodyContacts {
         })
     }
 
+    /// Bodies have other numbers now, in the same order, or none.
+    pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        self.parts.retain_mut(|part| {
+            number(part.body).is_some_and(|now| {
+                part.body = now;
+                true
+            })
+        });
+    }
+
     /// Whether particles could have met a body in the last frame.
     pub(crate) fn is_near(&self, body: usize) -> bool {
         self.parts.iter().any(|part| part.body as usize == body)

@@ -141,6 +141,16 @@ impl FaceContacts {
         self.candidates.iter().filter(|c| c.load > 0.0).flat_map(|c| c.particles)
     }
 
+    /// Bodies have other numbers now, in the same order, or none.
+    pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
+        self.parts.retain_mut(|part| {
+            number(part.body).is_some_and(|now| {
+                part.body = now;
+                true
+            })
+        });
+    }
+
     /// Takes out the faces of particles that are pinned to bodies, in ascending order.
     pub(crate) fn leave_out(&mut self, particles: &[u32]) {
         if particles.is_empty() {

@@ -1,73 +1,19 @@
-//! Simulates the cloths of a glTF scene without a window and writes each as one OBJ file per frame.
-//!
-//! ```text
-//! cargo run --example bake -- assets/drape.glb --frames 240 --out bake
-//! ```
-//!
-//! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame did. The exit
-//! code is 0 only if all was written; a file that cannot be simulated is one line on stderr and exit code 2.
-
-mod cli;
+//! The scene: loaded, made of cloth, and set in motion.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use bevy::asset::{AssetPlugin, LoadState, RecursiveDependencyLoadState};
 use bevy::ecs::system::RunSystemOnce;
-use bevy::gltf::{Gltf, GltfAssetLabel, GltfPlugin};
+use bevy::gltf::{Gltf, GltfAssetLabel, GltfExtras, GltfPlugin};
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothError, ClothParticles, ClothRest};
-use clap::Parser;
-use serde_json::json;
 
-/// Simulates the cloths of a glTF scene and writes each as one OBJ file per frame.
-#[derive(Parser)]
-struct Arguments {
-    /// The scene, a .glb or .gltf file.
-    scene: PathBuf,
-    /// Frames to simulate.
-    #[arg(long, default_value_t = 240)]
-    frames: u32,
-    /// Frames per second of simulated time.
-    #[arg(long, default_value_t = 60.0, value_parser = rate)]
-    fps: f64,
-    /// Substeps per second [Hz] of cloths that have the default rate; more than in a game, since nobody waits.
-    #[arg(long, default_value_t = 2400.0, value_parser = substeps)]
-    substep_rate: f32,
-    /// How crossing cloths are taken apart; the default is what each cloth asks for.
-    #[arg(long, value_parser = cli::method)]
-    method: Option<ClothUntanglingMethod>,
-    /// Folder to write to; made if it is not there.
-    #[arg(long, default_value = "bake")]
-    out: PathBuf,
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    let fps: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if (1.0..=10_000.0).contains(&fps) { Ok(fps) } else { Err("must be between 1 and 10000".into()) }
-}
-
-fn substeps(text: &str) -> Result<f32, String> {
-    let rate: f32 = text.parse().map_err(|_| "not a number".to_string())?;
-    if (30.0..=10_000.0).contains(&rate) { Ok(rate) } else { Err("must be between 30 and 10000".into()) }
-}
-
-fn main() -> ExitCode {
-    match bake(&cli::parse("bake")) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(line) => {
-            cli::complain("bake", &line);
-            ExitCode::from(2)
-        }
-    }
-}
+use crate::{Arguments, cli};
 
 /// How long loading may take [s].
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -75,43 +21,21 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Updates that a loaded scene gets to become cloth.
 const SETTLE: u32 = 20;
 
-fn bake(arguments: &Arguments) -> Result<(), String> {
-    let mut app = app(arguments)?;
-    load(&mut app, &arguments.scene)?;
-    refine(&mut app, arguments.substep_rate);
-    if let Some(method) = arguments.method {
-        let mut cloths = app.world_mut().query::<&mut ClothUntangling>();
-        cloths.iter_mut(app.world_mut()).for_each(|mut untangle| untangle.method = method);
-    }
-    std::fs::create_dir_all(&arguments.out).map_err(|error| unwritable(&arguments.out, &error))?;
+/// Nodes whose cloth is simulated.
+#[derive(Resource)]
+struct Only(Vec<String>);
 
-    let names = names(&mut app);
-    let mut report = Vec::new();
-    write_frame(&mut app, &names, 0, &arguments.out)?;
-    start(&mut app);
-    for frame in 1..=arguments.frames {
-        let begin = Instant::now();
-        (0..updates(arguments.fps)).for_each(|_| app.update());
-        let elapsed = begin.elapsed().as_secs_f64() * 1.0e3;
-        report.push(describe(&mut app, &names, frame, elapsed));
-        write_frame(&mut app, &names, frame, &arguments.out)?;
-    }
-    let path = arguments.out.join("report.json");
-    let report = json!({ "fps": arguments.fps, "frames": report });
-    std::fs::write(&path, format!("{report:#}\n")).map_err(|error| unwritable(&path, &error))
-}
+/// The animation that plays.
+#[derive(Resource)]
+struct Motion(Handle<AnimationGraph>, AnimationNodeIndex);
 
 /// Updates in a written frame: none is longer than 0.05 s, so that no time is lost.
-fn updates(fps: f64) -> u32 {
+pub fn updates(fps: f64) -> u32 {
     (1.0 / (fps * 0.05)).ceil().max(1.0) as u32
 }
 
-fn unwritable(path: &Path, error: &std::io::Error) -> String {
-    format!("{} cannot be written: {error}", path.display())
-}
-
-/// An app that loads and animates glTF scenes but draws nothing.
-fn app(arguments: &Arguments) -> Result<App, String> {
+/// An app that loads and animates glTF scenes but draws nothing. Only one of a program can log.
+pub fn app(arguments: &Arguments, logs: bool) -> Result<App, String> {
     let scene = &arguments.scene;
     let folder = scene
         .canonicalize()
@@ -126,10 +50,12 @@ fn app(arguments: &Arguments) -> Result<App, String> {
     // Last: `_CLOTH_PAINT` is a colour and no single float.
     gltf = bevy_drape::gltf::cloth_attributes(gltf);
     let mut app = App::new();
+    if logs {
+        // What goes wrong while loading is told once, by this program.
+        app.add_plugins(LogPlugin { filter: "warn,bevy_asset=off,bevy_gltf=off".into(), ..default() });
+    }
     app.add_plugins((
         MinimalPlugins,
-        // What goes wrong while loading is told once, by this program.
-        LogPlugin { filter: "warn,bevy_asset=off,bevy_gltf=off".into(), ..default() },
         TransformPlugin,
         AssetPlugin { file_path: folder.to_string_lossy().into_owned(), ..default() },
         ImagePlugin::default(),
@@ -145,14 +71,26 @@ fn app(arguments: &Arguments) -> Result<App, String> {
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
         1.0 / arguments.fps / f64::from(updates(arguments.fps)),
     )));
+    if !arguments.only.is_empty() {
+        app.insert_resource(Only(arguments.only.clone())).add_systems(PostUpdate, leave_out.before(ClothSystems::Prepare));
+    }
     app.finish();
     app.cleanup();
     app.world_mut().resource_mut::<Time<Virtual>>().pause();
     Ok(app)
 }
 
-/// Names of the vertex attributes of a glTF file that begin with an underscore.
-fn custom_attributes(bytes: &[u8]) -> Vec<&'static str> {
+/// Takes away the nodes of other cloths, before their extras make cloth of them.
+fn leave_out(mut commands: Commands, only: Res<Only>, nodes: Query<(Entity, &Name, &GltfExtras), Added<GltfExtras>>) {
+    for (node, name, extras) in &nodes {
+        if extras.value.contains("\"cloth") && !only.0.iter().any(|kept| kept == name.as_str()) {
+            commands.entity(node).despawn();
+        }
+    }
+}
+
+/// The JSON of a glTF file; null where there is none.
+fn json(bytes: &[u8]) -> serde_json::Value {
     // A .glb holds its JSON in the first chunk, after two headers of 12 and 8 bytes.
     let text = match bytes.get(..20) {
         Some(header) if header.starts_with(b"glTF") => {
@@ -161,7 +99,12 @@ fn custom_attributes(bytes: &[u8]) -> Vec<&'static str> {
         }
         _ => bytes,
     };
-    let json: serde_json::Value = serde_json::from_slice(text).unwrap_or_default();
+    serde_json::from_slice(text).unwrap_or_default()
+}
+
+/// Names of the vertex attributes of a glTF file that begin with an underscore.
+fn custom_attributes(bytes: &[u8]) -> Vec<&'static str> {
+    let json = json(bytes);
     let mut names: Vec<&str> = json["meshes"]
         .as_array()
         .into_iter()
@@ -177,8 +120,8 @@ fn custom_attributes(bytes: &[u8]) -> Vec<&'static str> {
     names.into_iter().map(|name| &*String::from(name).leak()).collect()
 }
 
-/// Loads the scene and waits until each of its cloths is simulated.
-fn load(app: &mut App, scene: &Path) -> Result<(), String> {
+/// Loads the scene and waits until each of its cloths is simulated. It will play the clip of that name, or the first one.
+pub fn load(app: &mut App, scene: &Path, clip: Option<&str>) -> Result<(), String> {
     let file = scene.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let server = app.world().resource::<AssetServer>().clone();
     let gltf: Handle<Gltf> = server.load(file.clone());
@@ -194,10 +137,12 @@ fn load(app: &mut App, scene: &Path) -> Result<(), String> {
     }
     let asset = app.world().resource::<Assets<Gltf>>().get(&gltf);
     let animations = asset.map(|g| g.animations.clone()).unwrap_or_default();
+    let named = clip.map(|clip| asset.and_then(|g| g.named_animations.get(clip)).ok_or(clip));
+    let named = named.transpose().map_err(|clip| format!("{} has no clip `{clip}`", scene.display()))?.cloned();
     if asset.is_none_or(|g| g.scenes.is_empty()) {
         return Err(format!("{} has no scene", scene.display()));
     }
-    if let Some(clip) = animations.first() {
+    if let Some(clip) = named.as_ref().or(animations.first()) {
         let (graph, node) = AnimationGraph::from_clip(clip.clone());
         let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
         app.insert_resource(Motion(graph, node));
@@ -230,13 +175,24 @@ fn ready(app: &mut App, scene: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Cloths with the rate of a game get that of a bake.
-fn refine(app: &mut App, substep_rate: f32) {
+/// Cloths with the rate of a game get another one, and all the method that was asked for.
+pub fn refine(app: &mut App, substep_rate: f32, method: Option<ClothUntanglingMethod>) {
     let game = ClothSolver::default().substep_rate;
     let mut solvers = app.world_mut().query::<&mut ClothSolver>();
     for mut solver in solvers.iter_mut(app.world_mut()).filter(|solver| solver.substep_rate == game) {
         solver.substep_rate = substep_rate;
     }
+    if let Some(method) = method {
+        let mut cloths = app.world_mut().query::<&mut ClothUntangling>();
+        cloths.iter_mut(app.world_mut()).for_each(|mut untangle| untangle.method = method);
+    }
+}
+
+/// Names of the clips of a glTF file, in its order. Clips without a name are left out.
+pub fn clips(arguments: &Arguments) -> Vec<String> {
+    let json = std::fs::read(&arguments.scene).map(|bytes| json(&bytes)).unwrap_or_default();
+    let names = json["animations"].as_array().into_iter().flatten().filter_map(|clip| clip["name"].as_str());
+    names.map(String::from).collect()
 }
 
 fn one_line(error: &impl ToString) -> String {
@@ -244,12 +200,8 @@ fn one_line(error: &impl ToString) -> String {
     error.to_string().lines().next().unwrap_or_default().trim().to_string()
 }
 
-/// The first animation of the file.
-#[derive(Resource)]
-struct Motion(Handle<AnimationGraph>, AnimationNodeIndex);
-
 /// Starts the clock and the animation.
-fn start(app: &mut App) {
+pub fn start(app: &mut App) {
     app.world_mut().resource_mut::<Time<Virtual>>().unpause();
     let started = app.world_mut().run_system_once(
         |mut commands: Commands, motion: Option<Res<Motion>>, players: Query<(Entity, &mut AnimationPlayer)>| {
@@ -266,7 +218,7 @@ fn start(app: &mut App) {
 }
 
 /// A file name for each cloth: that of its node, made unique.
-fn names(app: &mut App) -> BTreeMap<Entity, String> {
+pub fn names(app: &mut App) -> BTreeMap<Entity, String> {
     let mut cloths = app.world_mut().query_filtered::<(Entity, Option<&ChildOf>, Option<&Name>), With<ClothParticles>>();
     let world = app.world();
     let mut names = BTreeMap::new();
@@ -279,59 +231,4 @@ fn names(app: &mut App) -> BTreeMap<Entity, String> {
         *count += 1;
     }
     names
-}
-
-/// Writes every cloth of this frame.
-fn write_frame(app: &mut App, names: &BTreeMap<Entity, String>, frame: u32, out: &Path) -> Result<(), String> {
-    for (&entity, name) in names {
-        let (Some(rest), Some(particles)) = (app.world().get::<ClothRest>(entity), app.world().get::<ClothParticles>(entity))
-        else {
-            return Err(format!("{name} is gone in frame {frame}"));
-        };
-        let mut text = String::new();
-        for p in particles.shown_positions() {
-            if !p.is_finite() {
-                return Err(format!("{name} has a position that is not finite in frame {frame}"));
-            }
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
-        }
-        for [a, b, c] in &rest.shape().topology.faces {
-            let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
-        }
-        let path = out.join(format!("{name}_{frame:05}.obj"));
-        std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
-    }
-    Ok(())
-}
-
-/// What the frame did, per cloth.
-fn describe(app: &mut App, names: &BTreeMap<Entity, String>, frame: u32, elapsed: f64) -> serde_json::Value {
-    let cloths: Vec<serde_json::Value> = names
-        .iter()
-        .filter_map(|(&entity, name)| {
-            let report = app.world().get::<ClothReport>(entity)?;
-            Some(json!({
-                "name": name,
-                "worst_edge": report.worst_edge,
-                "substeps": report.substeps,
-                "body_contacts": report.body_contacts,
-                "contacts": report.contacts,
-                "crossings": report.crossings,
-                "contours": report.contours,
-                "contour_length": report.contour_length,
-                "held": report.held,
-                "stage_ms": {
-                    "integrate": report.integrate_ms,
-                    "detect": report.detect_ms,
-                    "resolve": report.resolve_ms,
-                    "evaluate": report.evaluate_ms,
-                    "respond": report.respond_ms,
-                },
-                "restores": report.restores,
-                "resets": report.resets,
-            }))
-        })
-        .collect();
-    json!({ "frame": frame, "frame_ms": elapsed, "cloths": cloths })
 }
