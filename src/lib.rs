@@ -65,7 +65,7 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 /// What most apps need.
 pub mod prelude {
     pub use crate::{
-        Cloth, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled,
+        Cloth, ClothBlend, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled,
         ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
         ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed,
         ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLod, ClothMap,

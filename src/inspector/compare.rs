@@ -209,7 +209,7 @@ pub(super) fn files(ui: &mut Ui, state: &mut ClothInspector) -> Option<Ask> {
         ui.label("File");
         let response = ui.add(TextEdit::singleline(&mut state.file).hint_text("my_fabric.cloth.ron").desired_width(170.0));
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label("file name"));
-        let saves = "Writes to the path, from the folder that the program runs in, and adds .cloth.ron: the material, and what else differs from its default: solver, collision, untangling, what is shown while tangled, limits, drive, wind of its own. Sleep, inertia, level of detail, priority, pins, the body, the world, and whether it is untangled at all are not in files.";
+        let saves = "Writes to the path, from the folder that the program runs in, and adds .cloth.ron: the material, and what else differs from its default: solver, collision, untangling, what is shown while tangled, limits, drive, wind of its own. Sleep, blend, inertia, level of detail, priority, pins, the body, the world, and whether it is untangled at all are not in files.";
         if button(ui, "save", "save to file", saves) {
             asked = Some(Ask::Save);
         }

@@ -45,6 +45,7 @@ pub fn as_rust(settings: &ClothSettings) -> String {
     if let Some(inertia) = settings.inertia {
         lines.push(over(&ClothInertia { space: None, ..inertia }, &ClothInertia::default(), "default()"));
     }
+    add(&mut lines, &settings.blend);
     add(&mut lines, &settings.priority);
     if let Some(lod) = &settings.lod {
         lines.push(over(lod, &ClothLod::default(), "default()"));

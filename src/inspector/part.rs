@@ -19,6 +19,8 @@ pub enum Part {
     Limits,
     /// [`ClothDrive`](crate::ClothDrive).
     Drive,
+    /// [`ClothBlend`](crate::ClothBlend).
+    Blend,
     /// [`ClothInertia`](crate::ClothInertia).
     Inertia,
     /// [`ClothBody`](crate::ClothBody), of the character that wears it.
@@ -41,7 +43,7 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the panel.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Material,
         Self::Solver,
         Self::Collision,
@@ -50,6 +52,7 @@ impl Part {
         Self::Sleep,
         Self::Limits,
         Self::Drive,
+        Self::Blend,
         Self::Inertia,
         Self::Body,
         Self::Lod,
@@ -73,6 +76,7 @@ impl Part {
             Self::Sleep => "sleep",
             Self::Limits => "limits",
             Self::Drive => "drive",
+            Self::Blend => "blend",
             Self::Inertia => "inertia",
             Self::Body => "body",
             Self::Lod => "lod",
@@ -97,6 +101,7 @@ impl Part {
             Self::Sleep => "Sleep at rest",
             Self::Limits => "Distance from the skin",
             Self::Drive => "Drive to the skin",
+            Self::Blend => "Simulation and animation",
             Self::Inertia => "Inertia",
             Self::Body => "Body of the character",
             Self::Lod => "Level of detail",

@@ -5,9 +5,9 @@ use bevy::prelude::*;
 use super::part::Part;
 use super::wearer;
 use crate::components::{
-    ClothBody, ClothBudget, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia, ClothLimits, ClothLod,
-    ClothMaterial, ClothPins, ClothPriority, ClothSkipFrame, ClothSleep, ClothSleepDisabled, ClothSolver, ClothUntangling,
-    ClothUntanglingDisabled, ClothWind,
+    ClothBlend, ClothBody, ClothBudget, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia, ClothLimits,
+    ClothLod, ClothMaterial, ClothPins, ClothPriority, ClothSkipFrame, ClothSleep, ClothSleepDisabled, ClothSolver,
+    ClothUntangling, ClothUntanglingDisabled, ClothWind,
 };
 use crate::presets::ClothPreset;
 
@@ -34,6 +34,8 @@ pub struct ClothSettings {
     pub limits: Option<ClothLimits>,
     /// How firmly it is drawn to the skin; without, not at all.
     pub drive: Option<ClothDrive>,
+    /// How much of it is simulated.
+    pub blend: ClothBlend,
     /// How much it feels of the motion of what carries it; without, all.
     pub inertia: Option<ClothInertia>,
     /// The body of the character that wears it; without, there is none.
@@ -78,6 +80,7 @@ impl ClothSettings {
             sleep_disabled: entity.contains::<ClothSleepDisabled>(),
             limits: entity.get::<ClothLimits>().cloned(),
             drive: entity.get::<ClothDrive>().cloned(),
+            blend: part(&entity),
             inertia: entity.get::<ClothInertia>().copied(),
             body: wearer::bodies(world, cloth).first().map(|(_, body)| *body),
             lod: entity.get::<ClothLod>().copied(),
@@ -125,6 +128,7 @@ impl ClothSettings {
                     }
                     Part::Limits => put_or_remove(&mut entity, self.limits.clone()),
                     Part::Drive => put_or_remove(&mut entity, self.drive.clone()),
+                    Part::Blend => put(&mut entity, self.blend),
                     Part::Inertia => put_or_remove(&mut entity, self.inertia),
                     Part::Lod => put_or_remove(&mut entity, self.lod),
                     Part::Priority => put(&mut entity, self.priority),
@@ -136,8 +140,8 @@ impl ClothSettings {
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep, inertia, level of detail,
-    /// priority, pins, the body, the world, and whether it is untangled at all are not in files.
+    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep, blend, inertia, level of
+    /// detail, priority, pins, the body, the world, and whether it is untangled at all are not in files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
         fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {
@@ -164,7 +168,7 @@ impl ClothSettings {
 }
 
 /// Parts that [`ClothSettings::take`] takes over.
-pub(super) const OWN: [Part; 12] = [
+pub(super) const OWN: [Part; 13] = [
     Part::Material,
     Part::Solver,
     Part::Collision,
@@ -173,6 +177,7 @@ pub(super) const OWN: [Part; 12] = [
     Part::Sleep,
     Part::Limits,
     Part::Drive,
+    Part::Blend,
     Part::Inertia,
     Part::Lod,
     Part::Priority,

@@ -24,7 +24,15 @@ fn with_all_rows() -> Panel {
     let limits = ClothLimits { max_distance: painted(0.05, 0.3), backstop_distance: painted(0.01, 0.06), ..default() };
     let drive = ClothDrive { frequency: painted(1.0, 5.0), ..default() };
     let inertia = ClothInertia::CHARACTER;
-    entity.insert((ClothWind::default(), ClothLod::default(), limits, drive, inertia, ClothPriority(3.0)));
+    entity.insert((
+        ClothWind::default(),
+        ClothLod::default(),
+        limits,
+        drive,
+        inertia,
+        ClothPriority(3.0),
+        ClothBlend { weight: 0.9, rate: 3.0 },
+    ));
     entity.get_mut::<ClothSkipFrame>().expect("a cloth").policy = ClothSkipPolicy::UntilClean { max: 3 };
     let character = world.spawn((Transform::default(), ClothCharacter)).id();
     world.spawn((ClothBody { margin: 0.02, ..default() }, ChildOf(character)));
@@ -62,6 +70,7 @@ fn part_of(component: &str) -> Option<Part> {
         "ClothSleep" => Part::Sleep,
         "ClothLimits" => Part::Limits,
         "ClothDrive" => Part::Drive,
+        "ClothBlend" => Part::Blend,
         "ClothInertia" => Part::Inertia,
         "ClothBody" => Part::Body,
         "ClothLod" => Part::Lod,

@@ -213,7 +213,11 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 ClothContactEvents { patience: 0.5 },
                 (ClothDisabled, ClothSleepDisabled, ClothUntanglingDisabled),
                 ClothDraggable { radius: 0.2, ..default() },
-                (ClothInertia { linear: 0.5, space: Some(hand), ..default() }, ClothPriority(3.0)),
+                (
+                    ClothInertia { linear: 0.5, space: Some(hand), ..default() },
+                    ClothPriority(3.0),
+                    ClothBlend { weight: 0.5, rate: 2.0 },
+                ),
             ),
             ClothCollision { garment_layer: -2, contact: false, ..default() },
             ClothCollisionLayers::new(0b110, 0b011),

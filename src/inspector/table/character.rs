@@ -1,4 +1,4 @@
-//! `ClothInertia`, `ClothBody`, `ClothPriority` and `ClothBudget`: what characters and crowds of them have.
+//! `ClothBlend`, `ClothInertia`, `ClothBody`, `ClothPriority` and `ClothBudget`: what characters and crowds of them have.
 
 use crate::inspector::part::Part;
 use crate::inspector::setting::{Field, Kind, Scale, Setting};
@@ -18,6 +18,29 @@ const fn number(
 ) -> Setting {
     Setting::new(part, name, unit, Kind::Number(scale, field), tips).starts(start)
 }
+
+pub(super) const BLEND: [Setting; 2] = [
+    number(
+        Part::Blend,
+        "weight",
+        "",
+        (SHARES, |s| Some(&mut s.blend.weight)),
+        [
+            "How much of a skinned cloth is simulated.",
+            "At 0 it is animated by the GPU, and costs nothing.",
+            "At 1 all of it is.",
+        ],
+        1.0,
+    ),
+    number(
+        Part::Blend,
+        "rate",
+        "1/s",
+        (Scale::real(0.01, 1000.0).slider(0.1, 100.0).log(), |s| Some(&mut s.blend.rate)),
+        ["How fast it fades into its animation, and out of it.", "It lags behind.", "It is seen to snap to its skin."],
+        4.0,
+    ),
+];
 
 pub(super) const INERTIA: [Setting; 5] = [
     Setting::new(

@@ -40,7 +40,7 @@ pub(super) const COLLISION: [Setting; 3] = [
     ),
 ];
 
-pub(super) const UNTANGLE: [Setting; 9] = [
+pub(super) const UNTANGLE: [Setting; 10] = [
     Setting::new(
         Part::Untangle,
         "enabled",

@@ -24,6 +24,7 @@ pub const fn settings_of(part: Part) -> &'static [Setting] {
         Part::Sleep => &sleep::SLEEP,
         Part::Limits => &follow::LIMITS,
         Part::Drive => &follow::DRIVE,
+        Part::Blend => &character::BLEND,
         Part::Inertia => &character::INERTIA,
         Part::Body => &character::BODY,
         Part::Lod => &lod::LOD,
@@ -85,6 +86,7 @@ mod tests {
         if let Some(budget) = &settings.budget {
             budget.checked(&mut checked);
         }
+        settings.blend.checked(&mut checked);
         settings.priority.checked(&mut checked);
         settings.wind.checked(&mut checked);
         if let Some(ClothWind(wind)) = &settings.own_wind {
@@ -137,7 +139,9 @@ mod tests {
     #[test]
     fn what_characters_have_begins_with_its_defaults() {
         let mut with = ClothSettings { inertia: Some(default()), body: Some(default()), budget: Some(default()), ..default() };
-        for setting in character::INERTIA[1..].iter().chain(&character::BODY).chain(&character::BUDGET[1..]) {
+        for setting in
+            character::INERTIA[1..].iter().chain(&character::BODY).chain(&character::BUDGET[1..]).chain(&character::BLEND)
+        {
             assert_eq!(setting.default_value(), setting.get(&mut with), "{}", setting.label());
         }
     }

@@ -114,7 +114,7 @@ mod tests {
                 pairs.map(|(a, b)| (a - b).abs() / unit).fold(0.0, f32::max)
             };
             let edge = built.mean_edge;
-            let of = |a: &[glam::Vec4], b: &[glam::Vec4]| -> Vec<(f32, f32)> {
+            let of = |a: &[Vec4], b: &[Vec4]| -> Vec<(f32, f32)> {
                 a.iter().zip(b).flat_map(|(a, b)| a.to_array().into_iter().zip(b.to_array())).collect()
             };
             let (a, b) = (&scaled, &built);
