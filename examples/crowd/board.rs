@@ -31,6 +31,7 @@ fn text(crowd: u32, budget: Option<&ClothBudget>, ms: f32, [full, half, quarter,
 }
 
 /// Writes the board, in the corner of what every camera shows.
+#[expect(clippy::too_many_arguments, reason = "parameters of a system")]
 pub fn write(
     mut commands: Commands,
     time: Res<Time>,

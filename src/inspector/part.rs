@@ -80,12 +80,11 @@ impl Part {
             Self::Inertia => "inertia",
             Self::Body => "body",
             Self::Lod => "lod",
-            Self::Priority => "budget",
             Self::OwnWind => "own wind",
             Self::Pins => "pins",
             Self::Wind => "wind",
             Self::Gravity => "gravity",
-            Self::Budget => "budget",
+            Self::Priority | Self::Budget => "budget",
         }
     }
 
