@@ -1,7 +1,7 @@
 //! What was decided for a contour, kept until that contour dies.
 //!
 //! Choosing anew every time flips between strategies halfway and never ends. A contour is recognized by the crossings it shares with
-//! the time before, as these vote ([`votes`](super::votes)); without any, the nearest centre within reach.
+//! the time before, as these vote (`votes`); without any, the nearest centre within reach.
 
 use glam::Vec3;
 

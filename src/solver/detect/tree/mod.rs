@@ -43,7 +43,7 @@ pub use traverse::Meeting;
 use pack::Pack;
 pub use pack::lanes;
 
-/// Faces per leaf at most: as many as there are bits in [`Node::marked`].
+/// Faces per leaf at most: as many as a node has bits to mark them.
 pub const LEAF: usize = u8::BITS as usize;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
