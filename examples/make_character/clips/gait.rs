@@ -155,7 +155,7 @@ fn walking(time: f32) -> Rig {
     rig.look = [-5.0 * late, 0.8 * (2.0 * turn - 1.2).cos(), 0.0];
     rig.arms = [-1.0, 1.0].map(|s| Arm {
         swing: 3.0 + 22.0 * s * late,
-        lift: 18.0 + 1.5 * s * late,
+        lift: 13.0 + 1.5 * s * late,
         twist: 18.0 + 6.0 * s * later,
         elbow: 20.0 + 11.0 * s * later,
         palm: 10.0,
