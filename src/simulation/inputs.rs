@@ -79,6 +79,8 @@ pub(crate) struct ClothInputs {
     /// skin.
     pub frames: u32,
     pub fade: f32,
+    /// Whether a frame was simulated with nothing of its limits left.
+    pub on_skin: bool,
     /// How much of it is to be simulated, by [`ClothBlend`], and whether level of detail leaves it only its animation.
     pub blend: ClothBlend,
     pub too_far: bool,
@@ -155,6 +157,7 @@ impl ClothInputs {
             followed: Followed::default(),
             frames: 0,
             fade: 0.0,
+            on_skin: false,
             blend: ClothBlend::default(),
             too_far: false,
             avoids_bodies: true,
@@ -182,18 +185,20 @@ impl ClothInputs {
 
     /// Whether it has faded into its animation, and is to stay there.
     pub fn is_animated(&self) -> bool {
-        self.skin.is_some() && self.fade == 0.0 && self.wanted() == 0.0 && self.frames > FIRST_FRAMES
+        self.on_skin && self.wanted() == 0.0
     }
 
     /// Takes what it may go from its skin towards what is wanted, in `dt` `[s]`.
     pub fn advance_fade(&mut self, dt: f32) {
-        let (wanted, most) = (self.wanted(), self.blend.rate * dt);
+        let (wanted, most, before) = (self.wanted(), self.blend.rate * dt, self.fade);
         self.fade = match self.skin {
             // A skin that just came is not in the pose that it will have.
             Some(_) if self.frames <= FIRST_FRAMES => 0.0,
             Some(_) => self.fade + (wanted - self.fade).clamp(-most, most),
             None => 1.0,
         };
+        // It was shown there, so that nothing jumps.
+        self.on_skin = self.frames > FIRST_FRAMES && before == 0.0 && self.fade == 0.0;
     }
 
     /// What carries the cloth as a whole: its entity or skin, or the first target if others hold it all.

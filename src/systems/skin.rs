@@ -45,7 +45,7 @@ pub(crate) fn change(
             entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
             entity.try_insert((NoAutoAabb, Aabb::default()));
             // It begins where its skin is, and knows of nothing before.
-            (inputs.frames, inputs.stale, shown.forced) = (0, true, true);
+            (inputs.frames, inputs.on_skin, inputs.stale, shown.forced) = (0, false, true, true);
             (particles.carrier, *scratch) = (None, ClothScratch::default());
         }
         binding.on_skin = is_on_skin;

@@ -72,14 +72,14 @@ pub struct UntangleSettings {
     /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
     pub relaxations: u32,
     /// Most work of a frame beyond what is in proportion to its size, in [visits](crate::solver::effort) for each face: of each look, of the looks
-    /// within it, and of untangling. Default 256, range 16 to 1,000,000. What is more goes on in the next frame. A garment of many layers that starts tangled takes 170; less
+    /// within it, and of untangling. Default 512, range 16 to 1,000,000. What is more goes on in the next frame. A garment of many layers that starts tangled takes 170; less
     /// keeps them tangled for longer, and lets piles that land hard cross. More holds up the frame where a heap crosses all over.
     pub effort: u32,
 }
 
 impl Default for UntangleSettings {
     fn default() -> Self {
-        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2, effort: 256 }
+        Self { resolve: ResolveSettings::default(), iterations: 4, relaxations: 2, effort: 512 }
     }
 }
 

@@ -161,6 +161,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
         for i in 0..self.batch.len() {
             if self.batch.found(i).may_touch {
                 let found = *self.batch.found(i);
+                self.meter.spend(PRIMITIVES);
                 self.list(&found);
             }
         }
@@ -227,7 +228,7 @@ impl Pair<'_> {
     /// owns with the other face, then the edges that both own. What shares a particle is not.
     #[inline]
     fn take<T>(&self, asked: &mut Asked<'_, T>, i: usize, faces: u32) {
-        let Asked { patches, positions, ahead, batch, meter, .. } = asked;
+        let Asked { patches, positions, ahead, batch, .. } = asked;
         let &Self { leaves: [a, b], numbers, reach, across, joined } = self;
         let [[corners, edges], [their_corners, their_edges]] = [patches.owned(numbers[0]), patches.owned(numbers[1])];
         let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);
@@ -243,10 +244,7 @@ impl Pair<'_> {
         }
         for k in lanes(faces) {
             let (u, faces) = (b.corners[k], [a.faces[i], b.faces[k]]);
-            let mut note = |kind, particles| {
-                meter.spend(PRIMITIVES);
-                batch.push(Near { kind, particles, faces, reach, across });
-            };
+            let mut note = |kind, particles| batch.push(Near { kind, particles, faces, reach, across });
             for (&[v, _], met) in corners.ends[corners.of_face(i)].iter().zip(corner_met) {
                 if met & (1 << k) != 0 && !(joined && u.contains(&v)) {
                     note(ProximityKind::VertexFace, [v, u[0], u[1], u[2]]);
