@@ -46,6 +46,7 @@ pub(crate) fn change(
             entity.try_insert((NoAutoAabb, Aabb::default()));
             // It begins where its skin is, and knows of nothing before.
             (inputs.frames, inputs.on_skin, inputs.stale, shown.forced) = (0, false, true, true);
+            (inputs.fade, inputs.skinned.scale) = (0.0, 0.0);
             (particles.carrier, *scratch) = (None, ClothScratch::default());
         }
         binding.on_skin = is_on_skin;
