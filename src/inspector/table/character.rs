@@ -99,7 +99,7 @@ pub(super) const BODY: [Setting; 3] = [
             "The body shows through.",
             "Clothes stand off.",
         ],
-        0.015,
+        0.015_f32 as f64,
     ),
     number(
         Part::Body,
@@ -115,7 +115,7 @@ pub(super) const BODY: [Setting; 3] = [
         "",
         (FRICTIONS, |s| s.body.as_mut().map(|body| &mut body.dynamic_friction)),
         ["Friction while clothes slide on it.", "They slide as on ice.", "They are dragged along."],
-        0.4,
+        0.4_f32 as f64,
     ),
 ];
 

@@ -1,7 +1,7 @@
 //! Reins: a tangle is drawn to its skin, until nothing crosses or what crosses is the skin itself.
 //!
 //! ```text
-//!   tangled   r ← max(0, min(r, d) - w v Δt)     d: maximum distance, w: how much a particle belongs to the tangle, v: 2 m/s
+//!   tangled   r ← max(0, min(r, d) - v Δt)     d: maximum distance, v: 2 m/s
 //!   else      r ← r + d Δt / 0.25 s              until it is d again
 //! ```
 //!
@@ -73,10 +73,11 @@ mod tests {
             let mut reins = Reins::default();
             (0..(0.02 * rate).ceil() as u32).for_each(|_| reins.advance(&skinned, &[1.0, 0.0, 1.0], 1.0 / rate));
             assert_eq!(distances(&reins), [0.0, 0.04, f32::INFINITY], "{rate}");
-            (0..(0.125 * rate) as u32).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
-            let [half, ..] = distances(&reins);
-            assert!((0.017..0.021).contains(&half), "{half} at {rate}");
-            (0..(0.15 * rate) as u32).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
+            let frames = (0.125 * rate) as u32;
+            (0..frames).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
+            let ([half, ..], expected) = (distances(&reins), 0.04 * frames as f32 / rate / RELEASE);
+            assert!((half - expected).abs() < 1.0e-6, "{half} at {rate}");
+            (0..(0.2 * rate) as u32).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
             assert_eq!(reins, Reins::default(), "{rate}");
         }
     }
