@@ -120,6 +120,18 @@ pub struct Setting {
 
 impl Setting {
     /// A setting; `tips` are what it does, and what goes wrong at the low and at the high end.
+    /// A number, which begins at `start` where there was none.
+    pub(super) const fn number(
+        part: Part,
+        name: &'static str,
+        unit: &'static str,
+        (scale, field): (Scale, Field<f32>),
+        tips: [&'static str; 3],
+        start: f64,
+    ) -> Self {
+        Self::new(part, name, unit, Kind::Number(scale, field), tips).starts(start)
+    }
+
     pub(super) const fn new(part: Part, name: &'static str, unit: &'static str, kind: Kind, tips: [&'static str; 3]) -> Self {
         let [does, low, high] = tips;
         Self { part, name, unit, does, low, high, kind, start: None }

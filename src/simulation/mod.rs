@@ -28,4 +28,4 @@ pub(crate) use scratch::ClothScratch;
 pub(crate) use share::Share;
 pub(crate) use shown::ClothShown;
 pub(crate) use slumber::{STILL, Seen, SeenBody, Slumber, stays};
-pub(crate) use worn::Bones;
+pub(crate) use worn::{Bones, Worn};

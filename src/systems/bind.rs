@@ -22,7 +22,7 @@ use crate::components::{
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
-    Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince,
+    Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, WaitingSince, Worn,
 };
 use crate::solver::island::Display;
 use crate::solver::recover::Recovery;
@@ -356,7 +356,8 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let positions = &particles.state.positions;
         let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, known: &known, positions, origin, rescale };
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
-        (inputs.skin, inputs.joints, inputs.placement) = (skin, joints, placement);
+        // Its points may be others.
+        (inputs.skin, inputs.joints, inputs.placement, inputs.worn) = (skin, joints, placement, Worn::default());
         inputs.pins.clone_from(&cloth.pins);
         (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled && !binding.on_skin);

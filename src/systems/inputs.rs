@@ -207,6 +207,12 @@ pub(crate) fn surroundings(
             continue;
         }
         let inputs = &mut *inputs;
+        if inputs.is_animated() {
+            // It meets nothing.
+            inputs.bodies.clear();
+            inputs.body_entities.clear();
+            continue;
+        }
         let layers = layers.copied().unwrap_or_default();
         let origin = particles.origin;
         let pose = |at: &Isometry3d| {
@@ -234,6 +240,7 @@ pub(crate) fn surroundings(
             scratch.solver.renumber_bodies(number);
             inputs.body_entities.clear();
             inputs.body_entities.extend(listed().map(|body| body.entity));
+            inputs.worn.keep(&inputs.body_entities);
         }
         inputs.bodies.clear();
         // What the cloth does not feel of its carrier's motion, it does not feel of bodies either; after a jump, of those of its character.

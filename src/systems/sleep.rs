@@ -87,7 +87,7 @@ pub(crate) fn watch(
             || core::mem::take(&mut slumber.roused);
         let layers = cloth.layers.copied().unwrap_or_default();
         // What is carried along and awake does not rest: what is new around it is seen when it is simulated again.
-        let looks = slumber.asleep || !cloth.inputs.carried;
+        let looks = slumber.asleep || !(cloth.inputs.carried || cloth.inputs.is_animated());
         let news = looks && slumber.seen.update(cloth.entity, &cloth.inputs, layers, cloth.scratch.bounds, &around);
         if changed || news {
             slumber.quiet_for = 0.0;

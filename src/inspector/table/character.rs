@@ -8,19 +8,8 @@ const SPEEDS: Scale = Scale::real(0.0, 1.0e6).slider(0.0, 30.0).endless();
 const TURNS: Scale = Scale::real(0.0, 1.0e6).slider(0.0, 40.0).endless();
 const FRICTIONS: Scale = Scale::real(0.0, 10.0).slider(0.0, 1.5);
 
-const fn number(
-    part: Part,
-    name: &'static str,
-    unit: &'static str,
-    (scale, field): (Scale, Field<f32>),
-    tips: [&'static str; 3],
-    start: f64,
-) -> Setting {
-    Setting::new(part, name, unit, Kind::Number(scale, field), tips).starts(start)
-}
-
 pub(super) const BLEND: [Setting; 2] = [
-    number(
+    Setting::number(
         Part::Blend,
         "weight",
         "",
@@ -32,7 +21,7 @@ pub(super) const BLEND: [Setting; 2] = [
         ],
         1.0,
     ),
-    number(
+    Setting::number(
         Part::Blend,
         "rate",
         "1/s",
@@ -54,7 +43,7 @@ pub(super) const INERTIA: [Setting; 5] = [
             "On: the rows below say how much it feels.",
         ],
     ),
-    number(
+    Setting::number(
         Part::Inertia,
         "linear",
         "",
@@ -62,7 +51,7 @@ pub(super) const INERTIA: [Setting; 5] = [
         ["Share of the way of the carrier that it feels.", "At 0 it hangs as on a statue.", "At 1 a sprint blows it up."],
         1.0,
     ),
-    number(
+    Setting::number(
         Part::Inertia,
         "angular",
         "",
@@ -70,7 +59,7 @@ pub(super) const INERTIA: [Setting; 5] = [
         ["Share of the turn of the carrier that it feels.", "At 0 it turns along rigidly.", "At 1 a pirouette flings it out."],
         1.0,
     ),
-    number(
+    Setting::number(
         Part::Inertia,
         "max_speed",
         "m/s",
@@ -78,7 +67,7 @@ pub(super) const INERTIA: [Setting; 5] = [
         ["Fastest way that it feels; 8 suits characters.", "It feels no sprint.", "Jumps tear at it."],
         f64::INFINITY,
     ),
-    number(
+    Setting::number(
         Part::Inertia,
         "max_turn",
         "rad/s",
@@ -89,7 +78,7 @@ pub(super) const INERTIA: [Setting; 5] = [
 ];
 
 pub(super) const BODY: [Setting; 3] = [
-    number(
+    Setting::number(
         Part::Body,
         "margin",
         "m",
@@ -101,7 +90,7 @@ pub(super) const BODY: [Setting; 3] = [
         ],
         0.015_f32 as f64,
     ),
-    number(
+    Setting::number(
         Part::Body,
         "static_friction",
         "",
@@ -109,7 +98,7 @@ pub(super) const BODY: [Setting; 3] = [
         ["Friction below which clothes stick to it.", "Clothes slip off shoulders.", "They ride up with the limbs."],
         0.5,
     ),
-    number(
+    Setting::number(
         Part::Body,
         "dynamic_friction",
         "",
@@ -143,7 +132,7 @@ pub(super) const BUDGET: [Setting; 2] = [
             "On: what matters least gets less detail; what happens then depends on the machine.",
         ],
     ),
-    number(
+    Setting::number(
         Part::Budget,
         "ms",
         "ms",

@@ -42,17 +42,6 @@ fn high(map: &mut ClothMap) -> Option<&mut f32> {
     }
 }
 
-const fn number(
-    part: Part,
-    name: &'static str,
-    unit: &'static str,
-    (scale, field): (Scale, Field<f32>),
-    tips: [&'static str; 3],
-    start: f64,
-) -> Setting {
-    Setting::new(part, name, unit, Kind::Number(scale, field), tips).starts(start)
-}
-
 /// Where maps begin that were off.
 const DISTANCE: f64 = 0.25;
 const BACKSTOP: f64 = 0.0;
@@ -98,7 +87,7 @@ pub(super) const LIMITS: [Setting; 10] = [
         ],
     )
     .starts(0.0),
-    number(
+    Setting::number(
         Part::Limits,
         "max_distance.low",
         "m",
@@ -110,7 +99,7 @@ pub(super) const LIMITS: [Setting; 10] = [
         ],
         0.0,
     ),
-    number(
+    Setting::number(
         Part::Limits,
         "max_distance.high",
         "m",
@@ -142,7 +131,7 @@ pub(super) const LIMITS: [Setting; 10] = [
         ],
     )
     .starts(0.0),
-    number(
+    Setting::number(
         Part::Limits,
         "backstop_distance.low",
         "m",
@@ -154,7 +143,7 @@ pub(super) const LIMITS: [Setting; 10] = [
         ],
         0.0,
     ),
-    number(
+    Setting::number(
         Part::Limits,
         "backstop_distance.high",
         "m",
@@ -166,7 +155,7 @@ pub(super) const LIMITS: [Setting; 10] = [
         ],
         BACKSTOP,
     ),
-    number(
+    Setting::number(
         Part::Limits,
         "backstop_radius",
         "m",
@@ -178,7 +167,7 @@ pub(super) const LIMITS: [Setting; 10] = [
         ],
         1.0,
     ),
-    number(
+    Setting::number(
         Part::Limits,
         "scale",
         "",
@@ -240,7 +229,7 @@ pub(super) const DRIVE: [Setting; 5] = [
         ],
     )
     .starts(0.0),
-    number(
+    Setting::number(
         Part::Drive,
         "frequency.low",
         "Hz",
@@ -248,7 +237,7 @@ pub(super) const DRIVE: [Setting; 5] = [
         ["Frequency of the springs where the paint is 0.", "At 0 there is no spring there.", "It is nearly stiff there."],
         0.0,
     ),
-    number(
+    Setting::number(
         Part::Drive,
         "frequency.high",
         "Hz",
@@ -260,7 +249,7 @@ pub(super) const DRIVE: [Setting; 5] = [
         ],
         FREQUENCY,
     ),
-    number(
+    Setting::number(
         Part::Drive,
         "damping_ratio",
         "",

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3A};
 use parry3d::bounding_volume::BoundingVolume;
 
-use super::geometry::{Geometry, for_each_part, hull_planes};
+use super::geometry::for_each_geometry;
 use super::{Body, motion};
 
 /// How deep each point `[m]` lies in the deepest of the bodies, as they are at the end of the frame `[m]`; 0 outside of all. Margins do not count, and
@@ -13,12 +13,8 @@ pub fn depths(bodies: &[Body], points: &[Vec3]) -> Vec<f32> {
     let (mut depths, mut planes) = (vec![0.0f32; points.len()], Vec::new());
     for body in bodies {
         let Some(pose) = motion::valid(body.to) else { continue };
-        for_each_part(&*body.shape.0, |_, local, shape| {
-            planes.clear();
-            if let Some(polyhedron) = shape.as_convex_polyhedron() {
-                hull_planes(polyhedron, &mut planes);
-            }
-            let (geometry, at) = (Geometry::of(shape, &planes), pose * local);
+        for_each_geometry(&*body.shape.0, &mut planes, |_, local, shape, geometry| {
+            let at = pose * local;
             let around = shape.compute_aabb(&at).loosened(f32::EPSILON);
             let inside = |point: Vec3| around.mins.cmple(point).all() && around.maxs.cmpge(point).all();
             for (depth, point) in depths.iter_mut().zip(points).filter(|(_, point)| inside(**point)) {

@@ -177,6 +177,21 @@ pub(super) fn for_each_part(shape: &dyn Shape, mut visit: impl FnMut(u32, Pose, 
     }
 }
 
+/// As [`for_each_part`], with what is sampled of each part. `planes` is a buffer.
+pub(super) fn for_each_geometry(
+    shape: &dyn Shape,
+    planes: &mut Vec<Vec4>,
+    mut visit: impl FnMut(u32, Pose, &dyn Shape, Geometry<'_>),
+) {
+    for_each_part(shape, |i, local, part| {
+        planes.clear();
+        if let Some(polyhedron) = part.as_convex_polyhedron() {
+            hull_planes(polyhedron, planes);
+        }
+        visit(i, local, part, Geometry::of(part, planes));
+    });
+}
+
 /// Part `i` of a shape, as [`for_each_part`] numbers them.
 pub(super) fn part(shape: &dyn Shape, i: u32) -> Option<&dyn Shape> {
     match shape.as_shape::<Compound>() {

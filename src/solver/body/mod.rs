@@ -85,6 +85,17 @@ pub struct Body {
 /// Way of a bone in a substep, over half of how thick it is, that needs no more substeps (dimensionless).
 const BONE_WAY: f32 = 0.25;
 
+/// Gives what is known `of` bodies their new numbers, and forgets bodies without one. The order stays.
+fn renumber<T>(known: &mut Vec<T>, of: impl Fn(&mut T) -> &mut u32, number: impl Fn(u32) -> Option<u32>) {
+    known.retain_mut(|known| {
+        let body = of(known);
+        number(*body).is_some_and(|now| {
+            *body = now;
+            true
+        })
+    });
+}
+
 impl Body {
     /// A body with default friction and no margin that moves from one pose to another in the frame.
     #[must_use]

@@ -17,8 +17,8 @@
 use glam::{Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
 
-use super::geometry::{Geometry, for_each_part, half_thickness, hull_planes};
-use super::{Body, motion};
+use super::geometry::{for_each_geometry, half_thickness};
+use super::{Body, motion, renumber};
 use crate::solver::rest::Springs;
 use crate::solver::settings::Fabric;
 use crate::solver::skinned::{Reins, Skinned};
@@ -70,12 +70,7 @@ impl Pierced {
 
     /// Bodies have other numbers now, in the same order, or none.
     pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
-        self.pairs.retain_mut(|pair| {
-            number(pair.body).is_some_and(|now| {
-                pair.body = now;
-                true
-            })
-        });
+        renumber(&mut self.pairs, |pair| &mut pair.body, number);
     }
 
     /// Finds what bones go through as the frame begins. `worst`: length of the worst edge over that at rest.
@@ -107,12 +102,8 @@ impl Pierced {
         for (b, body) in (0_u32..).zip(bodies).filter(|(_, body)| body.bone) {
             let Some(pose) = motion::valid(body.from) else { continue };
             let keep = fabric.thickness + body.margin;
-            for_each_part(&*body.shape.0, |part, local, shape| {
-                planes.clear();
-                if let Some(polyhedron) = shape.as_convex_polyhedron() {
-                    hull_planes(polyhedron, planes);
-                }
-                let (geometry, at) = (Geometry::of(shape, planes), pose * local);
+            for_each_geometry(&*body.shape.0, planes, |part, local, shape, geometry| {
+                let at = pose * local;
                 let near = shape.compute_aabb(&at).loosened(keep);
                 let is_within = |x: Vec4, inset: f32, reach: f32| {
                     let x = x.truncate();

@@ -6,7 +6,7 @@
 use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
 
-use super::geometry::{Geometry, for_each_part, hull_planes};
+use super::geometry::for_each_geometry;
 use super::room::OPPOSED;
 use super::{Body, motion};
 
@@ -46,12 +46,8 @@ impl Pinches {
         for body in bodies.iter().filter(|body| body.bone) {
             let Some(pose) = motion::valid(body.to) else { continue };
             let keep = thickness + body.margin;
-            for_each_part(&*body.shape.0, |_, local, shape| {
-                planes.clear();
-                if let Some(polyhedron) = shape.as_convex_polyhedron() {
-                    hull_planes(polyhedron, planes);
-                }
-                let (geometry, at) = (Geometry::of(shape, planes), pose * local);
+            for_each_geometry(&*body.shape.0, planes, |_, local, shape, geometry| {
+                let at = pose * local;
                 let near = shape.compute_aabb(&at).loosened(RELEASED * keep);
                 for (i, (x, nearest)) in (0..).zip(positions.iter().zip(&mut *nearest)).filter(|(_, (x, _))| x.w > 0.0) {
                     let x = x.truncate();

@@ -10,7 +10,7 @@
 use glam::{Vec3, Vec3A};
 
 use super::SharedShape;
-use super::geometry::{Geometry, for_each_part, hull_planes};
+use super::geometry::for_each_geometry;
 
 /// Particles of a cloth that a bone was made close to.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,12 +26,7 @@ impl Snug {
     pub fn of(shape: &SharedShape, reach: f32, points: &[Vec3]) -> Self {
         let mut nearest = vec![f32::INFINITY; points.len()];
         let mut planes = Vec::new();
-        for_each_part(&*shape.0, |_, local, shape| {
-            planes.clear();
-            if let Some(polyhedron) = shape.as_convex_polyhedron() {
-                hull_planes(polyhedron, &mut planes);
-            }
-            let geometry = Geometry::of(shape, &planes);
+        for_each_geometry(&*shape.0, &mut planes, |_, local, _, geometry| {
             for (nearest, point) in nearest.iter_mut().zip(points) {
                 let sample = geometry.sample(Vec3A::from(local.inverse_transform_point(*point)), reach);
                 *nearest = nearest.min(sample.distance);

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
 
-use super::geometry::{Geometry, for_each_part, half_thickness, hull_planes};
+use super::geometry::{for_each_geometry, half_thickness};
 use super::{Body, motion};
 
 /// Times that all bodies are gone through: out of one may be into another.
@@ -16,12 +16,8 @@ pub(in crate::solver) fn take_out(bodies: &[Body], keep: f32, points: &mut [Vec3
         for body in bodies {
             let Some(pose) = motion::valid(body.to) else { continue };
             let keep = keep + body.margin;
-            for_each_part(&*body.shape.0, |_, local, shape| {
-                planes.clear();
-                if let Some(polyhedron) = shape.as_convex_polyhedron() {
-                    hull_planes(polyhedron, planes);
-                }
-                let (geometry, at) = (Geometry::of(shape, planes), pose * local);
+            for_each_geometry(&*body.shape.0, planes, |_, local, shape, geometry| {
+                let at = pose * local;
                 let near = shape.compute_aabb(&at).loosened(keep);
                 let inner = half_thickness(shape);
                 let is_near = |point: &Vec3| near.mins.cmple(*point).all() && near.maxs.cmpge(*point).all();

@@ -62,6 +62,10 @@ impl Island {
                 cross[usize::from(self.surface.part_of_edge(crossing.edge))] = true;
                 cross[usize::from(self.surface.part_of_face(crossing.face))] = true;
             }
+            if !detector.is_whole() {
+                // Of what nobody has looked at nobody knows that it is whole.
+                cross.fill(true);
+            }
         }
     }
 }

@@ -12,6 +12,7 @@ use parry3d::math::Pose;
 pub use gather::Approach;
 
 use super::pierce::{Pair, Pierced};
+use super::renumber;
 use super::respond::Plane;
 use super::room::Rooms;
 
@@ -90,12 +91,7 @@ impl BodyContacts {
 
     /// Bodies have other numbers now, in the same order, or none.
     pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
-        self.parts.retain_mut(|part| {
-            number(part.body).is_some_and(|now| {
-                part.body = now;
-                true
-            })
-        });
+        renumber(&mut self.parts, |part| &mut part.body, number);
     }
 
     /// Whether particles could have met a body in the last frame.

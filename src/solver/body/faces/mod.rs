@@ -48,6 +48,7 @@ pub use list::Sheet;
 
 use super::creases::{Crease, Creases};
 use super::pierce::{Pair, Pierced};
+use super::renumber;
 use super::respond::Plane;
 use super::room::Rooms;
 use piece::Piece;
@@ -143,12 +144,7 @@ impl FaceContacts {
 
     /// Bodies have other numbers now, in the same order, or none.
     pub(crate) fn renumber(&mut self, number: impl Fn(u32) -> Option<u32>) {
-        self.parts.retain_mut(|part| {
-            number(part.body).is_some_and(|now| {
-                part.body = now;
-                true
-            })
-        });
+        renumber(&mut self.parts, |part| &mut part.body, number);
     }
 
     /// Takes out the faces of particles that are pinned to bodies, in ascending order.
