@@ -1,7 +1,7 @@
 //! `ClothBlend`, `ClothInertia`, `ClothBody`, `ClothPriority` and `ClothBudget`: what characters and crowds of them have.
 
 use crate::inspector::part::Part;
-use crate::inspector::setting::{Field, Kind, Scale, Setting};
+use crate::inspector::setting::{Kind, Scale, Setting};
 
 const SHARES: Scale = Scale::real(0.0, 1.0);
 const SPEEDS: Scale = Scale::real(0.0, 1.0e6).slider(0.0, 30.0).endless();

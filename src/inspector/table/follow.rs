@@ -2,7 +2,7 @@
 
 use crate::components::ClothMap;
 use crate::inspector::part::Part;
-use crate::inspector::setting::{Field, Kind, Scale, Setting};
+use crate::inspector::setting::{Kind, Scale, Setting};
 
 /// What a map is: its variants, in the order of the code.
 const MAP: &[&str] = &["Off", "Uniform", "Painted"];
