@@ -9,7 +9,8 @@
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
 //! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
 //! share particles, so passes are repeated until none cuts anything; the later ones keep only the motion that all share, and at last
-//! nothing else, which ends. What is held cannot be cut: between two that are held and close, cloth has nowhere to go.
+//! nothing else, which ends. What is held cannot be cut: at last what meets it moves as it does, and is as held for what it meets in turn. Between
+//! two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
 
@@ -23,6 +24,8 @@ use crate::solver::detect::proximity::{closest_edges, vertex_face};
 const MEAN_PASSES: u8 = 6;
 const OWN_PASSES: u8 = 12;
 const MOST_PASSES: u8 = 30;
+/// In place of a pass: a particle moves with what is held, and nothing else moves it.
+const WITH_HELD: u8 = u8::MAX;
 
 /// Distance that is kept, as a share of that at the start, and in thicknesses: much closer, nobody could say which side is which.
 const KEPT: f32 = 0.2;
@@ -97,7 +100,7 @@ impl Contacts {
 struct Ways<'a> {
     start: &'a [Vec4],
     now: &'a mut [Vec4],
-    /// Pass in which the particle was last stopped; 0: not at all.
+    /// Pass in which the particle was last stopped; 0: not at all; or [`WITH_HELD`].
     cut: &'a mut [u8],
     /// What all do `[m]`; worked out when it is first needed.
     shared: Vec3,
@@ -106,7 +109,7 @@ struct Ways<'a> {
 
 impl Ways<'_> {
     fn is_new(&self, pair: &Contact) -> bool {
-        pair.slots.iter().any(|&s| self.cut[s as usize] + 1 >= self.pass)
+        pair.slots.iter().any(|&s| self.cut[s as usize].saturating_add(1) >= self.pass)
     }
 
     /// Whether something had to be cut.
@@ -130,8 +133,9 @@ impl Ways<'_> {
             return false;
         }
         let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i].truncate());
-        let held = to.iter().any(|x| x.w <= 0.0);
-        let mean = if held || self.pass <= MEAN_PASSES { mean_motion(&motion, to) } else { self.shared };
+        let held = [0, 1, 2, 3].map(|i| !(to[i].w > 0.0) || self.cut[pair.slots[i] as usize] == WITH_HELD);
+        let any_held = held.contains(&true);
+        let mean = if any_held || self.pass <= MEAN_PASSES { mean_motion(&motion, to, held) } else { self.shared };
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
         let gap = separation(n, first, from);
@@ -140,17 +144,19 @@ impl Ways<'_> {
             return false;
         }
         let free = (gap - (KEPT * gap).max(FLOOR * pair.thickness)).max(0.0);
-        let share = if self.pass <= OWN_PASSES { free / closing } else { 0.0 };
+        let at_last = self.pass > OWN_PASSES;
+        let share = if at_last { 0.0 } else { free / closing };
         // NaN passes no comparison.
         if !(closing > 0.0 && share < 1.0) {
             return false;
         }
-        let mut any = false;
-        for ((&slot, to), (from, motion)) in pair.slots.iter().zip(to).zip(from.iter().zip(motion)) {
-            let end = from.truncate() + mean + (motion - mean) * share;
-            if to.w > 0.0 && end != to.truncate() {
-                self.now[slot as usize] = end.extend(to.w);
-                self.cut[slot as usize] = self.pass;
+        let (mut any, goes_along) = (false, at_last && any_held);
+        for i in (0..4).filter(|&i| !held[i]) {
+            let slot = pair.slots[i] as usize;
+            let end = from[i].truncate() + mean + (motion[i] - mean) * share;
+            if goes_along || end != to[i].truncate() {
+                self.now[slot] = end.extend(to[i].w);
+                self.cut[slot] = if goes_along { WITH_HELD } else { self.pass };
                 any = true;
             }
         }
@@ -197,13 +203,13 @@ fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
 }
 
 /// Mean motion by mass `[m]`; of what is held if something is.
-fn mean_motion(motion: &[Vec3; 4], to: &[Vec4; 4]) -> Vec3 {
-    let held = to.iter().any(|x| x.w <= 0.0);
-    let mass = |x: &Vec4| if held { f32::from(x.w <= 0.0) } else { 1.0 / x.w };
+fn mean_motion(motion: &[Vec3; 4], to: &[Vec4; 4], held: [bool; 4]) -> Vec3 {
+    let any_held = held.contains(&true);
     let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-    for (motion, x) in motion.iter().zip(to) {
-        sum += *motion * mass(x);
-        total += mass(x);
+    for ((motion, x), held) in motion.iter().zip(to).zip(held) {
+        let mass = if any_held { f32::from(held) } else { 1.0 / x.w };
+        sum += *motion * mass;
+        total += mass;
     }
     sum / total
 }
@@ -247,6 +253,32 @@ mod tests {
             ProximityKind::EdgeEdge => closest_edges([0, 1, 2, 3], at),
         };
         near.distance < 2e-3
+    }
+
+    #[test]
+    fn what_a_pin_pushes_takes_along_what_it_meets_in_turn() {
+        let triangle = |size: f32, z: f32| [vec3(-size, -size, z), vec3(size, -size, z), vec3(0.0, size, z)];
+        let start: Vec<Vec4> = [(1.0, 0.0), (5.0, -0.1), (25.0, -0.2)]
+            .iter()
+            .flat_map(|&(size, z)| triangle(size, z).map(|x| x.extend(1.0)))
+            .chain([vec3(0.0, 0.0, 0.1).extend(0.0)])
+            .collect();
+        let mut now = start.clone();
+        now[9].z -= 2.0;
+        let on = |particle: u32, face: u32| Contact {
+            slots: [particle, face, face + 1, face + 2],
+            ..Contact::bare(ProximityKind::VertexFace, 0.01)
+        };
+        let pairs = [(9, 0), (0, 3), (1, 3), (2, 3), (3, 6), (4, 6), (5, 6)].map(|(particle, face)| on(particle, face));
+        let particles = (0..10).collect();
+        let mut contacts = Contacts { pairs: pairs.to_vec(), particles, start, now, ..Contacts::default() };
+        assert!(contacts.guard());
+        let height = |i: usize| contacts.now[i].z;
+        assert_eq!(height(9), -1.9, "a pin goes where it is told");
+        for (below, above) in [(0..3, 9..10), (3..6, 0..3), (6..9, 3..6)] {
+            let (highest, lowest) = (below.map(height).fold(f32::MIN, f32::max), above.map(height).fold(f32::MAX, f32::min));
+            assert!(highest < lowest, "{highest} is not below {lowest}");
+        }
     }
 
     #[test]
