@@ -52,7 +52,7 @@ const MOST_ROUNDS: usize = 8;
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
 /// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be taken back at its
-/// end. Looking in every substep costs twice as much for a flag in the wind or a sheet that falls on a ball.
+/// end: not where a fast body is by then. Looking in every substep costs twice as much for a flag in the wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
 /// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less
 /// often, cross.

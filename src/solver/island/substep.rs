@@ -16,10 +16,11 @@ impl Island {
     /// where it is.
     pub fn integrate(&mut self, cloths: &mut impl Members) {
         let parts = self.surface.parts.len();
-        let (mut count, mut longest) = (0, 0.0f32);
+        let (mut count, mut longest, mut driven) = (0, 0.0f32, false);
         for part in 0..parts {
             if let Some(m) = cloths.member(part) {
                 count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
+                driven |= m.scratch.is_driven();
                 longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
                 if m.moves {
                     self.retreat.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
@@ -75,7 +76,7 @@ impl Island {
             self.guard(cloths, false);
             self.share += each;
             if n < count {
-                let often = !self.takes_back || self.contacts.len() > CROWDED * self.surface.len();
+                let often = driven || !self.takes_back || self.contacts.len() > CROWDED * self.surface.len();
                 self.look_ahead(cloths, each, often || n % gap == 0);
             }
         }

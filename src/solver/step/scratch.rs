@@ -63,7 +63,7 @@ pub struct Scratch {
     pub(super) taut: bool,
     /// By how much of their length at rest tethers give way to bodies (dimensionless).
     pub(super) give: f32,
-    /// Whether a body that cloth cannot stop moves much faster than the pins and may meet the cloth in the frame to come.
+    /// See [`Scratch::is_driven`].
     pub(super) driven: bool,
     /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
     pub(super) borne: u32,
