@@ -17,7 +17,7 @@ pub(crate) use cache::{RestCache, Sources};
 pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
 pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{corners, instance_of};
-pub(crate) use placement::{Placement, seen_from, uniform_scale};
+pub(crate) use placement::{Placement, is_near, seen_from, uniform_scale};
 pub(crate) use read::{Authored, read, unreadable};
 pub(crate) use shapes::{ColliderError, shape_of};
 pub(crate) use skin::{Skin, Transforms, skinning_matrices};

@@ -65,6 +65,11 @@ impl Placement {
     }
 }
 
+/// Whether all numbers of a transform are finite, and none is [farther](FARTHEST) from zero than places may be.
+pub(crate) fn is_near(affine: &Affine3A) -> bool {
+    affine.is_finite() && affine.to_cols_array().iter().all(|x| x.abs() <= FARTHEST)
+}
+
 /// An affine transform as it is seen from `origin`.
 pub(crate) fn seen_from(affine: &Affine3A, origin: DVec3) -> Affine3A {
     let translation = Vec3::from(affine.translation).as_dvec3() - origin;

@@ -7,7 +7,7 @@ use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
 use super::Authored;
-use super::placement::{Placement, seen_from, uniform_scale};
+use super::placement::{Placement, is_near, seen_from, uniform_scale};
 use crate::solver::rest::RestShape;
 
 /// Volume, over that of a box of the same sides, below which skin is pressed flat (dimensionless): its inverse would throw what it carries.
@@ -192,10 +192,10 @@ pub(crate) fn skinning_matrices(
         matrices.clear();
     }
     for (i, (joint, inverse_bind)) in joints.iter().enumerate() {
-        let affine = transforms.get(*joint).ok().map(GlobalTransform::affine).filter(Affine3A::is_finite);
-        match (affine, complete) {
-            (Some(affine), true) => matrices[i] = seen_from(&affine, origin) * *inverse_bind,
-            (Some(affine), false) => matrices.push(seen_from(&affine, origin) * *inverse_bind),
+        let skinning = |joint: &GlobalTransform| seen_from(&joint.affine(), origin) * *inverse_bind;
+        match (transforms.get(*joint).ok().map(skinning).filter(is_near), complete) {
+            (Some(matrix), true) => matrices[i] = matrix,
+            (Some(matrix), false) => matrices.push(matrix),
             (None, true) => {}
             (None, false) => return false,
         }

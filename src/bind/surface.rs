@@ -33,7 +33,7 @@ impl Surface {
         if tangents.len() != vertices || uv.len() != vertices {
             return surface;
         }
-        surface.handedness = tangents.iter().map(|t| t[3]).collect();
+        surface.handedness = tangents.iter().map(|t| if t[3] < 0.0 { -1.0 } else { 1.0 }).collect();
         let axis = |corners: &[u32; 3]| {
             let uv = corners.map(|v| uv.get(v as usize).map(|&uv| Vec2::from(uv)));
             let [Some(a), Some(b), Some(c)] = uv else { return None };

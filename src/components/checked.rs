@@ -53,7 +53,8 @@ impl Checked {
     /// `value` if it lies in `low..=high`; the nearer end if it lies outside; `default` if it is not a number.
     pub fn within(&mut self, name: &'static str, value: f32, default: f32, low: f32, high: f32) -> f32 {
         if value >= low && value <= high {
-            return value;
+            // Zero has no sign: what is divided by it would have.
+            return value + 0.0;
         }
         let used = if value.is_nan() { default } else { value.clamp(low, high) };
         self.note(name, Values { given: value, used, range: (low, high), of_length: false });
@@ -97,6 +98,7 @@ mod tests {
     fn a_number_in_range_is_left_alone_and_others_are_clamped_and_named() {
         let mut checked = Checked::default();
         assert_eq!(checked.within("a", 2.0, 1.0, 0.0, 3.0), 2.0);
+        assert!(checked.within("a", -0.0, 1.0, 0.0, 3.0).is_sign_positive());
         assert!(checked.clamped.is_empty());
         assert_eq!(checked.within("b", -2.0, 1.0, 0.0, 3.0), 0.0);
         assert_eq!(checked.within("c", f32::NAN, 1.0, 0.0, 3.0), 1.0);

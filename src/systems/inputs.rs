@@ -192,7 +192,8 @@ pub(crate) fn surroundings(
             Option<&ClothCollisionLayers>,
             &mut ClothInputs,
             &mut ClothScratch,
-            &mut ClothReport,
+            // Without one a cloth meets the bodies of this frame all the same.
+            Option<&mut ClothReport>,
         ),
         With<Cloth>,
     >,
@@ -202,7 +203,7 @@ pub(crate) fn surroundings(
 ) {
     // Of characters there are crowds, and none meets the bones of all.
     let crowded = world.bodies.iter().any(|body| body.character.is_some());
-    for (entity, rest, particles, layers, mut inputs, mut scratch, mut report) in &mut cloths {
+    for (entity, rest, particles, layers, mut inputs, mut scratch, report) in &mut cloths {
         if inputs.asleep || inputs.carried {
             continue;
         }
@@ -274,7 +275,9 @@ pub(crate) fn surroundings(
             let around = Surroundings { bodies, rest: &rest.0, fabric, positions, share: *fade };
             skinned.avoid(&around, dt, &mut buffers);
         }
-        report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
+        if let Some(mut report) = report {
+            report.bodies = u32::try_from(inputs.bodies.len()).unwrap_or(u32::MAX);
+        }
         inputs.wind.origin = origin;
         inputs.wind.zones.clear();
         let blows = |zone, at| room.is_none_or(|(low, high)| reaches(zone, at, low, high));

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::time::Fixed;
 
 use super::stopwatch;
-use crate::bind::seen_from;
+use crate::bind::{is_near, seen_from};
 use crate::components::{Cloth, ClothReport};
 use crate::schedule::ClothClock;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown};
@@ -33,7 +33,7 @@ pub(crate) fn shape(
         |(rest, particles, inputs, global, mut shown, mut report)| {
             let clock = stopwatch();
             let affine = global.affine();
-            let lies = affine.is_finite() && affine.matrix3.determinant() != 0.0;
+            let lies = is_near(&affine) && affine.matrix3.determinant() != 0.0;
             if !(inputs.active && lies && particles.state.positions.len() == rest.0.positions.len()) {
                 return;
             }

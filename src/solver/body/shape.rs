@@ -10,6 +10,8 @@ use parry3d::utils::Array2;
 
 /// Largest coordinate or size of a shape `[m]`.
 const LARGEST: f32 = 1.0e6;
+/// Coordinates of triangles that are nearer to zero are zero `[m]`: parry divides by how far apart their middles are, which overflows, and panics.
+const NOTHING: f32 = 1.0e-29;
 /// Smallest size of a primitive and of a triangle's height `[m]`.
 const SMALLEST: f32 = 1.0e-6;
 /// Segments of a round primitive that is scaled unevenly and becomes a convex hull.
@@ -286,7 +288,8 @@ fn trimesh_with(vertices: Vec<Vec3>, mut triangles: Vec<[u32; 3]>, flags: TriMes
         return Err(ShapeError::Point { index });
     }
     // Vertices that no triangle uses may be anything: they must not reach the bounding boxes.
-    let vertices = vertices.into_iter().map(|p| if finite(p) { p } else { Vec3::ZERO }).collect();
+    let settled = |p: Vec3| Vec3::select(p.abs().cmplt(Vec3::splat(NOTHING)), Vec3::ZERO, p);
+    let vertices = vertices.into_iter().map(|p| if finite(p) { settled(p) } else { Vec3::ZERO }).collect();
     match TriMesh::with_flags(vertices, triangles, flags) {
         Ok(mesh) => Ok(SharedShape::new(mesh)),
         Err(_) => Err(ShapeError::NoTriangle { given, out_of_range, degenerate }),
@@ -424,6 +427,14 @@ mod tests {
 
     fn corners() -> Vec<Vec3> {
         (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect()
+    }
+
+    #[test]
+    fn triangles_whose_middles_are_next_to_nothing_apart_are_a_mesh() {
+        let mut quad: Vec<Vec3> =
+            [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, z]| Vec3::new(x, 0.0, z)).into();
+        quad[3].y = f32::from_bits(223);
+        assert!(trimesh(quad, vec![[0, 1, 2], [0, 2, 3]]).is_ok());
     }
 
     #[test]
