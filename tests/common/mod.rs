@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test binary uses a part")]
 
+pub mod log;
+
 use std::time::Duration;
 
 use bevy::mesh::{MeshPlugin, VertexAttributeValues};

@@ -1,37 +1,11 @@
 //! One warning for one cause, with the name of the entity and the cure.
 
-use std::sync::{Arc, Mutex};
-
 use bevy::ecs::schedule::SingleThreadedExecutor;
-use bevy::log::tracing;
-use bevy::log::tracing_subscriber;
-use bevy::log::tracing_subscriber::fmt::MakeWriter;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
+use crate::common::log::Log;
 use crate::common::*;
-
-#[derive(Clone, Default)]
-struct Log(Arc<Mutex<Vec<u8>>>);
-
-impl std::io::Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().expect("a log").extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl<'a> MakeWriter<'a> for Log {
-    type Writer = Self;
-
-    fn make_writer(&'a self) -> Self {
-        self.clone()
-    }
-}
 
 /// What `act` warned of, line by line. The app runs in this thread, because the log is one of this thread.
 pub fn warnings(mut app: App, act: impl FnOnce(&mut App)) -> Vec<String> {
@@ -39,11 +13,8 @@ pub fn warnings(mut app: App, act: impl FnOnce(&mut App)) -> Vec<String> {
         schedule.set_executor(SingleThreadedExecutor::new());
     });
     let log = Log::default();
-    let subscriber =
-        tracing_subscriber::fmt().with_max_level(tracing::Level::WARN).with_ansi(false).with_writer(log.clone()).finish();
-    tracing::subscriber::with_default(subscriber, || act(&mut app));
-    let text = String::from_utf8(log.0.lock().expect("a log").clone()).expect("text");
-    text.lines().filter(|line| line.contains("bevy_drape")).map(str::to_owned).collect()
+    log.listen(|| act(&mut app));
+    log.read()
 }
 
 #[test]

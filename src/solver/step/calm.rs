@@ -20,12 +20,6 @@ pub(super) const CALM_DRAG: f32 = 6.0;
 pub(crate) const STUCK: f32 = 0.25;
 
 impl Scratch {
-    /// Whether a body that cloth cannot stop, and that moves much faster than its pins, may meet it in the frame to come.
-    #[must_use]
-    pub fn is_driven(&self) -> bool {
-        self.driven
-    }
-
     /// Whether the cloth has been slow for a while.
     #[must_use]
     pub fn is_calm(&self) -> bool {

@@ -108,6 +108,14 @@ impl Stepped<'_> {
     }
 }
 
+impl Scratch {
+    /// Whether a body that cloth cannot stop, and that moves much faster than its pins, may meet it in the frame to come.
+    #[must_use]
+    pub fn is_driven(&self) -> bool {
+        self.driven
+    }
+}
+
 /// Substeps of equal length in a frame of `dt` `[s]` at `rate` `[Hz]`: at least one, and not one more for rounding.
 pub(super) fn substeps(dt: f32, rate: f32) -> u32 {
     ((dt * rate - 1.0e-3).ceil() as u32).max(1)

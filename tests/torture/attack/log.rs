@@ -1,53 +1,5 @@
 //! What is warned of: once for each cause, until something is done again.
 
-use std::sync::{Arc, Mutex, PoisonError};
-
-use bevy::log::tracing_subscriber::fmt::MakeWriter;
-use bevy::log::{tracing, tracing_subscriber};
-
-/// What was logged and not read yet.
-#[derive(Clone, Default)]
-pub struct Log(Arc<Mutex<Vec<u8>>>);
-
-impl std::io::Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-impl<'a> MakeWriter<'a> for Log {
-    type Writer = Self;
-
-    fn make_writer(&'a self) -> Self {
-        self.clone()
-    }
-}
-
-impl Log {
-    /// Listens to this thread while `act` runs.
-    pub fn listen<T>(&self, act: impl FnOnce() -> T) -> T {
-        let subscriber = tracing_subscriber::fmt()
-            .with_max_level(tracing::Level::WARN)
-            .with_ansi(false)
-            .without_time()
-            .with_writer(self.clone())
-            .finish();
-        tracing::subscriber::with_default(subscriber, act)
-    }
-
-    /// Warnings of the plugin since this was asked last.
-    pub fn read(&self) -> Vec<String> {
-        let bytes = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
-        let text = String::from_utf8_lossy(&bytes);
-        text.lines().filter(|line| line.contains("bevy_drape::")).map(str::to_owned).collect()
-    }
-}
-
 /// Causes that were told of since something was done.
 #[derive(Default)]
 pub struct Told(Vec<String>);

@@ -21,6 +21,8 @@ pub mod deeds;
 pub mod places;
 pub mod watch;
 pub mod check;
+#[path = "../../common/log.rs"]
+pub mod captured;
 pub mod log;
 pub mod panics;
 pub mod play;

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use super::captured::Log;
 use super::check;
 use super::headless::Options;
-use super::log::{Log, Told};
+use super::log::Told;
 use super::panics::{self, Panic};
 use super::plan::{Plan, Step};
 use super::stage::Stage;
