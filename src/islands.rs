@@ -13,6 +13,7 @@ use bevy::prelude::*;
 use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles};
 use crate::solver::detect::PartRef;
+use crate::solver::detect::tree::Tree;
 use crate::solver::island::{Island, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
@@ -273,14 +274,12 @@ fn find(root: &[u32], mut i: u32) -> u32 {
 }
 
 fn build(members: &[Member]) -> Option<Island> {
-    let parts: Vec<PartRef<'_>> = members
+    let parts: Vec<(PartRef<'_>, &Tree)> = members
         .iter()
-        .map(|m| PartRef {
-            topology: &m.rest.topology,
-            rest: &m.rest.positions,
-            layer: m.collision.garment_layer,
-            self_collision: m.collision.self_collision,
-            thickness: m.thickness,
+        .map(|Member { rest, collision, thickness, .. }| {
+            let (topology, positions) = (&rest.topology, &rest.positions);
+            let ClothCollision { garment_layer: layer, self_collision, .. } = *collision;
+            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, &*rest.tree)
         })
         .collect();
     match Island::new(&parts) {

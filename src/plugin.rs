@@ -23,7 +23,7 @@ use bevy::transform::systems::{
 #[cfg(feature = "avian")]
 use crate::avian;
 use crate::bind::{BodyCache, RestCache, Sources};
-use crate::components::{ClothGlobalWind, ClothGravity};
+use crate::components::{ClothGlobalWind, ClothGravity, ClothLoading};
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::schedule::ClothClock;
@@ -88,6 +88,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<time::ClothTime>()
             .init_resource::<ClothGravity>()
             .init_resource::<ClothGlobalWind>()
+            .init_resource::<ClothLoading>()
             .init_resource::<RestCache>()
             .init_resource::<Sources>()
             .init_resource::<BodyCache>()

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
 use bevy_drape::solver::resolve::gradient::Terms;
 use bevy_drape::solver::resolve::{ContourKind, Method, ResolveSettings, Untangler};
-use bevy_drape::solver::rest::Topology;
+use bevy_drape::solver::topology::Topology;
 use drape_scenes::Tangle;
 use glam::{DVec3, Vec3, Vec4};
 

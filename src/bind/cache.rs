@@ -5,6 +5,8 @@ use std::sync::{Arc, Weak};
 use bevy::math::Mat3;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
+use bevy::tasks::futures::check_ready;
+use bevy::tasks::{AsyncComputeTaskPool, Task};
 
 use super::Authored;
 use super::placement::multiple;
@@ -13,7 +15,23 @@ use crate::solver::rest::{BuildReport, RestError, RestShape, SourceMesh};
 /// Rest shapes by mesh and baked scale; forgotten with the last cloth that uses them.
 #[derive(Resource, Default)]
 pub(crate) struct RestCache {
-    shapes: HashMap<(AssetId<Mesh>, [u32; 9]), Known>,
+    shapes: HashMap<Key, Known>,
+    /// What is built in the background, as long as a cloth asks for it.
+    tasks: HashMap<Key, Building>,
+}
+
+/// A mesh and its baked scale, by bits.
+type Key = (AssetId<Mesh>, [u32; 9]);
+
+/// What building comes to.
+type Built = Result<(Arc<RestShape>, BuildReport), RestError>;
+
+/// A rest shape that is built in the background.
+struct Building {
+    task: Task<Built>,
+    built: Option<Built>,
+    /// Whether a cloth asked for it since the last [`RestCache::forget_unasked`].
+    asked: bool,
 }
 
 /// A rest shape that some cloth has.
@@ -26,33 +44,64 @@ struct Known {
 
 impl RestCache {
     /// The shape of a mesh at a scale, built if no cloth has it yet.
-    pub fn get_or_build(
-        &mut self,
-        source: AssetId<Mesh>,
-        bake: Mat3,
-        authored: &Authored,
-    ) -> Result<(Arc<RestShape>, BuildReport), RestError> {
-        let key = (source, bake.to_cols_array().map(f32::to_bits));
+    pub fn get_or_build(&mut self, source: AssetId<Mesh>, bake: Mat3, authored: &Authored) -> Built {
+        // Nobody may have been told yet that the mesh is another.
+        let fits =
+            |built: &Built| built.as_ref().is_ok_and(|(shape, _)| shape.particle_of_vertex.len() == authored.positions.len());
+        if let Some(known) = self.get(source, bake).filter(fits) {
+            return known;
+        }
+        let built = build(&baked(authored, bake));
+        self.take(key(source, bake), &built);
+        built
+    }
+
+    /// Whether the shape of a mesh at a scale is there, or will not be. Otherwise it is being built in the background, from now on if `begin` gives a mesh
+    /// for it.
+    pub fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
+        let key = key(source, bake);
+        if let Some(building) = self.tasks.get_mut(&key) {
+            building.asked = true;
+            building.built = building.built.take().or_else(|| check_ready(&mut building.task));
+            return building.built.is_some();
+        }
+        if self.get(source, bake).is_some() {
+            return true;
+        }
+        let Some((pool, authored)) = AsyncComputeTaskPool::try_get().zip(begin()) else { return true };
+        let task = pool.spawn(async move { build(&baked(&authored, bake)) });
+        self.tasks.insert(key, Building { task, built: None, asked: true });
+        false
+    }
+
+    /// Lets go of what was built in the background and no cloth asks for any more.
+    pub fn forget_unasked(&mut self) {
+        self.tasks.retain(|_, building| core::mem::take(&mut building.asked));
+    }
+
+    /// The shape of a mesh at a scale, if a cloth has it, or if it is a multiple of one that a cloth has.
+    fn get(&mut self, source: AssetId<Mesh>, bake: Mat3) -> Option<Built> {
+        let key = key(source, bake);
         if let Some(known) = self.shapes.get(&key)
             && let Some(shape) = known.shape.upgrade()
         {
-            return Ok((shape, known.report));
+            return Some(Ok((shape, known.report)));
         }
-        if let Some((shape, known)) = self.scale_another(source, bake) {
-            let report = known.report;
-            self.keep(key, known);
-            return Ok((shape, report));
+        if let Some(built) = self.tasks.get(&key).and_then(|building| building.built.clone()) {
+            self.take(key, &built);
+            return Some(built);
         }
-        let mirrored = bake.determinant() < 0.0;
-        let mesh = SourceMesh {
-            positions: authored.positions.iter().map(|&p| bake * p).collect(),
-            triangles: authored.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] }).collect(),
-            uvs: authored.uvs.clone(),
-        };
-        let (shape, report) = RestShape::build(&mesh)?;
-        let shape = Arc::new(shape);
-        self.keep(key, Known { shape: Arc::downgrade(&shape), report, of: None });
-        Ok((shape, report))
+        let (shape, known) = self.scale_another(source, bake)?;
+        let report = known.report;
+        self.keep(key, known);
+        Some(Ok((shape, report)))
+    }
+
+    /// Remembers what was built.
+    fn take(&mut self, key: Key, built: &Built) {
+        if let Ok((shape, report)) = built {
+            self.keep(key, Known { shape: Arc::downgrade(shape), report: *report, of: None });
+        }
     }
 
     /// The shape of a mesh at a scale that is a multiple of another's, made of what was built: a scale that breathes builds nothing.
@@ -71,7 +120,7 @@ impl RestCache {
         Some((shape, known))
     }
 
-    fn keep(&mut self, key: (AssetId<Mesh>, [u32; 9]), known: Known) {
+    fn keep(&mut self, key: Key, known: Known) {
         self.shapes.retain(|_, known| known.shape.strong_count() > 0);
         self.shapes.insert(key, known);
     }
@@ -79,7 +128,26 @@ impl RestCache {
     /// Forgets the shapes of a mesh that changed.
     pub fn forget(&mut self, source: AssetId<Mesh>) {
         self.shapes.retain(|(id, _), _| *id != source);
+        self.tasks.retain(|(id, _), _| *id != source);
     }
+}
+
+fn key(source: AssetId<Mesh>, bake: Mat3) -> Key {
+    (source, bake.to_cols_array().map(f32::to_bits))
+}
+
+/// A mesh at a scale.
+fn baked(authored: &Authored, bake: Mat3) -> SourceMesh {
+    let mirrored = bake.determinant() < 0.0;
+    SourceMesh {
+        positions: authored.positions.iter().map(|&p| bake * p).collect(),
+        triangles: authored.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] }).collect(),
+        uvs: authored.uvs.clone(),
+    }
+}
+
+fn build(mesh: &SourceMesh) -> Built {
+    RestShape::build(mesh).map(|(shape, report)| (Arc::new(shape), report))
 }
 
 /// Which meshes are ours, and which of the others changed.

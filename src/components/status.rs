@@ -37,6 +37,8 @@ pub enum WaitingFor {
     Target,
     /// The joints or bind poses of its skin.
     Skin,
+    /// Its mesh, which is large, to be prepared in the background ([`ClothLoading`](crate::ClothLoading)).
+    Build,
 }
 
 impl WaitingFor {
@@ -52,6 +54,7 @@ impl WaitingFor {
             Self::Skin => {
                 "a joint or the inverse bind poses of its `SkinnedMesh` are missing: spawn them, or remove `SkinnedMesh`"
             }
+            Self::Build => "its mesh takes long to prepare: give it fewer vertices, or set `ClothLoading`",
         }
     }
 }

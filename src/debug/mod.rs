@@ -48,7 +48,8 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use crate::schedule;
-use crate::solver::rest::{NONE, RestShape};
+use crate::solver::rest::RestShape;
+use crate::solver::topology::NONE;
 
 /// Draws what the solver sees, as [`ClothDebug`] says. Without it nothing is kept for drawing and nothing is spent on it.
 ///

@@ -6,6 +6,7 @@
 
 pub mod settings;
 pub mod slew;
+pub mod topology;
 pub mod rest;
 pub mod state;
 pub mod anchors;

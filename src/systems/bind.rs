@@ -8,6 +8,7 @@ use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::math::{Affine3A, DVec3, Mat3, Vec4};
+use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
@@ -17,8 +18,8 @@ use crate::bind::{
     Transforms, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
-    Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothMaterial,
-    ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
+    Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothLoading,
+    ClothMaterial, ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
@@ -66,6 +67,7 @@ pub(crate) struct Assembly<'w, 's> {
     bindposes: Option<Res<'w, Assets<SkinnedMeshInverseBindposes>>>,
     server: Option<Res<'w, AssetServer>>,
     cache: ResMut<'w, RestCache>,
+    loading: Res<'w, ClothLoading>,
     sources: ResMut<'w, Sources>,
     transforms: Transforms<'w, 's>,
 }
@@ -92,6 +94,7 @@ pub(crate) fn bind(
 ) {
     let _span = debug_span!("cloth/prepare").entered();
     let now = time.elapsed_secs_f64();
+    assembly.cache.forget_unasked();
     for mut cloth in &mut cloths {
         match bind_one(&mut commands, &mut assembly, &mut notices, &mut cloth) {
             Ok(()) => {}
@@ -250,6 +253,12 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         return Err(Obstacle::Fail(ClothError { kind: ClothErrorKind::LoadFailed, detail }));
     }
     let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(WaitingFor::Asset))?;
+    let vertices = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok().flatten().map_or(0, VertexAttributeValues::len);
+    let is_large = *change == Change::Mesh && vertices >= assembly.loading.in_background_from as usize;
+    let begin = || if is_large { read(mesh).ok() } else { None };
+    if !assembly.cache.is_ready(source.id(), placement.bake, begin) {
+        return Err(Obstacle::Wait(WaitingFor::Build));
+    }
     let authored = read(mesh)?;
     let bad_mesh = |error: RestError| ClothError {
         kind: ClothErrorKind::BadMesh,

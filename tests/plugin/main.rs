@@ -20,6 +20,7 @@ mod gltf;
 mod grab;
 mod hello;
 mod lifecycle;
+mod loading;
 mod lod;
 mod picking;
 mod mannequin;

@@ -15,7 +15,7 @@
 use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 
 use crate::solver::effort::{Effort, Meter};
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
@@ -69,13 +69,19 @@ impl Detector {
     /// Prepares detection on a surface.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
+        Self::with_tree(surface, Tree::new(surface))
+    }
+
+    /// Prepares detection on a surface with its tree.
+    #[must_use]
+    pub fn with_tree(surface: &Surface, tree: Tree) -> Self {
         let topology = &surface.topology;
         let asks = topology.face_edges.iter().enumerate().map(|(f, edges)| {
             let first = |k: usize| topology.edge_faces[edges[k] as usize][0] == f as u32;
             (0..3).fold(0, |bits, k| bits | u8::from(first(k)) << k)
         });
         Self {
-            tree: Tree::new(surface),
+            tree,
             asks: asks.collect(),
             kinematic: vec![false; surface.parts.len()],
             moving: vec![false; surface.parts.len()],

@@ -11,7 +11,7 @@
 use core::ops::Range;
 use glam::{Vec3, Vec3A, Vec4};
 
-use crate::solver::rest::{NONE, Topology};
+use crate::solver::topology::{NONE, Topology};
 
 /// One cloth to be concatenated into a [`Surface`].
 #[derive(Clone, Copy, Debug)]

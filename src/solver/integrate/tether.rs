@@ -5,7 +5,8 @@
 
 use glam::{Mat4, Vec4};
 
-use crate::solver::rest::{LANES, NONE, RestShape, geodesic};
+use crate::solver::rest::{LANES, RestShape, geodesic};
+use crate::solver::topology::NONE;
 
 /// Groups of touching pins that each get tethers of their own; more groups share one set of shortest tethers.
 const ISLANDS: usize = 8;

@@ -31,9 +31,10 @@ pub use member::{Member, Members};
 pub use put_off::PutOff;
 
 use super::body::Touch;
-use super::detect::{Crossing, PartRef, Surface, SurfaceError};
+use super::detect::tree::Tree;
+use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
 use super::effort::Effort;
-use super::resolve::{Contour, ResolveSettings, Strategy, Untangler};
+use super::resolve::{Contour, ResolveSettings, Resolver, Strategy, Untangler};
 use super::respond::{Contacts, Finder};
 use super::retreat::Retreat;
 use super::verdict::Verdict;
@@ -144,13 +145,16 @@ pub struct Island {
 }
 
 impl Island {
-    /// Concatenates the cloths.
+    /// Concatenates the cloths, each with the search tree of its rest shape.
     ///
     /// # Errors
     /// [`SurfaceError`] when rest positions do not match a topology, or when there are too many cloths or particles.
-    pub fn new(cloths: &[PartRef<'_>]) -> Result<Self, SurfaceError> {
-        let surface = Surface::new(cloths)?;
-        let untangler = Untangler::new(&surface);
+    pub fn new(cloths: &[(PartRef<'_>, &Tree)]) -> Result<Self, SurfaceError> {
+        let parts: Vec<PartRef<'_>> = cloths.iter().map(|(part, _)| *part).collect();
+        let trees: Vec<(&Tree, u32)> = cloths.iter().map(|(part, tree)| (*tree, part.topology.particles)).collect();
+        let surface = Surface::new(&parts)?;
+        let detector = Detector::with_tree(&surface, Tree::join(&trees));
+        let untangler = Untangler { detector, resolver: Resolver::default() };
         let n = surface.len();
         let mut island = Self {
             finder: Finder::new(&surface, untangler.detector.tree_ref()),

@@ -157,7 +157,7 @@ impl Undo {
 mod tests {
     use super::*;
     use crate::solver::detect::PartRef;
-    use crate::solver::rest::Topology;
+    use crate::solver::topology::Topology;
     use glam::{Vec3, vec3};
 
     /// Five single triangles.

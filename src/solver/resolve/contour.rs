@@ -14,7 +14,7 @@
 use glam::Vec3;
 
 use crate::solver::detect::{Crossing, Surface};
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 use crate::solver::verdict::Verdict;
 
 /// How a contour ends, which decides what can take it apart.

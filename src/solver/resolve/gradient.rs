@@ -16,7 +16,7 @@
 use glam::DVec3;
 
 use crate::solver::detect::Crossing;
-use crate::solver::rest::{NONE, Topology};
+use crate::solver::topology::{NONE, Topology};
 
 /// Bound of `E·N` near parallel.
 pub const BOUND: f64 = 0.05;

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use crate::solver::detect::Crossing;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 use crate::solver::verdict::Resort;
 
 use super::contour::{ContourGraph, ContourKind};

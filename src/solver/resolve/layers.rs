@@ -20,7 +20,7 @@ use super::separate::{AGREE, ONE_WAY, agreement, facing, facing_at, mean};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// So many particles are looked at per iteration, and one in so many at least.
 const SAMPLES: u32 = 64;

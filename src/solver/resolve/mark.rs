@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use super::{Resolver, View};
 use crate::solver::detect::{Crossing, Surface};
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 impl Resolver {
     /// Weighs every particle by how much it belongs to a tangle: 1 in the regions and around the contours analysed last, falling to 0

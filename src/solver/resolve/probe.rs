@@ -18,7 +18,7 @@ use glam::Vec3;
 use super::View;
 use super::contour::ContourGraph;
 use super::separate::facing;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// Share of the crossings that a direction must undo.
 const COVERED: f32 = 0.8;

@@ -8,7 +8,7 @@ use super::region::{Flood, Region};
 use super::share::{Load, load, shares};
 use super::{ResolveSettings, Resolver, View, latch};
 use crate::solver::detect::{Crossing, Surface};
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// A contour that ends inside a sheet is prolonged to the border over at most this fraction of its length.
 const PROLONG: f32 = 1.0;

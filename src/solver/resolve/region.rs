@@ -13,7 +13,7 @@ use glam::Vec4;
 
 use super::share::{Load, load};
 use crate::solver::detect::Surface;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// Two regions whose areas differ by less than this fraction are about as large: the earlier choice stays.
 const HYSTERESIS: f32 = 0.5;

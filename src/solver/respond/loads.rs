@@ -1,7 +1,7 @@
 //! What pairs bore that a look forgets: they go on from there where the look finds them again.
 
 use crate::solver::detect::ProximityKind;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// Loads of pairs, chained by the first of their particles.
 #[derive(Clone, Debug, Default)]

@@ -23,7 +23,7 @@ use glam::{Vec3, Vec3A, Vec4};
 
 use crate::solver::body::Touch;
 use crate::solver::detect::{ProximityKind, Surface};
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 use contact::{Contact, Particles};
 pub use find::{Finder, Moment};
 use loads::Loads;

@@ -21,7 +21,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::batch::LANES;
 use super::weave::Threads;
-use super::{NONE, Topology};
+use crate::solver::topology::{NONE, Topology};
 
 /// Bending elements in batches of four, and the pattern of their matrix. Per-batch arrays hold one entry for each of four lanes; lanes beyond the
 /// last element have coefficients of zero.

@@ -14,7 +14,7 @@ use std::collections::BinaryHeap;
 
 use glam::Vec3;
 
-use super::{NONE, Topology};
+use crate::solver::topology::{NONE, Topology};
 
 /// Distance `[m]` to the nearest of some sources, and which it is.
 #[derive(Clone, Copy, Debug, PartialEq)]

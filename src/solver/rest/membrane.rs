@@ -2,9 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::Topology;
 use super::batch::{LANES, batches};
 use super::weave::Threads;
+use crate::solver::topology::Topology;
 
 /// One element for each triangle, in batches of four that share no particle. All arrays have one entry per batch; empty without directions of threads.
 ///

@@ -10,7 +10,6 @@ mod order;
 mod scaled;
 mod source;
 mod springs;
-mod topology;
 mod weave;
 mod weld;
 
@@ -20,9 +19,14 @@ pub use membrane::Membrane;
 pub use net::Net;
 pub use source::{BuildReport, RestError, SourceMesh};
 pub use springs::Springs;
-pub use topology::{NONE, Topology};
+
+use std::sync::Arc;
 
 use glam::Vec3;
+
+use crate::solver::detect::tree::Tree;
+use crate::solver::detect::{PartRef, Surface};
+use crate::solver::topology::{NONE, Topology};
 
 /// Faces below this fraction of the mesh's squared diagonal have no area (dimensionless).
 const AREA_FRACTION: f32 = 1.0e-11;
@@ -49,6 +53,9 @@ pub struct RestShape {
     pub bends: Bends,
     /// Coarse net over the cloth.
     pub net: Net,
+    /// Search tree over the faces, which islands join; multiples of a shape share it.
+    #[cfg_attr(feature = "record", serde(skip))]
+    pub tree: Arc<Tree>,
     /// Mean rest length of the edges `[m]`.
     pub mean_edge: f32,
 }
@@ -128,12 +135,19 @@ impl RestShape {
         shape.net = Net::new(&topology, &positions, shape.mean_edge);
         shape.topology = topology;
         shape.positions = positions;
+        shape.tree = Arc::new(shape.plant());
         shape.attach_isolated(mesh);
         report.particles = shape.positions.len();
         report.faces = shape.topology.faces.len();
         report.isolated = shape.isolated.len();
         debug_assert!(shape.is_consistent());
         Ok((shape, report))
+    }
+
+    /// The search tree over the faces, as in an island of this cloth alone.
+    fn plant(&self) -> Tree {
+        let part = PartRef { topology: &self.topology, rest: &self.positions, layer: 0, self_collision: true, thickness: 0.0 };
+        Surface::new(&[part]).map_or_else(|_| Tree::default(), |surface| Tree::new(&surface))
     }
 
     /// Whether every index is that of a particle, arrays have one length, and constraints that are solved at once share no particle.

@@ -10,8 +10,8 @@
 
 use glam::Vec3;
 
-use super::Topology;
 use super::geodesic::Front;
+use crate::solver::topology::Topology;
 
 /// Least distance between hubs, in mean edges (dimensionless). Smaller: more links; larger: more stretch between hubs.
 const SPACING: f32 = 5.0;

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::batch::{LANES, batches};
-use super::{NONE, Topology};
+use crate::solver::topology::{NONE, Topology};
 
 /// A diagonal is this much longer than every other edge of its two faces (dimensionless; √2 in a square, 1 among equilateral triangles).
 const DIAGONAL_RATIO: f32 = 1.15;

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{NONE, Topology};
+use crate::solver::topology::{NONE, Topology};
 
 /// Least area of a triangle in the texture, over the product of its two longer sides there (dimensionless): with less it has no direction.
 const LEAST: f32 = 1.0e-4;

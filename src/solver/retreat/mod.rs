@@ -313,7 +313,7 @@ mod tests {
 
     use super::*;
     use crate::solver::detect::{Detector, PartRef};
-    use crate::solver::rest::Topology;
+    use crate::solver::topology::Topology;
 
     /// A triangle, and a smaller one whose corner is above it.
     fn surface() -> (Surface, Vec<Vec4>) {

@@ -127,7 +127,7 @@ mod tests {
 
     use super::*;
     use crate::solver::detect::PartRef;
-    use crate::solver::rest::Topology;
+    use crate::solver::topology::Topology;
 
     /// A strip of three by two pins, and how far the corners of its first face end from where they ride when all of it is turned.
     fn miss(axis: Vec3, degrees: f32) -> f32 {

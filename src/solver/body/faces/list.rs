@@ -9,7 +9,7 @@ use super::piece::Piece;
 use super::{Candidate, FaceContacts, SHARE};
 use crate::solver::body::creases::{self, Crease};
 use crate::solver::body::respond::Plane;
-use crate::solver::rest::Topology;
+use crate::solver::topology::Topology;
 
 /// Faces whose boxes are looked at as one.
 const BLOCK: usize = 16;

@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::FLAT;
 
 /// An axis-aligned box.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bounds {
     /// Smallest corner `[m]`.

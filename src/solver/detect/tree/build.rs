@@ -3,9 +3,10 @@
 use glam::{Vec3, Vec3A};
 
 use super::pack::Pack;
+use super::shared::Shared;
 use super::{Bounds, HUB, IS_LEAF, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 impl Tree {
     /// Builds the hierarchy over the rest shape.
@@ -23,13 +24,18 @@ impl Tree {
         if !surface.parts.is_empty() {
             tree.split_parts(surface, &centre, 0, surface.parts.len());
         }
-        tree.find_discs(surface);
-        tree.find_joints(surface);
+        let shared = Shared::new(&tree, surface);
+        tree.find_discs(surface, &shared);
+        tree.find_joints(surface, &shared);
         tree.find_rings(surface);
         tree.corners = tree.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
-        // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
-        tree.stack.reserve(256);
+        tree.reserve_stack();
         tree
+    }
+
+    /// Depth of the pair stack is bounded by a small multiple of the depth of the tree.
+    pub(super) fn reserve_stack(&mut self) {
+        self.stack.reserve(256);
     }
 
     fn split_parts(&mut self, surface: &Surface, centre: &[Vec3], first: usize, last: usize) {
@@ -47,9 +53,7 @@ impl Tree {
 
     fn split_faces(&mut self, part: u16, centre: &[Vec3], first: usize, last: usize) {
         if last - first <= LEAF {
-            let node = self.push(IS_LEAF | first as u32, (last - first) as u16, part);
-            self.nodes[node].link = self.packs.len() as u32;
-            self.packs.push(Pack::EMPTY);
+            self.push_leaf(part, first, last - first);
             return;
         }
         let node = self.push(0, 0, part);
@@ -77,7 +81,13 @@ impl Tree {
         self.split_faces(part, centre, first + middle, last);
     }
 
-    fn push(&mut self, right: u32, count: u16, part: u16) -> usize {
+    pub(super) fn push_leaf(&mut self, part: u16, first: usize, count: usize) {
+        let node = self.push(IS_LEAF | first as u32, count as u16, part);
+        self.nodes[node].link = self.packs.len() as u32;
+        self.packs.push(Pack::EMPTY);
+    }
+
+    pub(super) fn push(&mut self, right: u32, count: u16, part: u16) -> usize {
         self.nodes.push(Node {
             bounds: Bounds::EMPTY,
             right,

@@ -1,7 +1,7 @@
 //! A hierarchy of boxes over the faces of a [`Surface`](super::Surface) (Mezger 2003).
 //!
-//! Built once over the rest shape, where neighbours stay neighbours however the cloth folds, and refitted bottom-up every time:
-//! for an inner node `box = box(left) ∪ box(right)`, for a leaf the union of its faces' boxes. The nodes stand in depth-first order,
+//! Built once over each rest shape, where neighbours stay neighbours however the cloth folds, joined where cloths meet (`tree/join.rs`), and refitted
+//! bottom-up every time: for an inner node `box = box(left) ∪ box(right)`, for a leaf the union of its faces' boxes. The nodes stand in depth-first order,
 //! so the left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a leaf at a time (`tree/pack.rs`).
 //!
 //! ```text
@@ -25,12 +25,14 @@
 mod bounds;
 mod build;
 mod discs;
+mod join;
 mod joints;
 mod levels;
 mod pack;
 mod refit;
 mod rings;
 mod segment;
+mod shared;
 mod traverse;
 
 use core::ops::Range;
@@ -54,7 +56,7 @@ const HUB: usize = 64;
 /// [`Node::part`] of a node that holds more than one cloth.
 const MIXED: u16 = u16::MAX;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
     bounds: Bounds,
@@ -78,7 +80,7 @@ struct Node {
 }
 
 /// A leaf and the ring of faces around it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Leaf {
     node: u32,
@@ -91,7 +93,7 @@ struct Leaf {
 }
 
 /// Two nodes, none above the other, that share particles.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Joint {
     nodes: [u32; 2],
@@ -119,7 +121,7 @@ impl LeafRef<'_> {
 }
 
 /// The hierarchy. See the module.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tree {
     nodes: Vec<Node>,

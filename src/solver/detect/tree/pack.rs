@@ -14,7 +14,7 @@ use super::{Bounds, LEAF};
 const WIDE: usize = 4;
 
 /// The boxes of up to [`LEAF`] faces `[m]`, by axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pack {
     min: [[Vec4; LEAF / WIDE]; 3],

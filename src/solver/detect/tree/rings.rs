@@ -6,7 +6,7 @@ use glam::Vec3A;
 
 use super::{HUB, IS_LEAF, Leaf, Tree};
 use crate::solver::detect::Surface;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 impl Tree {
     /// Finds the faces around each leaf; at the hub of a fan only those beside it.

@@ -6,7 +6,7 @@ use super::pack::lanes;
 use super::{Bounds, FLAT, IS_LEAF, Joint, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::effort::{Effort, Meter};
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// First of a pair on the stack whose second is a [`Joint`].
 const JOINT: u32 = NONE;

@@ -4,7 +4,7 @@ use glam::{Vec3A, Vec4};
 
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::FLAT;
-use crate::solver::rest::NONE;
+use crate::solver::topology::NONE;
 
 /// Asked for more than one in this many particles, it is cheaper to find out about all.
 const ONE_IN: usize = 64;

@@ -1,0 +1,136 @@
+//! Joins the trees of cloths into that of an island: their nodes stand one after the other, below a few that hold more than one cloth.
+//!
+//! ```text
+//!             MIXED                     numbers of nodes, faces, particles, leaves and joints are shifted by what stands before
+//!            /     \
+//!       MIXED       cloth 2
+//!      /     \
+//! cloth 0   cloth 1
+//! ```
+//!
+//! The result is that of [`Tree::new`] for all cloths at once, which would take a hundred times as long.
+
+use glam::Vec3A;
+
+use super::{IS_LEAF, Joint, Leaf, MIXED, Node, Tree};
+use crate::solver::topology::NONE;
+
+impl Tree {
+    /// Joins the trees of single cloths, each with the number of its particles.
+    #[must_use]
+    pub fn join(cloths: &[(&Self, u32)]) -> Self {
+        let sum = |of: fn(&Self) -> usize| cloths.iter().map(|(tree, _)| of(tree)).sum::<usize>();
+        let faces = sum(|tree| tree.faces.len());
+        let mut joined = Self {
+            nodes: Vec::with_capacity(sum(|tree| tree.nodes.len()) + cloths.len()),
+            faces: Vec::with_capacity(faces),
+            normals: Vec::with_capacity(faces),
+            corners: Vec::with_capacity(faces),
+            packs: Vec::with_capacity(sum(|tree| tree.packs.len())),
+            leaves: Vec::with_capacity(sum(|tree| tree.leaves.len())),
+            rings: Vec::with_capacity(sum(|tree| tree.rings.len())),
+            joints: Vec::with_capacity(sum(|tree| tree.joints.len())),
+            quarantined: vec![false; cloths.len()],
+            unjoined: cloths.iter().any(|(tree, _)| tree.unjoined),
+            ..Self::default()
+        };
+        joined.reserve_stack();
+        let mut particles = 0;
+        if !cloths.is_empty() {
+            joined.join_range(cloths, 0, cloths.len(), &mut particles);
+        }
+        joined
+    }
+
+    fn join_range(&mut self, cloths: &[(&Self, u32)], first: usize, last: usize, particles: &mut u32) {
+        if last - first == 1 {
+            let (tree, count) = cloths[first];
+            self.append(tree, first as u16, *particles);
+            *particles += count;
+            return;
+        }
+        let node = self.push(0, 0, MIXED);
+        let middle = usize::midpoint(first, last);
+        self.join_range(cloths, first, middle, particles);
+        self.nodes[node].right = self.nodes.len() as u32;
+        self.join_range(cloths, middle, last, particles);
+    }
+
+    /// Puts the tree of one cloth behind what is there, whose faces and particles come before its own.
+    fn append(&mut self, tree: &Self, part: u16, particles: u32) {
+        if tree.nodes.is_empty() {
+            self.push_leaf(part, self.faces.len(), 0);
+            let (node, ring) = (self.nodes.len() as u32 - 1, self.rings.len() as u32);
+            self.leaves.push(Leaf { node, cover: node, ring: ring..ring, axis: Vec3A::ZERO });
+            return;
+        }
+        let [nodes, faces, leaves, rings, joints] =
+            [self.nodes.len(), self.faces.len(), self.leaves.len(), self.rings.len(), self.joints.len()].map(|len| len as u32);
+        let shifted = |number: u32, by: u32| if number == NONE { NONE } else { number + by };
+        self.nodes.extend(tree.nodes.iter().map(|node| {
+            let is_leaf = node.right & IS_LEAF != 0;
+            // The flag of a leaf is above all numbers of faces.
+            let right = node.right + if is_leaf { faces } else { nodes };
+            Node { right, part, link: shifted(node.link, if is_leaf { leaves } else { joints }), ..*node }
+        }));
+        self.faces.extend(tree.faces.iter().map(|f| f + faces));
+        self.corners.extend(tree.corners.iter().map(|corners| corners.map(|v| v + particles)));
+        self.normals.extend_from_slice(&tree.normals);
+        self.packs.extend_from_slice(&tree.packs);
+        self.leaves.extend(tree.leaves.iter().map(|leaf| Leaf {
+            node: leaf.node + nodes,
+            cover: leaf.cover + nodes,
+            ring: leaf.ring.start + rings..leaf.ring.end + rings,
+            axis: leaf.axis,
+        }));
+        self.rings.extend(tree.rings.iter().map(|f| f + faces));
+        self.joints.extend(tree.joints.iter().map(|joint| Joint {
+            nodes: joint.nodes.map(|i| i + nodes),
+            first: joint.first + joints,
+            count: joint.count,
+        }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::TAU;
+
+    use glam::vec3;
+
+    use super::*;
+    use crate::solver::detect::{PartRef, Surface};
+    use crate::solver::rest::{RestShape, SourceMesh};
+    use crate::solver::scene::grid;
+
+    #[test]
+    fn joined_trees_are_the_tree_of_all_cloths() {
+        let sheet = |n: u32| grid(n, n + 2, |u, v| vec3(u, 0.1 * (7.0 * u).sin(), v));
+        let tube = grid(9, 12, |u, v| vec3((TAU * u).cos(), v, (TAU * u).sin()));
+        // Through a point in the middle, past an edge with three faces.
+        let mut soup = SourceMesh { positions: (0..9).map(|i| vec3(i as f32, (i * i) as f32, 1.0)).collect(), ..tube.clone() };
+        soup.triangles = [[0, 1, 2], [0, 1, 3], [1, 0, 4], [0, 5, 6], [0, 6, 7], [5, 8, 0], [2, 3, 7]].to_vec();
+        soup.uvs.clear();
+        let shapes: Vec<RestShape> =
+            [sheet(13), tube, soup, sheet(4)].iter().map(|mesh| RestShape::build(mesh).expect("a mesh").0).collect();
+        for n in 1..=shapes.len() {
+            let part = |rest: &'_ RestShape| (rest.topology.clone(), rest.positions.clone());
+            let parts: Vec<_> = shapes[..n].iter().map(part).collect();
+            let parts: Vec<PartRef<'_>> = parts
+                .iter()
+                .map(|(topology, rest)| PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.01 })
+                .collect();
+            let whole = Tree::new(&Surface::new(&parts).expect("cloths"));
+            let trees: Vec<(&Tree, u32)> = shapes[..n].iter().map(|rest| (&*rest.tree, rest.topology.particles)).collect();
+            assert!(Tree::join(&trees) == whole, "{n} cloths");
+        }
+    }
+
+    #[test]
+    fn what_has_no_faces_joins_as_an_empty_leaf() {
+        let (rest, _) = RestShape::build(&grid(5, 5, |u, v| vec3(u, 0.0, v))).expect("a sheet");
+        let joined = Tree::join(&[(&Tree::default(), 0), (&rest.tree, 25)]);
+        assert_eq!((joined.leaves(), joined.leaf(0).faces.len()), (rest.tree.leaves() + 1, 0));
+        assert_eq!(joined.leaf(1).faces, rest.tree.leaf(0).faces);
+    }
+}
