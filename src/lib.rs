@@ -38,7 +38,7 @@ pub use components::{
     ClothColliderPart, ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded,
     ClothContactEvents, ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError,
     ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits,
-    ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint,
+    ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPiece,
     ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody,
     ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled,
     ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
@@ -69,12 +69,12 @@ pub mod prelude {
         ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
         ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed,
         ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLoading, ClothLod,
-        ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPinSelect,
-        ClothPinSet, ClothPins, ClothPlugin, ClothPriority, ClothQuery, ClothReaction, ClothRecovered, ClothReport, ClothRest,
-        ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot,
-        ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
-        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
-        ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
+        ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPiece,
+        ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPriority, ClothQuery, ClothReaction, ClothRecovered,
+        ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept,
+        ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode,
+        ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
+        ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, release, resolve,
-    respond, skin, sleep, sources, sync, touch,
+    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, release,
+    resolve, respond, skin, sleep, sources, sync, touch,
 };
 use crate::time;
 
@@ -97,6 +97,7 @@ impl Plugin for ClothPlugin {
             .init_resource::<WorldAir>()
             .init_resource::<ClothIslands>()
             .add_observer(release::on_remove_cloth)
+            .add_observer(pieces::on_remove_piece)
             .add_observer(release::on_remove_body)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
@@ -170,7 +171,7 @@ impl Plugin for ClothPlugin {
                 (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
             ),
         )
-        .add_systems(shows, (sync::shape, sync::write).chain().in_set(ClothSystems::Sync));
+        .add_systems(shows, (sync::shape, pieces::follow, sync::write, pieces::write).chain().in_set(ClothSystems::Sync));
 
         #[cfg(feature = "avian")]
         {

@@ -46,8 +46,8 @@ impl RestCache {
     /// The shape of a mesh at a scale, built if no cloth has it yet.
     pub fn get_or_build(&mut self, source: AssetId<Mesh>, bake: Mat3, authored: &Authored) -> Built {
         // Nobody may have been told yet that the mesh is another.
-        let fits =
-            |built: &Built| built.as_ref().is_ok_and(|(shape, _)| shape.particle_of_vertex.len() == authored.positions.len());
+        let vertices = authored.positions.len();
+        let fits = |built: &Built| built.as_ref().map_or(true, |(shape, _)| shape.particle_of_vertex.len() == vertices);
         if let Some(known) = self.get(source, bake).filter(fits) {
             return known;
         }

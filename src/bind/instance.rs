@@ -4,9 +4,9 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{MeshAccessError, VertexAttributeValues};
 use bevy::prelude::*;
 
-/// A copy of `source` that is kept in both worlds, without skin and morph targets: simulated positions must not be skinned again.
-pub(crate) fn instance_of(source: &Mesh) -> Result<Mesh, MeshAccessError> {
-    let mut instance = Mesh::new(source.primitive_topology(), RenderAssetUsages::default());
+/// A copy of `source` without skin and morph targets: simulated positions must not be skinned again.
+pub(crate) fn instance_of(source: &Mesh, usage: RenderAssetUsages) -> Result<Mesh, MeshAccessError> {
+    let mut instance = Mesh::new(source.primitive_topology(), usage);
     instance.enable_raytracing = source.enable_raytracing;
     for (attribute, values) in source.try_attributes()? {
         let skin = [Mesh::ATTRIBUTE_JOINT_INDEX.id, Mesh::ATTRIBUTE_JOINT_WEIGHT.id];

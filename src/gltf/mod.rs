@@ -25,6 +25,9 @@
 //! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a character, or on
 //! its armature.
 //!
+//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth, shown by a [`ClothPiece`](crate::ClothPiece) for each
+//! material: where their vertices lie in the same place, they hang together.
+//!
 //! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
 //!
 //! A `map` names what was painted as `cloth.pin` does; a single number beside it counts where the paint is 1, and 0 where it is 0. A mesh with
@@ -44,6 +47,7 @@
 //! ```
 
 mod extras;
+mod join;
 mod maps;
 
 use bevy::ecs::system::SystemParam;
@@ -55,11 +59,12 @@ use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
     Cloth, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
-    ClothMaterial, ClothMeshFit, ClothPinSelect, ClothPins, ClothSolver,
+    ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothSolver,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
 use extras::{ClothExtras, ColliderExtras, ColliderFit, MaterialExtras, Problem};
+use join::Joined;
 use maps::BackstopExtras;
 
 /// The systems, for `plugin.rs` to order: before anything is bound.
@@ -116,8 +121,9 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
+    skins: Query<&SkinnedMesh>,
     nodes: Nodes,
-    assets: Res<Assets<Mesh>>,
+    mut assets: ResMut<Assets<Mesh>>,
     roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
 ) {
@@ -142,11 +148,6 @@ pub(crate) fn nodes(
             problems.push(Problem::new("collider", "needs a mesh on the node to be fitted to"));
         }
         if let Some(cloth) = &node.cloth {
-            if primitives.len() > 1 {
-                let what =
-                    "each becomes a cloth of its own and they come apart: join their materials, or pin them where they meet";
-                problems.push(Problem::new("cloth", format!("is on a mesh with {} primitives: {what}", primitives.len())));
-            }
             let listed = matches!(&cloth.pin, Some(ClothPinSelect::Vertices(vertices)) if !vertices.is_empty());
             let mut shown = primitives.iter().filter_map(|p| meshes.get(*p).ok()).filter_map(|m| assets.get(&m.0));
             if listed && shown.any(without_normals) {
@@ -154,9 +155,31 @@ pub(crate) fn nodes(
                             export normals, or pin by attribute or colour";
                 problems.push(Problem::new("cloth.pin", what));
             }
-            for &primitive in &primitives {
-                let mesh = meshes.get(primitive).ok().and_then(|mesh| assets.get(&mesh.0));
-                make_cloth(&mut commands, (primitive, mesh), cloth, &file, server.as_deref(), &mut problems);
+            let own: Vec<&Mesh> = primitives.iter().filter_map(|p| assets.get(&meshes.get(*p).ok()?.0)).collect();
+            let joined = (primitives.len() > 1 && own.len() == primitives.len()).then(|| join::join(&own));
+            if let Some(Ok(Joined { mesh, firsts })) = joined {
+                make_cloth(&mut commands, (entity, Some(&mesh)), cloth, &file, server.as_deref(), &mut problems);
+                let skin = primitives.first().and_then(|p| skins.get(*p).ok()).cloned();
+                let mut bearer = commands.entity(entity);
+                bearer.try_insert(Mesh3d(assets.add(mesh)));
+                if let Some(skin) = skin {
+                    bearer.try_insert(skin);
+                }
+                for (&primitive, first) in primitives.iter().zip(firsts) {
+                    commands.entity(primitive).try_insert(ClothPiece { cloth: entity, first });
+                }
+            } else {
+                if let Some(Err(error)) = joined {
+                    let what = format!(
+                        "is on a mesh with {} primitives that cannot be joined ({error}): each becomes a cloth of its own",
+                        primitives.len()
+                    );
+                    problems.push(Problem::new("cloth", what));
+                }
+                for &primitive in &primitives {
+                    let mesh = meshes.get(primitive).ok().and_then(|mesh| assets.get(&mesh.0));
+                    make_cloth(&mut commands, (primitive, mesh), cloth, &file, server.as_deref(), &mut problems);
+                }
             }
         }
         match node.collider {

@@ -34,6 +34,20 @@ pub(crate) struct Binding {
     pub on_skin: bool,
 }
 
+/// Which mesh a piece of a cloth was made from.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct PieceBinding {
+    /// The authored mesh.
+    pub source: Handle<Mesh>,
+    /// The mesh of its own, which is shown.
+    pub instance: Handle<Mesh>,
+    /// Whether the entity had `NoAutoAabb` before.
+    pub own_bounds: bool,
+    /// What was written last: the cloth, its vertex that is the first here, and its [`ClothShown::writes`](super::ClothShown).
+    pub written: Option<(Entity, u32, u32)>,
+}
+
 /// The skin that was taken off a cloth's entity. A clone of the entity takes it along, with its own joints where those are cloned, too.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct TakenSkin {

@@ -18,7 +18,7 @@ mod slumber;
 mod worn;
 
 pub(crate) use air::{WorldAir, reaches};
-pub(crate) use binding::{Binding, Change, TakenSkin, WaitingSince};
+pub(crate) use binding::{Binding, Change, PieceBinding, TakenSkin, WaitingSince};
 pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldBody, WorldRigid, is_near, jumped, swept};
 pub(crate) use inputs::{ClothInputs, FIRST_FRAMES};
 pub(crate) use motion::Motion;

@@ -27,6 +27,8 @@ pub(crate) struct ClothShown {
     pub origin: DVec3,
     /// Whether the vertices are newer than those of the mesh.
     pub fresh: bool,
+    /// How often the mesh was written.
+    pub writes: u32,
     /// Whether to write even if nothing moved.
     pub forced: bool,
     /// Whether nothing moved since it fell asleep.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bevy::asset::LoadState;
+use bevy::asset::{LoadState, RenderAssetUsages};
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy::ecs::query::QueryData;
@@ -19,7 +19,7 @@ use crate::bind::{
 };
 use crate::components::{
     Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothLoading,
-    ClothMaterial, ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
+    ClothMaterial, ClothPiece, ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
@@ -70,6 +70,7 @@ pub(crate) struct Assembly<'w, 's> {
     loading: Res<'w, ClothLoading>,
     sources: ResMut<'w, Sources>,
     transforms: Transforms<'w, 's>,
+    pieces: Query<'w, 's, &'static ClothPiece>,
 }
 
 /// What keeps a cloth from being bound.
@@ -304,7 +305,13 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     }
     let surface = Surface::new(mesh, &authored);
     let instance = if *change == Change::Mesh {
-        Some((instance_of(mesh).map_err(|error| unreadable(&error))?, corners(mesh)))
+        // Pieces are drawn in its place.
+        let usage = if assembly.pieces.iter().any(|piece| piece.cloth == cloth.entity) {
+            RenderAssetUsages::MAIN_WORLD
+        } else {
+            RenderAssetUsages::default()
+        };
+        Some((instance_of(mesh, usage).map_err(|error| unreadable(&error))?, corners(mesh)))
     } else {
         None
     };

@@ -13,6 +13,7 @@ pub(crate) mod inputs;
 pub(crate) mod integrate;
 mod islands;
 pub(crate) mod lod;
+pub(crate) mod pieces;
 pub(crate) mod release;
 pub(crate) mod resolve;
 pub(crate) mod respond;

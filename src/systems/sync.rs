@@ -154,6 +154,7 @@ pub(crate) fn write(
         }
         let Some(instance) = &binding.instance else { continue };
         let Some(mut mesh) = meshes.get_mut(instance) else { continue };
+        shown.writes = shown.writes.wrapping_add(1);
         let vertices = &mut shown.vertices;
         swap(&mut mesh, Mesh::ATTRIBUTE_POSITION, &mut vertices.positions);
         swap(&mut mesh, Mesh::ATTRIBUTE_NORMAL, &mut vertices.normals);

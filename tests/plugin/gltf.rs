@@ -210,7 +210,7 @@ fn a_wrong_key_is_one_warning_with_file_node_and_key_and_the_rest_works() {
 }
 
 #[test]
-fn pins_by_index_without_normals_and_meshes_in_several_pieces_are_told_of() {
+fn pins_by_index_without_normals_and_primitives_that_cannot_be_joined_are_told_of() {
     let folder = folder("pieces");
     let (smooth, bare) =
         (r#"{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 3}"#, r#"{"attributes": {"POSITION": 0}, "indices": 3}"#);
@@ -227,9 +227,41 @@ fn pins_by_index_without_normals_and_meshes_in_several_pieces_are_told_of() {
     let lines = told("bare.gltf", bare, pins);
     assert_eq!(lines.len(), 1, "{lines:#?}");
     assert!(["bare.gltf", "`Curtain`", "`cloth.pin`", "no normals"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
-    let lines = told("two.gltf", &format!("{smooth}, {smooth}"), pins);
+    assert_eq!(told("two.gltf", &format!("{smooth}, {smooth}"), pins), Vec::<String>::new());
+    let strip = smooth.replace("\"indices\": 3", "\"indices\": 3, \"mode\": 5");
+    let lines = told("strip.gltf", &format!("{smooth}, {strip}"), pins);
     assert_eq!(lines.len(), 1, "{lines:#?}");
-    assert!(["two.gltf", "`Curtain`", "2 primitives"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    let words = ["strip.gltf", "`Curtain`", "2 primitives", "TriangleStrip"];
+    assert!(words.iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn a_node_of_several_primitives_is_one_cloth() {
+    let folder = folder("primitives");
+    let (painted, bare) = (
+        r#"{"attributes": {"POSITION": 0, "NORMAL": 1, "_PIN": 2, "COLOR_0": 4}, "indices": 3}"#,
+        r#"{"attributes": {"POSITION": 0, "NORMAL": 1, "_PIN": 2}, "indices": 3}"#,
+    );
+    let extras = r#"{"cloth": {"pin": "_PIN"}}"#;
+    write_gltf_of(&folder.join("cape.gltf"), &format!("{painted}, {bare}"), &[node("Cape", extras)], "{}");
+    let mut app = gltf_app(&folder);
+    load(&mut app, "cape.gltf");
+    run(&mut app, 60);
+    let world = app.world_mut();
+    let cloths: Vec<Entity> = world.query_filtered::<Entity, With<Cloth>>().iter(world).collect();
+    let pieces: Vec<(Entity, ClothPiece)> =
+        world.query::<(Entity, &ClothPiece)>().iter(world).map(|(entity, piece)| (entity, *piece)).collect();
+    assert_eq!((cloths.len(), pieces.len()), (1, 2));
+    assert_eq!(
+        pieces.iter().map(|(_, piece)| (piece.cloth, piece.first)).collect::<Vec<_>>(),
+        [(cloths[0], 0), (cloths[0], 25)]
+    );
+    // Both lie in the same place, so they are one.
+    assert_eq!((particles(&app, cloths[0]).len(), report(&app, cloths[0]).pinned), (25, 5));
+    let [a, b] = [0, 1].map(|k| positions(&app, pieces[k].0));
+    assert_eq!(a, b);
+    assert!(lowest(&a) < -0.2, "it hangs");
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }
 

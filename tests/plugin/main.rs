@@ -24,6 +24,7 @@ mod loading;
 mod lod;
 mod picking;
 mod mannequin;
+mod pieces;
 mod pins;
 mod query;
 mod record;

@@ -244,7 +244,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },
         ))
         .id();
-    world.entity_mut(body).insert(ClothGrab { cloth, target: Vec3::Z, ..default() });
+    world.entity_mut(body).insert((ClothGrab { cloth, target: Vec3::Z, ..default() }, ClothPiece { cloth, first: 4 }));
     [hand, cloth, body]
 }
 
@@ -291,7 +291,7 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
         let (old, new) = (components(app.world(), &registry, old), components(other.world(), &registry, new));
         assert_eq!(old.keys().collect::<Vec<_>>(), new.keys().collect::<Vec<_>>());
         for (name, old) in &old {
-            if !["ClothGrab", "ClothInertia", "ClothPins", "ClothPresetHandle"].contains(&name.as_str()) {
+            if !["ClothGrab", "ClothInertia", "ClothPiece", "ClothPins", "ClothPresetHandle"].contains(&name.as_str()) {
                 assert_eq!(old.reflect_partial_eq(&*new[name]), Some(true), "{name}: {old:?} is now {:?}", new[name]);
             }
         }
@@ -301,6 +301,7 @@ fn a_scene_with_every_component_is_saved_and_loaded_equal() {
         assert!(seen.contains(&name) || KEPT.contains(&name.as_str()), "{name} is not in the scene");
     }
     assert_eq!(other.world().get::<ClothGrab>(body).map(|grab| grab.cloth), Some(cloth));
+    assert_eq!(other.world().get::<ClothPiece>(body), Some(&ClothPiece { cloth, first: 4 }));
     let inertia = ClothInertia { linear: 0.5, space: Some(hand), ..default() };
     assert_eq!(other.world().get::<ClothInertia>(cloth), Some(&inertia));
     // The hand is another entity now, and the cloth hangs on that.
