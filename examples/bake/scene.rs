@@ -68,6 +68,8 @@ pub fn app(arguments: &Arguments, logs: bool) -> Result<App, String> {
     .register_type::<MeshMaterial3d<StandardMaterial>>()
     .register_type::<Visibility>()
     .init_asset::<StandardMaterial>()
+    // The first frame is the same on every machine.
+    .insert_resource(ClothLoading::AT_ONCE)
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
         1.0 / arguments.fps / f64::from(updates(arguments.fps)),
     )));

@@ -50,7 +50,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_drape::{ClothDebug, ClothDebugPlugin, ClothSolver};
+use bevy_drape::{ClothDebug, ClothDebugPlugin, ClothLoading, ClothSolver};
 use clap::Parser;
 use headless::Job;
 use picture::Picture;
@@ -156,6 +156,8 @@ impl Stage {
                 .add_systems(Update, legend::write.run_if(resource_changed::<ClothDebug>));
         }
         if !matches!(venue, Venue::Window(_)) {
+            // A picture is the same on every machine.
+            app.insert_resource(ClothLoading::AT_ONCE);
             let world = app.world_mut();
             let job = Job {
                 title: self.title,

@@ -81,6 +81,8 @@ fn app(arguments: &Arguments) -> App {
     ))
     .register_type::<MeshMaterial3d<StandardMaterial>>()
     .init_asset::<StandardMaterial>()
+    // The first frame is the same on every machine.
+    .insert_resource(ClothLoading::AT_ONCE)
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(1.0 / RATE)))
     .insert_resource(Outfit(arguments.outfit.clone()))
     .add_systems(PostUpdate, undress.before(ClothSystems::Prepare));

@@ -68,6 +68,21 @@ impl RestCache {
         if self.get(source, bake).is_some() {
             return true;
         }
+        // Of a scale that changes meanwhile, what is built will be a multiple of it, or it is built at once.
+        let mut others = self.tasks.iter_mut().filter(|((id, _), _)| *id == source);
+        if let Some(((_, bits), building)) = others.next() {
+            if multiple(&bake, &Mat3::from_cols_array(&bits.map(f32::from_bits))).is_none() {
+                return true;
+            }
+            let other = (source, *bits);
+            building.asked = true;
+            building.built = building.built.take().or_else(|| check_ready(&mut building.task));
+            let built = building.built.clone();
+            if let Some(built) = &built {
+                self.take(other, built);
+            }
+            return built.is_some();
+        }
         let Some((pool, authored)) = AsyncComputeTaskPool::try_get().zip(begin()) else { return true };
         let task = pool.spawn(async move { build(&baked(&authored, bake)) });
         self.tasks.insert(key, Building { task, built: None, asked: true });
@@ -133,7 +148,8 @@ impl RestCache {
 }
 
 fn key(source: AssetId<Mesh>, bake: Mat3) -> Key {
-    (source, bake.to_cols_array().map(f32::to_bits))
+    // A zero has no sign: one that turns would be another scale in every frame.
+    (source, bake.to_cols_array().map(|x| (x + 0.0).to_bits()))
 }
 
 /// A mesh at a scale.

@@ -5,8 +5,9 @@ use bevy::prelude::*;
 /// Loading: how large a mesh may be to become cloth at once, as a resource.
 ///
 /// To make a rest shape of a mesh takes some 4 ms for each thousand vertices, once for all cloths with this mesh and scale. A mesh that is larger is
-/// prepared on Bevy's `AsyncComputeTaskPool`, so that no frame waits for it. Meanwhile the authored mesh is shown, and the status of the cloth is
-/// [`WaitingFor::Build`](crate::WaitingFor). A cloth whose mesh is replaced stays as it is shown.
+/// prepared on Bevy's `AsyncComputeTaskPool`, so that no frame waits for that. Meanwhile the authored mesh is shown, and the status of the cloth is
+/// [`WaitingFor::Build`](crate::WaitingFor). A cloth that is simulated and gets another mesh or scale is prepared at once. Without threads, as on the web, the
+/// pool works between frames.
 ///
 /// In which frame such a cloth begins depends on the machine. Where that matters, in lockstep or in tests, prepare all at once:
 ///

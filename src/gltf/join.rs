@@ -1,7 +1,7 @@
 //! The primitives of a node, one for each material, joined into the mesh of one cloth.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology};
+use bevy::mesh::{Indices, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 
 /// Several meshes as one.
@@ -12,7 +12,8 @@ pub(super) struct Joined {
     pub firsts: Vec<u32>,
 }
 
-/// Joins meshes of triangles, with the attributes that all of them have.
+/// Joins meshes of triangles, with the attributes that all of them have. Bevy makes tangents where the material has a normal map: the others get any, since
+/// those of cloth are computed anew.
 pub(super) fn join(meshes: &[&Mesh]) -> Result<Joined, String> {
     let mut joined: Option<Mesh> = None;
     let mut firsts = Vec::new();
@@ -40,7 +41,13 @@ fn common(meshes: &[&Mesh]) -> Result<Vec<MeshVertexAttribute>, String> {
             Some(common) => common.retain(|one| own.iter().any(|other| (one.id, one.format) == (other.id, other.format))),
         }
     }
-    Ok(common.unwrap_or_default())
+    let mut common = common.unwrap_or_default();
+    let has = |mesh: &&Mesh| matches!(mesh.try_attribute(Mesh::ATTRIBUTE_TANGENT), Ok(VertexAttributeValues::Float32x4(_)));
+    if meshes.iter().any(has) && !common.iter().any(|one| one.id == Mesh::ATTRIBUTE_TANGENT.id) {
+        // After the positions, whose number it takes.
+        common.push(Mesh::ATTRIBUTE_TANGENT);
+    }
+    Ok(common)
 }
 
 /// A list of triangles with some attributes of a mesh.
@@ -50,6 +57,10 @@ fn part(mesh: &Mesh, attributes: &[MeshVertexAttribute]) -> Result<Mesh, String>
     }
     let mut part = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::MAIN_WORLD);
     for &attribute in attributes {
+        if attribute.id == Mesh::ATTRIBUTE_TANGENT.id && !mesh.contains_attribute(attribute.id) {
+            part.insert_attribute(attribute, vec![[1.0, 0.0, 0.0, 1.0]; part.count_vertices()]);
+            continue;
+        }
         let values = mesh.try_attribute(attribute.id).map_err(|error| error.to_string())?;
         part.insert_attribute(attribute, values.clone());
     }
@@ -59,4 +70,21 @@ fn part(mesh: &Mesh, attributes: &[MeshVertexAttribute]) -> Result<Mesh, String>
     };
     part.insert_indices(Indices::U32(indices));
     Ok(part)
+}
+
+/// Meshes that were joined, while cloths have them: scenes of one file share them, and with them their shape at rest.
+#[derive(Default)]
+pub(crate) struct Known(Vec<AssetId<Mesh>>);
+
+impl Known {
+    /// A mesh like this one.
+    pub(super) fn find(&mut self, assets: &mut Assets<Mesh>, mesh: Mesh) -> Handle<Mesh> {
+        self.0.retain(|id| assets.contains(*id));
+        let like = self.0.iter().copied().find(|id| assets.get(*id) == Some(&mesh));
+        let handle = like.and_then(|id| assets.get_strong_handle(id)).unwrap_or_else(|| assets.add(mesh));
+        if !self.0.contains(&handle.id()) {
+            self.0.push(handle.id());
+        }
+        handle
+    }
 }

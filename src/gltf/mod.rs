@@ -124,6 +124,7 @@ pub(crate) fn nodes(
     skins: Query<&SkinnedMesh>,
     nodes: Nodes,
     mut assets: ResMut<Assets<Mesh>>,
+    mut known: Local<join::Known>,
     roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
 ) {
@@ -161,7 +162,7 @@ pub(crate) fn nodes(
                 make_cloth(&mut commands, (entity, Some(&mesh)), cloth, &file, server.as_deref(), &mut problems);
                 let skin = primitives.first().and_then(|p| skins.get(*p).ok()).cloned();
                 let mut bearer = commands.entity(entity);
-                bearer.try_insert(Mesh3d(assets.add(mesh)));
+                bearer.try_insert(Mesh3d(known.find(&mut assets, mesh)));
                 if let Some(skin) = skin {
                     bearer.try_insert(skin);
                 }

@@ -70,7 +70,7 @@ pub(crate) struct Assembly<'w, 's> {
     loading: Res<'w, ClothLoading>,
     sources: ResMut<'w, Sources>,
     transforms: Transforms<'w, 's>,
-    pieces: Query<'w, 's, &'static ClothPiece>,
+    pieces: Query<'w, 's, &'static ClothPiece, Without<Cloth>>,
 }
 
 /// What keeps a cloth from being bound.
@@ -255,9 +255,10 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     }
     let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(WaitingFor::Asset))?;
     let vertices = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok().flatten().map_or(0, VertexAttributeValues::len);
-    let is_large = *change == Change::Mesh && vertices >= assembly.loading.in_background_from as usize;
-    let begin = || if is_large { read(mesh).ok() } else { None };
-    if !assembly.cache.is_ready(source.id(), placement.bake, begin) {
+    // One that was simulated, or failed, is not to stand still.
+    let is_new = cloth.inputs.is_none() && cloth.error.is_none();
+    let is_large = is_new && *change == Change::Mesh && vertices >= assembly.loading.in_background_from as usize;
+    if is_large && !assembly.cache.is_ready(source.id(), placement.bake, || read(mesh).ok()) {
         return Err(Obstacle::Wait(WaitingFor::Build));
     }
     let authored = read(mesh)?;

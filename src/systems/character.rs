@@ -22,7 +22,7 @@ use crate::bind::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sour
 use crate::character::{BoneCollider, FitSettings, SkinnedBody, fit};
 use crate::components::body::{FittedBody, FittedColliders, FittedTo, MadeOf, Stage};
 use crate::components::checked::Checked;
-use crate::components::{Cloth, ClothBody, ClothCollider, ClothCollisionLayers};
+use crate::components::{Cloth, ClothBody, ClothCollider, ClothCollisionLayers, ClothPiece};
 use crate::notices::{Notices, PATIENCE, label};
 
 /// Most entities between a joint and the joint above it.
@@ -38,6 +38,7 @@ pub(crate) struct Body {
     mesh: Option<&'static Mesh3d>,
     skin: Option<Ref<'static, SkinnedMesh>>,
     is_cloth: Has<Cloth>,
+    is_piece: Has<ClothPiece>,
     layers: Option<&'static ClothCollisionLayers>,
     fitted: Option<&'static mut FittedBody>,
 }
@@ -129,7 +130,7 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
         let made_of = MadeOf {
             mesh: body.mesh.map(|mesh| sources.authored(&mesh.0).id()),
             skin: body.skin.as_ref().map(|skin| skin.inverse_bindposes.id()),
-            is_cloth: body.is_cloth,
+            is_cloth: body.is_cloth || body.is_piece,
             layers: body.layers.copied(),
         };
         let arrived = made_of.mesh.is_some_and(|mesh| {
@@ -142,7 +143,7 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
             continue;
         }
         state.made_of = made_of;
-        let next = match anatomy.obstacle(body.mesh, body.skin.as_deref(), body.is_cloth) {
+        let next = match anatomy.obstacle(body.mesh, body.skin.as_deref(), body.is_cloth || body.is_piece) {
             None => Stage::New,
             Some(Obstacle::Wait(wait)) => {
                 let since = if let Stage::Waiting { since } = state.stage { since } else { now };

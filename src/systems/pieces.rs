@@ -28,6 +28,7 @@ pub(crate) struct Piece {
     taken: Option<&'static TakenSkin>,
     skinned_bounds: Has<DynamicSkinnedMeshBounds>,
     own_bounds: Has<NoAutoAabb>,
+    is_cloth: Has<Cloth>,
 }
 
 /// Gives pieces of cloths that are simulated meshes of their own, and all others theirs back.
@@ -36,11 +37,21 @@ pub(crate) fn follow(
     mut meshes: ResMut<Assets<Mesh>>,
     mut sources: ResMut<Sources>,
     mut notices: ResMut<Notices>,
-    mut pieces: Query<Piece, Without<Cloth>>,
+    mut pieces: Query<Piece>,
     cloths: Query<(&Binding, &ClothShown), With<Cloth>>,
     others: Query<(Option<&Name>, Has<Cloth>)>,
 ) {
     for mut piece in &mut pieces {
+        if piece.is_cloth {
+            if piece.binding.is_some() {
+                commands.entity(piece.entity).try_remove::<PieceBinding>();
+            }
+            if notices.first(piece.entity, "piece that is a cloth") {
+                let name = label(piece.entity, piece.name);
+                warn!("piece {name} is a cloth of its own and shows no other: remove `Cloth` or `ClothPiece` from it");
+            }
+            continue;
+        }
         let cloth = cloths.get(piece.piece.cloth).ok().filter(|(cloth, _)| cloth.instance.is_some() && !cloth.on_skin);
         let Some((_, shown)) = cloth else {
             if let Some(binding) = piece.binding {
@@ -48,6 +59,7 @@ pub(crate) fn follow(
             }
             let name = match others.get(piece.piece.cloth) {
                 Ok((name, false)) => name,
+                Err(_) if piece.piece.cloth != Entity::PLACEHOLDER => None,
                 _ => continue,
             };
             if notices.first(piece.entity, "piece of no cloth") {
@@ -56,11 +68,16 @@ pub(crate) fn follow(
             }
             continue;
         };
-        let is_known = |binding: &&PieceBinding| binding.instance.id() == piece.mesh.0.id();
-        let binding = piece.binding.filter(is_known);
-        let source = binding.map_or_else(|| sources.authored(&piece.mesh.0), |binding| binding.source.clone());
+        let vertices_of = |mesh: &Mesh| mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).map_or(0, VertexAttributeValues::len);
+        let source = sources.authored(&piece.mesh.0);
         let Some(mesh) = meshes.get(&source) else { continue };
-        let vertices = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).map_or(0, VertexAttributeValues::len);
+        let vertices = vertices_of(mesh);
+        let is_known = |binding: &&PieceBinding| {
+            binding.instance.id() == piece.mesh.0.id()
+                && !sources.modified.contains(&source.id())
+                && meshes.get(&binding.instance).is_some_and(|mesh| vertices_of(mesh) == vertices)
+        };
+        let binding = piece.binding.filter(is_known);
         let (first, all) = (piece.piece.first as usize, shown.vertices.positions.len());
         if first.saturating_add(vertices) > all {
             if let Some(binding) = binding {
@@ -98,9 +115,11 @@ fn give_instance(
     source: Handle<Mesh>,
     instance: Handle<Mesh>,
 ) {
+    // A clone shows the mesh of that piece still, whose bounds were ours.
+    let is_clone = piece.binding.is_none() && sources.is_instance(piece.mesh.0.id());
     sources.insert(instance.id(), source.clone());
     piece.mesh.0 = instance.clone();
-    let own_bounds = piece.binding.map_or(piece.own_bounds, |binding| binding.own_bounds);
+    let own_bounds = piece.binding.map_or(piece.own_bounds && !is_clone, |binding| binding.own_bounds);
     entity.try_insert((PieceBinding { source, instance, own_bounds, written: None }, NoAutoAabb, Aabb::default()));
     if let Some(SkinnedMesh { inverse_bindposes, joints }) = piece.skinned.cloned() {
         entity.try_insert(TakenSkin { inverse_bindposes, joints, bounds: piece.skinned_bounds });
@@ -131,11 +150,14 @@ fn release(entity: &mut EntityCommands, mesh: Option<&mut Mesh3d>, binding: &Pie
 pub(crate) fn on_remove_piece(
     removed: On<Remove, ClothPiece>,
     mut commands: Commands,
-    mut pieces: Query<(Option<&mut Mesh3d>, &PieceBinding, Option<&TakenSkin>), Allow<Disabled>>,
+    mut pieces: Query<(Option<&mut Mesh3d>, &PieceBinding, Option<&TakenSkin>, Has<Cloth>), Allow<Disabled>>,
 ) {
     forget(&mut commands, removed.entity);
-    let Ok((mesh, binding, taken)) = pieces.get_mut(removed.entity) else { return };
-    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+    let Ok((mesh, binding, taken, is_cloth)) = pieces.get_mut(removed.entity) else { return };
+    let Ok(mut entity) = commands.get_entity(removed.entity) else { return };
+    if is_cloth {
+        entity.try_remove::<PieceBinding>();
+    } else {
         release(&mut entity, mesh.map(Mut::into_inner), binding, taken);
     }
 }
@@ -156,9 +178,8 @@ pub(crate) fn write(
             continue;
         }
         // Taken out meanwhile, since two meshes are not borrowed at once.
-        let Some(mut mesh) = meshes.get_mut(&binding.instance) else { continue };
-        let mut values = SHOWN.map(|attribute| take_values(&mut mesh, attribute));
-        drop(mesh);
+        let Some(mesh) = meshes.get_mut_untracked(&binding.instance) else { continue };
+        let mut values = SHOWN.map(|attribute| take_values(mesh, attribute));
         if let Some(whole) = meshes.get(whole) {
             for (attribute, values) in SHOWN.into_iter().zip(&mut values) {
                 copy(whole, attribute, piece.first as usize, values);

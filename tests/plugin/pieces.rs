@@ -132,3 +132,39 @@ fn pieces_that_show_nothing_are_told_of_once() {
     assert_eq!(told(&["`Fringe`", "`Banner`", "`Cloth`"]), 1, "{lines:#?}");
     assert_eq!(lines.len(), 2, "{lines:#?}");
 }
+
+#[test]
+fn a_piece_that_becomes_a_cloth_is_one() {
+    let lines = warnings(app(), |app| {
+        let (_, pieces, meshes) = spawn_pieces(app);
+        run(app, 5);
+        app.world_mut().entity_mut(pieces[0]).insert((Cloth, border()));
+        run(app, 20);
+        assert_eq!(status(app, pieces[0]), ClothStatus::Active);
+        assert_eq!(particles(app, pieces[0]).len(), 11 * 11);
+        assert!(app.world().entity(pieces[0]).contains::<NoAutoAabb>());
+        app.world_mut().entity_mut(pieces[0]).remove::<ClothPiece>();
+        run(app, 5);
+        assert!(app.world().entity(pieces[0]).contains::<NoAutoAabb>(), "its bounds are those of the cloth");
+        assert!(lowest(&positions(app, pieces[0])) < -0.1);
+        app.world_mut().entity_mut(pieces[0]).remove::<Cloth>();
+        run(app, 2);
+        assert!(mesh_of_entity(app, pieces[0]) == meshes[0]);
+    });
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("a cloth of its own"), "{lines:#?}");
+}
+
+#[test]
+fn a_clone_of_a_cloth_and_its_pieces_has_bounds_of_its_own() {
+    let mut app = app();
+    let (_, pieces, meshes) = spawn_pieces(&mut app);
+    run(&mut app, 5);
+    let clone = app.world_mut().entity_mut(pieces[0]).clone_and_spawn();
+    run(&mut app, 5);
+    assert!(mesh_of_entity(&app, clone) != mesh_of_entity(&app, pieces[0]), "a mesh of its own");
+    assert_eq!(positions(&app, clone), positions(&app, pieces[0]));
+    app.world_mut().entity_mut(clone).remove::<ClothPiece>();
+    run(&mut app, 2);
+    assert!(mesh_of_entity(&app, clone) == meshes[0] && !app.world().entity(clone).contains::<NoAutoAabb>());
+}

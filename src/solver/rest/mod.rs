@@ -218,6 +218,7 @@ impl RestShape {
             + self.net.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
             + self.membrane.bytes()
             + self.bends.bytes()
+            + self.tree.bytes()
     }
 }
 

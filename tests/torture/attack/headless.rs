@@ -57,6 +57,8 @@ pub fn begin(app: &mut App, options: &Options) {
             });
         }
     }
+    // In which frame a cloth begins is not to depend on the machine.
+    app.insert_resource(ClothLoading::AT_ONCE);
     frame_length(app, FRAME);
     app.finish();
     app.cleanup();

@@ -152,6 +152,28 @@ impl Tree {
         self.quarantined[usize::from(part)]
     }
 
+    /// Number of faces.
+    pub fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
+    /// Memory held by it `[B]`.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..])
+            + size_of_val(&self.faces[..])
+            + size_of_val(&self.packs[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.corners[..])
+            + size_of_val(&self.leaves[..])
+            + size_of_val(&self.rings[..])
+            + size_of_val(&self.joints[..])
+    }
+
     /// Number of leaves.
     pub fn leaves(&self) -> u32 {
         self.leaves.len() as u32
