@@ -121,11 +121,9 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
-    skins: Query<&SkinnedMesh>,
     nodes: Nodes,
     mut assets: ResMut<Assets<Mesh>>,
     mut known: Local<join::Known>,
-    roots: Query<&WorldAssetRoot>,
     server: Option<Res<AssetServer>>,
 ) {
     for (entity, extras, name, children) in &added {
@@ -134,7 +132,7 @@ pub(crate) fn nodes(
         if node.cloth.is_none() && node.collider.is_none() && problems.is_empty() {
             continue;
         }
-        let file = file_of(entity, &nodes.parents, &roots);
+        let file = file_of(entity, &nodes.parents, &nodes.roots);
         let primitives: Vec<Entity> = if meshes.contains(entity) {
             vec![entity]
         } else {
@@ -160,7 +158,7 @@ pub(crate) fn nodes(
             let joined = (primitives.len() > 1 && own.len() == primitives.len()).then(|| join::join(&own));
             if let Some(Ok(Joined { mesh, firsts })) = joined {
                 make_cloth(&mut commands, (entity, Some(&mesh)), cloth, &file, server.as_deref(), &mut problems);
-                let skin = primitives.first().and_then(|p| skins.get(*p).ok()).cloned();
+                let skin = primitives.first().and_then(|p| nodes.skinned.get(*p).ok()).cloned();
                 let mut bearer = commands.entity(entity);
                 bearer.try_insert(Mesh3d(known.find(&mut assets, mesh)));
                 if let Some(skin) = skin {
@@ -221,7 +219,8 @@ pub(crate) struct Nodes<'w, 's> {
     parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
     extras: Query<'w, 's, &'static GltfExtras>,
-    skinned: Query<'w, 's, (), With<SkinnedMesh>>,
+    skinned: Query<'w, 's, &'static SkinnedMesh>,
+    roots: Query<'w, 's, &'static WorldAssetRoot>,
 }
 
 impl Nodes<'_, '_> {
