@@ -25,7 +25,7 @@
 //! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a character, or on
 //! its armature.
 //!
-//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth, shown by a [`ClothPiece`](crate::ClothPiece) for each
+//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth, shown by a [`ClothPiece`] for each
 //! material: where their vertices lie in the same place, they hang together.
 //!
 //! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
