@@ -34,6 +34,15 @@ struct Building {
     asked: bool,
 }
 
+impl Building {
+    /// What it came to, if it is done; it was asked for.
+    fn ask(&mut self) -> Option<&Built> {
+        self.asked = true;
+        self.built = self.built.take().or_else(|| check_ready(&mut self.task));
+        self.built.as_ref()
+    }
+}
+
 /// A rest shape that some cloth has.
 struct Known {
     shape: Weak<RestShape>,
@@ -52,7 +61,7 @@ impl RestCache {
             return known;
         }
         let built = build(&baked(authored, bake));
-        self.take(key(source, bake), &built);
+        self.remember(key(source, bake), &built);
         built
     }
 
@@ -61,9 +70,7 @@ impl RestCache {
     pub fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
         let key = key(source, bake);
         if let Some(building) = self.tasks.get_mut(&key) {
-            building.asked = true;
-            building.built = building.built.take().or_else(|| check_ready(&mut building.task));
-            return building.built.is_some();
+            return building.ask().is_some();
         }
         if self.get(source, bake).is_some() {
             return true;
@@ -74,12 +81,9 @@ impl RestCache {
             if multiple(&bake, &Mat3::from_cols_array(&bits.map(f32::from_bits))).is_none() {
                 return true;
             }
-            let other = (source, *bits);
-            building.asked = true;
-            building.built = building.built.take().or_else(|| check_ready(&mut building.task));
-            let built = building.built.clone();
+            let (other, built) = ((source, *bits), building.ask().cloned());
             if let Some(built) = &built {
-                self.take(other, built);
+                self.remember(other, built);
             }
             return built.is_some();
         }
@@ -103,7 +107,7 @@ impl RestCache {
             return Some(Ok((shape, known.report)));
         }
         if let Some(built) = self.tasks.get(&key).and_then(|building| building.built.clone()) {
-            self.take(key, &built);
+            self.remember(key, &built);
             return Some(built);
         }
         let (shape, known) = self.scale_another(source, bake)?;
@@ -113,7 +117,7 @@ impl RestCache {
     }
 
     /// Remembers what was built.
-    fn take(&mut self, key: Key, built: &Built) {
+    fn remember(&mut self, key: Key, built: &Built) {
         if let Ok((shape, report)) = built {
             self.keep(key, Known { shape: Arc::downgrade(shape), report: *report, of: None });
         }

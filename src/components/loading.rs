@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 /// Loading: how large a mesh may be to become cloth at once, as a resource.
 ///
-/// To make a rest shape of a mesh takes some 4 ms for each thousand vertices, once for all cloths with this mesh and scale. A mesh that is larger is
+/// To make a rest shape of a mesh takes some 5 ms for each thousand vertices, once for all cloths with this mesh and scale. A mesh that is larger is
 /// prepared on Bevy's `AsyncComputeTaskPool`, so that no frame waits for that. Meanwhile the authored mesh is shown, and the status of the cloth is
 /// [`WaitingFor::Build`](crate::WaitingFor). A cloth that is simulated and gets another mesh or scale is prepared at once. Without threads, as on the web, the
 /// pool works between frames.

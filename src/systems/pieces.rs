@@ -9,7 +9,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
 
-use super::release::forget;
+use super::release::{forget, give_back};
 use crate::bind::{Sources, instance_of, unreadable};
 use crate::components::{Cloth, ClothPiece};
 use crate::notices::{Notices, label};
@@ -134,16 +134,8 @@ fn release(entity: &mut EntityCommands, mesh: Option<&mut Mesh3d>, binding: &Pie
     {
         mesh.0 = binding.source.clone();
     }
-    entity.try_remove::<(PieceBinding, Aabb)>();
-    if !binding.own_bounds {
-        entity.try_remove::<NoAutoAabb>();
-    }
-    if let Some(taken) = taken {
-        entity.try_insert(taken.skin()).try_remove::<TakenSkin>();
-        if taken.bounds {
-            entity.try_insert(DynamicSkinnedMeshBounds);
-        }
-    }
+    entity.try_remove::<PieceBinding>();
+    give_back(entity, binding.own_bounds, taken);
 }
 
 /// Gives the authored mesh back when `ClothPiece` is removed.

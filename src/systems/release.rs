@@ -57,8 +57,13 @@ pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding, taken: 
     if binding.instance.is_none() {
         return;
     }
+    give_back(entity, binding.own_bounds, taken);
+}
+
+/// Gives an entity that showed a mesh of ours its bounds and its skin back.
+pub(crate) fn give_back(entity: &mut EntityCommands, own_bounds: bool, taken: Option<&TakenSkin>) {
     entity.try_remove::<Aabb>();
-    if !binding.own_bounds {
+    if !own_bounds {
         entity.try_remove::<NoAutoAabb>();
     }
     if let Some(taken) = taken {

@@ -22,12 +22,15 @@ impl Tree {
         let centre: Vec<Vec3> =
             surface.topology.faces.iter().map(|t| t.iter().map(|&v| surface.rest[v as usize]).sum::<Vec3>() / 3.0).collect();
         if !surface.parts.is_empty() {
-            tree.split_parts(surface, &centre, 0, surface.parts.len());
+            tree.split_parts(0, surface.parts.len(), &mut |tree, part| {
+                let faces = &surface.parts[part].faces;
+                tree.split_faces(part as u16, &centre, faces.start as usize, faces.end as usize);
+            });
         }
         let shared = Shared::new(&tree, surface);
         tree.find_discs(surface, &shared);
         tree.find_joints(surface, &shared);
-        tree.find_rings(surface);
+        tree.find_rings(surface, &shared);
         tree.corners = tree.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
         tree.reserve_stack();
         tree
@@ -38,17 +41,17 @@ impl Tree {
         self.stack.reserve(256);
     }
 
-    fn split_parts(&mut self, surface: &Surface, centre: &[Vec3], first: usize, last: usize) {
+    /// Halves a range of cloths until `plant` puts the nodes of each of them behind what is there.
+    pub(super) fn split_parts(&mut self, first: usize, last: usize, plant: &mut impl FnMut(&mut Self, usize)) {
         if last - first == 1 {
-            let faces = &surface.parts[first].faces;
-            self.split_faces(first as u16, centre, faces.start as usize, faces.end as usize);
+            plant(self, first);
             return;
         }
         let node = self.push(0, 0, MIXED);
         let middle = usize::midpoint(first, last);
-        self.split_parts(surface, centre, first, middle);
+        self.split_parts(first, middle, plant);
         self.nodes[node].right = self.nodes.len() as u32;
-        self.split_parts(surface, centre, middle, last);
+        self.split_parts(middle, last, plant);
     }
 
     fn split_faces(&mut self, part: u16, centre: &[Vec3], first: usize, last: usize) {

@@ -12,7 +12,7 @@
 
 use glam::Vec3A;
 
-use super::{IS_LEAF, Joint, Leaf, MIXED, Node, Tree};
+use super::{IS_LEAF, Joint, Leaf, Node, Tree};
 use crate::solver::topology::NONE;
 
 impl Tree {
@@ -37,23 +37,13 @@ impl Tree {
         joined.reserve_stack();
         let mut particles = 0;
         if !cloths.is_empty() {
-            joined.join_range(cloths, 0, cloths.len(), &mut particles);
+            joined.split_parts(0, cloths.len(), &mut |joined, part| {
+                let (tree, count) = cloths[part];
+                joined.append(tree, part as u16, particles);
+                particles += count;
+            });
         }
         joined
-    }
-
-    fn join_range(&mut self, cloths: &[(&Self, u32)], first: usize, last: usize, particles: &mut u32) {
-        if last - first == 1 {
-            let (tree, count) = cloths[first];
-            self.append(tree, first as u16, *particles);
-            *particles += count;
-            return;
-        }
-        let node = self.push(0, 0, MIXED);
-        let middle = usize::midpoint(first, last);
-        self.join_range(cloths, first, middle, particles);
-        self.nodes[node].right = self.nodes.len() as u32;
-        self.join_range(cloths, middle, last, particles);
     }
 
     /// Puts the tree of one cloth behind what is there, whose faces and particles come before its own.

@@ -194,17 +194,6 @@ impl Tree {
         }
         place
     }
-
-    fn faces_below(&self, node: usize) -> Range<usize> {
-        let (mut first, mut last) = (node, node);
-        while self.nodes[first].right & IS_LEAF == 0 {
-            first += 1;
-        }
-        while self.nodes[last].right & IS_LEAF == 0 {
-            last = self.nodes[last].right as usize;
-        }
-        self.nodes[first].run().start..self.nodes[last].run().end
-    }
 }
 
 impl Node {

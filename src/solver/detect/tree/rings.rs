@@ -1,18 +1,16 @@
 //! Rings: the faces around each leaf, which may fold back over it.
 
-use core::ops::Range;
-
 use glam::Vec3A;
 
+use super::shared::Shared;
 use super::{HUB, IS_LEAF, Leaf, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
 impl Tree {
     /// Finds the faces around each leaf; at the hub of a fan only those beside it.
-    pub(super) fn find_rings(&mut self, surface: &Surface) {
+    pub(super) fn find_rings(&mut self, surface: &Surface, shared: &Shared) {
         let topology = &surface.topology;
-        let place = self.places();
         for (i, node) in (0..).zip(&self.nodes).filter(|(_, node)| node.right & IS_LEAF != 0) {
             let (run, first) = (node.run(), self.rings.len());
             for &f in &self.faces[run.clone()] {
@@ -21,34 +19,18 @@ impl Tree {
                 let around = corners.flatten().map(|&(_, e)| e);
                 for e in topology.face_edges[f as usize].into_iter().chain(around) {
                     for &f in topology.edge_faces[e as usize].iter().filter(|&&f| f != NONE) {
-                        let f = place[f as usize];
+                        let f = shared.place[f as usize];
                         if !run.contains(&(f as usize)) && !self.rings[first..].contains(&f) {
                             self.rings.push(f);
                         }
                     }
                 }
             }
-            let cover = self.cover(run, &self.rings[first..]);
+            let own = [run.start as u32, run.end.saturating_sub(1) as u32];
+            let places = || own.into_iter().chain(self.rings[first..].iter().copied());
+            let ends = [places().fold(own[0], u32::min), places().fold(own[1], u32::max)];
+            let cover = self.lowest_above(&shared.ranges, ends);
             self.leaves.push(Leaf { node: i, cover, ring: first as u32..self.rings.len() as u32, axis: Vec3A::ZERO });
         }
-    }
-
-    /// The smallest node that holds a run of `faces` and some others.
-    fn cover(&self, run: Range<usize>, others: &[u32]) -> u32 {
-        let first = others.iter().map(|&i| i as usize).fold(run.start, usize::min);
-        let last = others.iter().map(|&i| i as usize).fold(run.end - 1, usize::max);
-        let mut node = 0;
-        while self.nodes[node].right & IS_LEAF == 0 {
-            let right = self.nodes[node].right as usize;
-            let border = self.faces_below(right).start;
-            node = if last < border {
-                node + 1
-            } else if first >= border {
-                right
-            } else {
-                break;
-            };
-        }
-        node as u32
     }
 }

@@ -69,7 +69,7 @@ impl Tree {
     }
 
     /// The lowest node above two places, the smaller first: a leaf if it has both.
-    fn lowest_above(&self, ranges: &[Range<u32>], [first, last]: [u32; 2]) -> u32 {
+    pub(super) fn lowest_above(&self, ranges: &[Range<u32>], [first, last]: [u32; 2]) -> u32 {
         let mut node = 0;
         while self.nodes[node as usize].right & IS_LEAF == 0 {
             let right = self.nodes[node as usize].right;
