@@ -14,11 +14,10 @@ use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles};
 use crate::solver::detect::PartRef;
 use crate::solver::detect::tree::Tree;
-use crate::solver::island::{Island, UntangleSettings};
+use crate::solver::island::{Island, Stage, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
-use crate::solver::step::{Scratch, StepReport};
 
 /// Farthest coordinate from a cloth's origin at which it is looked at `[m]`.
 const FARTHEST: f64 = 1.0e6;
@@ -49,30 +48,21 @@ pub(crate) struct ClothIsland {
     pub asleep: bool,
     /// Origin of the frame of the island in the world `[m]`.
     pub origin: DVec3,
-    /// Time spent on detecting, resolving, evaluating, responding and stepping side by side `[ms]`.
-    pub times: [f32; 5],
+    /// Time spent on each [`Stage`] `[ms]`.
+    pub times: [f32; Stage::FRAME.len()],
     /// Whether it was built in this frame.
     #[cfg(feature = "record")]
     pub built: bool,
     /// Whether its members are stepped side by side in this frame.
     pub together: bool,
-    /// What is borrowed from each member during a stage.
-    pub work: Vec<Work>,
-}
-
-/// What is borrowed from a member during a stage.
-#[derive(Clone, Default)]
-pub(crate) struct Work {
-    pub state: ClothState,
-    pub solver: Scratch,
-    pub report: Option<StepReport>,
 }
 
 impl ClothIsland {
-    /// Share of cloth `part` in what the island costs.
-    pub fn share(&self, part: usize) -> f32 {
+    /// What a stage of the last frame cost `[ms]`, shared by the cloths by their particles: cloth `part`.
+    pub fn cost(&self, stage: Stage, part: usize) -> f32 {
         let surface = self.solver.surface();
-        surface.parts.get(part).map_or(0.0, |p| p.particles.len() as f32 / surface.len().max(1) as f32)
+        let share = surface.parts.get(part).map_or(0.0, |p| p.particles.len() as f32 / surface.len().max(1) as f32);
+        share * self.times[stage as usize]
     }
 }
 
@@ -226,13 +216,12 @@ impl ClothIslands {
                 *builds += 1;
                 (island.solver, island.members) = (built, members.clone());
             }
-            (island.settings, island.origin, island.times) = (best.settings, first.origin, [0.0; 5]);
+            (island.settings, island.origin, island.times) = (best.settings, first.origin, Default::default());
             island.together = false;
             #[cfg(feature = "record")]
             {
                 island.built = !known;
             }
-            island.work.resize_with(island.members.len(), Work::default);
             island.asleep = island.members.iter().all(|m| m.asleep || (m.still && !m.rode));
             for (part, member) in island.members.iter().enumerate() {
                 place(member.entity, list.len() as u32, part as u32, member.asleep && !island.asleep);

@@ -14,7 +14,7 @@ use crate::components::{ClothBlend, ClothDetail, ClothInertia, ClothLod, ClothPi
 use crate::solver::anchors::Anchors;
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
-use crate::solver::island::UntangleSettings;
+use crate::solver::island::{Animation, UntangleSettings};
 use crate::solver::recover::Limits;
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
@@ -303,5 +303,17 @@ impl ClothInputs {
             Some(skin) => skin.pose(&self.joints, i),
             None => place.transform_point3(p),
         })
+    }
+}
+
+impl Animation for ClothInputs {
+    fn position(&self, particle: usize) -> Vec3 {
+        self.skin.as_ref().map_or(Vec3::NAN, |skin| skin.pose(&self.joints, particle))
+    }
+}
+
+impl core::fmt::Debug for ClothInputs {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("ClothInputs").finish_non_exhaustive()
     }
 }

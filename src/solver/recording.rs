@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::anchors::Anchors;
 use super::body::Body;
 use super::evaluate::{EvaluateSettings, Outcome, Pose};
-use super::fit::fit;
 use super::integrate::spring;
-use super::island::{Display, Island, Member, Members, UntangleSettings};
+use super::island::{Display, Island, Member, Stage, UntangleSettings};
 use super::recover::{Level, Limits, Recovery};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
@@ -189,33 +188,20 @@ impl Recording {
         for cloth in cloths.iter_mut().filter(|cloth| cloth.moves && cloth.unprepared) {
             prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
         }
-        let mut stepped = Again { cloths, reports: Vec::new(), after: false };
+        let mut done = vec![None; cloths.len()];
         match island {
-            Some(island) if *together => island.integrate(&mut stepped),
+            Some(island) if *together => island.run(Stage::Integrate, *dt, untangle, &mut members(cloths, &mut done, 0)),
             _ => {
-                for (part, cloth) in stepped.cloths.iter_mut().enumerate().filter(|(_, cloth)| cloth.moves) {
-                    let RecordedCloth {
-                        rest,
-                        fabric,
-                        stepping,
-                        anchors,
-                        gravity,
-                        bodies,
-                        wind,
-                        skinned,
-                        state,
-                        scratch,
-                        clock,
-                        ..
-                    } = cloth;
-                    let input = FrameInput { dt: *clock, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
-                    stepped.reports.push((part, step(rest, fabric, stepping, anchors, &input, state, scratch)));
+                for (cloth, report) in cloths.iter_mut().zip(&mut done).filter(|(cloth, _)| cloth.moves) {
+                    let Member { cloth, stepping, state, scratch, .. } = cloth.member(report, 0);
+                    *report = Some(step(cloth.rest, cloth.fabric, stepping, cloth.anchors, &cloth.input, state, scratch));
                 }
             }
         }
         let mut replay = Replay::default();
-        for (part, report) in core::mem::take(&mut stepped.reports) {
-            let RecordedCloth { state, scratch, display, recovery, limits, pose, .. } = &mut stepped.cloths[part];
+        for (cloth, report) in cloths.iter_mut().zip(&done) {
+            let Some(report) = report else { continue };
+            let RecordedCloth { state, scratch, display, recovery, limits, pose, .. } = cloth;
             if let Some((level, _)) = recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)) {
                 *scratch = Scratch::default();
                 if level != Level::LastGood {
@@ -224,20 +210,21 @@ impl Recording {
                 replay.recovered = true;
             }
         }
-        stepped.after = true;
         if let Some(island) = island {
-            for (part, cloth) in stepped.cloths.iter().enumerate() {
+            for (part, cloth) in cloths.iter().enumerate() {
                 let (layer, self_collision, thickness) = cloth.tuned;
                 island.tune(part, layer, self_collision, thickness);
             }
             if *carried != Vec3::ZERO {
                 island.carry(*carried);
             }
-            island.detect(&mut stepped);
-            island.resolve(*dt, untangle, &mut stepped);
-            replay.crossings = island.evaluate().crossings;
+            let mut members = members(cloths, &mut done, 1);
+            for stage in Stage::AFTER_INTEGRATE {
+                island.run(stage, *dt, untangle, &mut members);
+            }
+            replay.crossings = island.total().crossings;
         }
-        for (part, cloth) in stepped.cloths.iter_mut().enumerate() {
+        for (part, cloth) in cloths.iter_mut().enumerate() {
             let RecordedCloth { rest, state, display, evaluate, carrier, after, .. } = cloth;
             let (verdict, weights) = match island {
                 Some(island) => (island.verdict(part), island.weights(part)),
@@ -253,75 +240,36 @@ impl Recording {
             }
             replay.differ += state.positions.len().abs_diff(after.len());
         }
-        if let Some(island) = island {
-            island.respond();
-        }
         replay
     }
 }
 
-/// The cloths of a recording, as their island asks for them.
-struct Again<'a> {
-    cloths: &'a mut [RecordedCloth],
-    /// What stepping them did.
-    reports: Vec<(usize, StepReport)>,
-    /// Whether they were stepped.
-    after: bool,
+/// The cloths as their island sees them before they are stepped, 0, or after, 1.
+fn members<'a>(cloths: &'a mut [RecordedCloth], reports: &'a mut [Option<StepReport>], when: usize) -> Vec<Member<'a>> {
+    cloths.iter_mut().zip(reports).map(|(cloth, report)| cloth.member(report, when)).collect()
 }
 
-impl Members for Again<'_> {
-    fn member(&mut self, part: usize) -> Option<Member<'_>> {
-        let RecordedCloth {
-            rest,
-            fabric,
-            stepping,
-            anchors,
-            gravity,
-            bodies,
-            wind,
-            skinned,
-            state,
-            scratch,
-            display,
-            evaluate,
-            offsets,
-            moves,
-            clock,
-            fixed,
-            still,
-            contact,
-            at_load,
-            ..
-        } = self.cloths.get_mut(part)?;
-        let dt = if *moves { *clock } else { 0.0 };
+impl RecordedCloth {
+    fn member<'a>(&'a mut self, report: &'a mut Option<StepReport>, when: usize) -> Member<'a> {
+        let dt = if self.moves { self.clock } else { 0.0 };
+        let Self { rest, fabric, stepping, anchors, gravity, bodies, wind, skinned, state, scratch, .. } = self;
         let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
-        Some(Member {
+        Member {
             cloth: Stepped { rest, fabric, anchors, input },
             stepping,
             state,
             scratch,
-            offset: offsets[usize::from(self.after)],
-            moves: *moves,
-            clock: *clock,
-            fixed: *fixed,
-            still: *still,
-            contact: *contact,
-            at_load: *at_load && display.is_new(),
-            outcome: display.outcome(),
-            last_resort: evaluate.last_resort,
-        })
-    }
-
-    fn done(&mut self, part: usize, report: StepReport) {
-        self.reports.push((part, report));
-    }
-
-    fn pose(&mut self, part: usize, pose: &mut Vec<Vec3>) {
-        pose.clear();
-        match self.cloths.get(part) {
-            Some(cloth) if cloth.animated => pose.extend_from_slice(&cloth.pose),
-            Some(cloth) => fit(&cloth.rest, &cloth.state.positions, pose),
-            None => {}
+            report,
+            animation: if self.animated { Some(&self.pose) } else { None },
+            offset: self.offsets[when],
+            moves: self.moves,
+            clock: self.clock,
+            fixed: self.fixed,
+            still: self.still,
+            contact: self.contact,
+            at_load: self.at_load && self.display.is_new(),
+            outcome: self.display.outcome(),
+            last_resort: self.evaluate.last_resort,
         }
     }
 }

@@ -11,7 +11,7 @@ use super::body::Body;
 use super::detect::tree::Tree;
 use super::detect::{PartRef, SurfaceError};
 use super::evaluate::{EvaluateSettings, Outcome, Pose, Shown};
-use super::island::{Display, Island, LoadReport, Member, Members, UntangleSettings};
+use super::island::{Display, Island, LoadReport, Member, Stage, UntangleSettings};
 use super::resolve::Contour;
 use super::rest::{RestShape, SourceMesh};
 use super::settings::{Fabric, Stepping};
@@ -62,6 +62,8 @@ pub struct SceneCloth {
     pub scratch: Scratch,
     /// The last frame.
     pub report: StepReport,
+    /// The frame under way, where it is stepped with others.
+    done: Option<StepReport>,
     /// What is shown while it is tangled.
     pub display: Display,
     /// Order of layers: larger numbers are worn outside; set it before [`Scene::untangled`].
@@ -89,6 +91,7 @@ impl SceneCloth {
             state,
             scratch: Scratch::default(),
             report: StepReport::default(),
+            done: None,
             display: Display::default(),
             layer: 0,
         };
@@ -109,12 +112,14 @@ impl SceneCloth {
     }
 
     fn member<'a>(&'a mut self, input: FrameInput<'a>, contact: bool, last_resort: f32) -> Member<'a> {
-        let Self { rest, fabric, stepping, anchors, state, scratch, display, .. } = self;
+        let Self { rest, fabric, stepping, anchors, state, scratch, display, done, .. } = self;
         Member {
             cloth: Stepped { rest, fabric, anchors, input },
             stepping,
             state,
             scratch,
+            report: done,
+            animation: None,
             offset: Vec3::ZERO,
             moves: true,
             clock: input.dt,
@@ -143,27 +148,6 @@ impl SceneCloth {
     #[must_use]
     pub fn lowest(&self) -> f32 {
         self.state.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min)
-    }
-}
-
-/// The cloths of a scene, as their island asks for them.
-struct Together<'a> {
-    cloths: &'a mut [SceneCloth],
-    input: FrameInput<'a>,
-    contact: bool,
-    last_resort: f32,
-}
-
-impl Members for Together<'_> {
-    fn member(&mut self, part: usize) -> Option<Member<'_>> {
-        self.cloths.get_mut(part).map(|cloth| cloth.member(self.input, self.contact, self.last_resort))
-    }
-
-    fn done(&mut self, part: usize, report: StepReport) {
-        if let Some(cloth) = self.cloths.get_mut(part) {
-            cloth.report = report;
-            cloth.anchors.from.clone_from(&cloth.anchors.to);
-        }
     }
 }
 
@@ -199,9 +183,32 @@ pub struct Untangling {
     pub skip: EvaluateSettings,
     /// Whether cloths rest on each other, and on themselves.
     pub contact: bool,
+    room: Room,
 }
 
-/// Time that each stage took in a frame `[ms]`.
+/// Room for a list of members, kept from frame to frame.
+#[derive(Debug, Default)]
+struct Room(Vec<Member<'static>>);
+
+impl Room {
+    fn take<'a>(&mut self) -> Vec<Member<'a>> {
+        core::mem::take(&mut self.0)
+    }
+
+    /// Empties a list, and keeps its allocation: collecting a vector from one of the same layout reuses that.
+    fn keep(&mut self, mut members: Vec<Member<'_>>) {
+        members.clear();
+        self.0 = members.into_iter().filter_map(|_| None).collect();
+    }
+}
+
+impl Clone for Room {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+/// Time that each [`Stage`] took in a frame `[ms]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageTimes {
     /// Stepping all cloths `[ms]`.
@@ -214,6 +221,18 @@ pub struct StageTimes {
     pub evaluate: f64,
     /// Looking for what may touch again, where something moved since `[ms]`.
     pub respond: f64,
+}
+
+impl StageTimes {
+    fn of(&mut self, stage: Stage) -> &mut f64 {
+        match stage {
+            Stage::Integrate => &mut self.integrate,
+            Stage::Detect => &mut self.detect,
+            Stage::Resolve => &mut self.resolve,
+            Stage::Evaluate => &mut self.evaluate,
+            Stage::Respond => &mut self.respond,
+        }
+    }
 }
 
 impl Scene {
@@ -252,23 +271,40 @@ impl Scene {
                 (part, &*rest.tree)
             })
             .collect();
-        self.untangle = Some(Untangling { island: Island::new(&parts)?, settings, skip, contact: true });
+        self.untangle = Some(Untangling { island: Island::new(&parts)?, settings, skip, contact: true, room: Room::default() });
         Ok(self)
     }
 
     /// Takes the cloths apart before the first frame, in at most `most` iterations; nothing without untangling.
     pub fn untangle_at_load(&mut self, most: u32) -> LoadReport {
-        let Some((Untangling { island, settings, .. }, mut cloths)) = self.together(0.0) else { return LoadReport::default() };
-        island.untangle_at_load(settings, most, &mut cloths)
+        let Some((Untangling { island, settings, room, .. }, mut members)) = self.together(0.0) else { return LoadReport::default() };
+        let report = island.untangle_at_load(settings, most, &mut members);
+        room.keep(members);
+        report
     }
 
     /// The island and the cloths in it, for a frame of `dt` `[s]`; none without untangling.
-    fn together(&mut self, dt: f32) -> Option<(&mut Untangling, Together<'_>)> {
+    fn together(&mut self, dt: f32) -> Option<(&mut Untangling, Vec<Member<'_>>)> {
         let Self { cloths, bodies, wind, gravity, untangle, .. } = self;
         let untangling = untangle.as_mut()?;
         let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: None };
         let (contact, last_resort) = (untangling.contact, untangling.skip.last_resort);
-        Some((untangling, Together { cloths, input, contact, last_resort }))
+        let mut members = untangling.room.take();
+        members.extend(cloths.iter_mut().map(|cloth| cloth.member(input, contact, last_resort)));
+        Some((untangling, members))
+    }
+
+    /// Runs `stages` of a frame of `dt` `[s]` of the island; nothing without untangling.
+    fn run(&mut self, stages: &[Stage], dt: f32) {
+        let mut times = self.times;
+        let Some((Untangling { island, settings, room, .. }, mut members)) = self.together(dt) else { return };
+        for &stage in stages {
+            let start = Instant::now();
+            island.run(stage, dt, settings, &mut members);
+            *times.of(stage) = since(start);
+        }
+        room.keep(members);
+        self.times = times;
     }
 
     /// Lets cloths that are untangled pass through each other until they are, instead of resting on each other.
@@ -311,42 +347,40 @@ impl Scene {
     pub fn step(&mut self, dt: f32) {
         let start = Instant::now();
         self.steer(dt);
-        match self.together(dt) {
-            Some((Untangling { island, contact: true, .. }, mut cloths)) => island.integrate(&mut cloths),
-            _ => {
-                let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned: None };
-                self.cloths.iter_mut().for_each(|cloth| cloth.step(&input));
+        if self.untangle.as_ref().is_some_and(|untangling| untangling.contact) {
+            self.run(&[Stage::Integrate], dt);
+            for SceneCloth { anchors, report, done, .. } in &mut self.cloths {
+                if let Some(done) = done.take() {
+                    *report = done;
+                    anchors.from.clone_from(&anchors.to);
+                }
             }
+        } else {
+            let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned: None };
+            self.cloths.iter_mut().for_each(|cloth| cloth.step(&input));
         }
         self.wind.advance(dt);
         self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
         self.settle(dt);
     }
 
-    /// Detects, resolves and evaluates after the cloths were stepped by `dt` `[s]`.
+    /// Runs what follows after the cloths were stepped by `dt` `[s]`, and decides what is shown.
     pub fn settle(&mut self, dt: f32) {
-        let Some((Untangling { island, settings, skip, .. }, mut cloths)) = self.together(dt) else { return };
+        self.run(&Stage::AFTER_INTEGRATE, dt);
+        let Self { cloths, untangle: Some(Untangling { island, skip, .. }), times, .. } = self else { return };
         let start = Instant::now();
-        island.detect(&mut cloths);
-        let detect = since(start);
-        let start = Instant::now();
-        island.resolve(dt, settings, &mut cloths);
-        let resolve = since(start);
-        let start = Instant::now();
-        island.evaluate();
-        for (part, SceneCloth { display, state, .. }) in cloths.cloths.iter_mut().enumerate() {
-            let pose = Pose::default();
-            display.settle(&island.verdict(part), state, island.weights(part), pose, dt, skip);
+        for (part, SceneCloth { display, state, .. }) in cloths.iter_mut().enumerate() {
+            display.settle(&island.verdict(part), state, island.weights(part), Pose::default(), dt, skip);
         }
-        let evaluate = since(start);
-        let start = Instant::now();
-        island.respond();
-        self.times = StageTimes { detect, resolve, evaluate, respond: since(start), ..self.times };
+        times.evaluate += since(start);
     }
 
     /// Looks for crossings as the cloths lie, and moves nothing.
     pub fn look(&mut self) -> Verdict {
-        self.together(0.0).map_or_else(Verdict::default, |(untangling, mut cloths)| untangling.island.inspect(&mut cloths))
+        let Some((Untangling { island, room, .. }, members)) = self.together(0.0) else { return Verdict::default() };
+        let verdict = island.inspect(&members);
+        room.keep(members);
+        verdict
     }
 
     /// The contours found last; none without untangling.

@@ -6,6 +6,7 @@ use super::islands::{Cloths, is_awake, run};
 use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling, ClothUntanglingDisabled};
 use crate::islands::{ClothIslands, Member};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, Slumber};
+use crate::solver::island::Stage;
 use crate::time::ClothTime;
 
 /// Takes cloths out of their islands from which a component was removed that meeting others takes.
@@ -69,7 +70,5 @@ pub(crate) fn group(
 /// Looks for crossings and for what may touch in the next frame.
 pub(crate) fn detect(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut cloths: Cloths) {
     let _span = debug_span!("cloth/detect").entered();
-    run(&mut islands, &mut cloths, 0, time.delta_secs(), is_awake, |island, cloths| {
-        island.solver.detect(cloths);
-    });
+    run(&mut islands, &mut cloths, Stage::Detect, time.delta_secs(), is_awake);
 }

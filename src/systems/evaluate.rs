@@ -3,7 +3,7 @@
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
 
-use super::islands::each;
+use super::islands::run_without_cloths;
 use super::stopwatch;
 use crate::components::{
     Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
@@ -13,20 +13,14 @@ use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
 use crate::solver::evaluate::{Pose, Shown};
+use crate::solver::island::Stage;
 use crate::solver::verdict::Verdict;
 use crate::time::ClothTime;
 
 /// Looks again where something moved, in parallel over islands.
-pub(crate) fn look(mut islands: ResMut<ClothIslands>) {
+pub(crate) fn look(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>) {
     let _span = debug_span!("cloth/evaluate").entered();
-    each(&mut islands.list, |island| {
-        if island.asleep {
-            return;
-        }
-        let clock = stopwatch();
-        island.solver.evaluate();
-        island.times[2] = clock();
-    });
+    run_without_cloths(&mut islands, Stage::Evaluate, time.delta_secs());
 }
 
 /// Decides what every cloth shows, in parallel over cloths.
@@ -71,10 +65,10 @@ pub(crate) fn judge(
             report.held_frames = outcome.held_frames;
             report.iterations = at.map_or(0, |(island, _)| island.solver.iterations());
             report.put_off = at.is_some_and(|(island, _)| !island.solver.put_off().is_nothing());
-            let of = |stage: usize| at.map_or(0.0, |(island, part)| island.share(part) * island.times[stage]);
-            (report.detect_ms, report.resolve_ms) = (of(0), of(1));
+            let of = |stage: Stage| at.map_or(0.0, |(island, part)| island.cost(stage, part));
+            (report.detect_ms, report.resolve_ms) = (of(Stage::Detect), of(Stage::Resolve));
             (report.respond_ms, report.contacts) = (0.0, 0);
-            report.evaluate_ms = of(2) + clock();
+            report.evaluate_ms = of(Stage::Evaluate) + clock();
         },
     );
 }

@@ -13,6 +13,7 @@ use crate::islands::{ClothIsland, ClothIslands, Member};
 use crate::schedule::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::spring;
+use crate::solver::island::Stage;
 use crate::solver::recover::{Cause, Level};
 use crate::solver::settings::drape_rate;
 use crate::solver::step::{Scratch, StepReport, prepare, step};
@@ -54,22 +55,19 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
 pub(crate) fn together(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut cloths: Cloths) {
     let _span = debug_span!("cloth/integrate").entered();
     let wanted = |island: &ClothIsland| island.together;
-    run(&mut islands, &mut cloths, 4, time.delta_secs(), wanted, |island, cloths| island.solver.integrate(cloths));
+    run(&mut islands, &mut cloths, Stage::Integrate, time.delta_secs(), wanted);
 }
 
 /// Judges what stepping side by side did, and takes those back that blew up.
-pub(crate) fn judge(mut islands: ResMut<ClothIslands>, mut cloths: Stepping) {
+pub(crate) fn judge(islands: Res<ClothIslands>, mut cloths: Stepping) {
     let _span = debug_span!("cloth/integrate").entered();
     if !islands.list.iter().any(|island| island.together) {
         return;
     }
-    for island in islands.list.iter_mut().filter(|island| island.together) {
-        for part in 0..island.members.len() {
-            let share = island.share(part) * island.times[4];
-            let done = island.work[part].report.take();
-            if let Ok((.., mut scratch, mut report)) = cloths.get_mut(island.members[part].entity) {
-                scratch.done = done;
-                report.integrate_ms = share;
+    for island in islands.list.iter().filter(|island| island.together) {
+        for (part, member) in island.members.iter().enumerate() {
+            if let Ok((.., mut report)) = cloths.get_mut(member.entity) {
+                report.integrate_ms = island.cost(Stage::Integrate, part);
             }
         }
     }

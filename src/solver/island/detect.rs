@@ -1,6 +1,6 @@
 //! Detect, evaluate and respond: where cloths cross, and what may touch.
 
-use super::{Island, LONGEST_LOOK, Members, RINGS, parts_of_contours};
+use super::{Island, LONGEST_LOOK, Member, RINGS, parts_of_contours};
 use crate::solver::body::Touch;
 use crate::solver::resolve::Untangler;
 use crate::solver::respond::{Finder, Moment};
@@ -9,18 +9,14 @@ use crate::solver::verdict::Verdict;
 impl Island {
     /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame, the longest of the frames that
     /// they will take.
-    pub fn detect(&mut self, cloths: &mut impl Members) -> Verdict {
+    pub(super) fn detect(&mut self, cloths: &[Member<'_>]) {
         core::mem::swap(&mut self.touch, &mut self.touch_before);
         core::mem::swap(&mut self.takes_part, &mut self.took_part);
         self.touch.clear();
         self.takes_part.clear();
         let mut longest = 0.0f32;
-        for part in 0..self.surface.parts.len() {
-            let Some(m) = cloths.member(part) else {
-                self.takes_part.push(false);
-                continue;
-            };
-            self.gather_member(part, &m);
+        for (part, m) in cloths.iter().enumerate() {
+            self.gather_member(part, m);
             self.takes_part.push(m.contact);
             self.touch.push(Touch::of(m.cloth.fabric));
             longest = longest.max(m.clock.min(m.stepping.max_frame));
@@ -31,22 +27,20 @@ impl Island {
             self.horizon = self.finder.horizon(longest.min(LONGEST_LOOK), longest / self.count.max(1) as f32, &self.touch);
         }
         (self.share, self.looks) = (0.0, 0);
-        self.detect_gathered()
+        self.detect_gathered();
     }
 
     /// Looks for crossings as the cloths lie, and for nothing else: nothing will be moved.
-    pub fn inspect(&mut self, cloths: &mut impl Members) -> Verdict {
-        for part in 0..self.surface.parts.len() {
-            if let Some(m) = cloths.member(part) {
-                self.gather_member(part, &m);
-            }
+    pub fn inspect(&mut self, cloths: &[Member<'_>]) -> Verdict {
+        for (part, m) in cloths.iter().enumerate().take(self.surface.parts.len()) {
+            self.gather_member(part, m);
         }
         self.detect_gathered()
     }
 
     /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle
     /// are left out.
-    pub fn respond(&mut self) {
+    pub(super) fn respond(&mut self) {
         if self.looks == 0 || self.moved || !self.crossings().is_empty() {
             self.share = 0.0;
             if self.total.is_clean() {
@@ -158,7 +152,7 @@ impl Island {
     }
 
     /// Looks again if something moved, and weighs how much each particle belongs to a tangle.
-    pub fn evaluate(&mut self) -> Verdict {
+    pub(super) fn evaluate(&mut self) {
         self.worked = self.untangler.resolver.effort.spent();
         self.untangler.resolver.effort = self.most;
         if self.stale {
@@ -174,7 +168,6 @@ impl Island {
         let touches = self.takes_part.contains(&true);
         let clean = touches && self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
         self.retreat.note(&self.surface, &self.positions, &self.previous, clean);
-        self.total
     }
 
     pub(super) fn look(&mut self) {

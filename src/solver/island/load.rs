@@ -8,7 +8,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Island, Members, UntangleSettings};
+use super::{Island, Member, UntangleSettings};
 use crate::solver::rest::RestShape;
 use crate::solver::verdict::{Resort, Verdict};
 
@@ -51,11 +51,11 @@ fn relax_edges(rest: &RestShape, positions: &mut [Vec4]) {
 
 impl Island {
     /// Takes the cloths apart before the first frame, in at most `most` iterations, whatever work that is.
-    pub fn untangle_at_load(&mut self, settings: &UntangleSettings, most: u32, cloths: &mut impl Members) -> LoadReport {
-        for part in 0..self.surface.parts.len() {
-            if let Some(m) = cloths.member(part) {
-                self.gather_member(part, &m);
-            }
+    pub fn untangle_at_load(&mut self, settings: &UntangleSettings, most: u32, cloths: &mut [Member<'_>]) -> LoadReport {
+        let known = cloths.len().min(self.surface.parts.len());
+        let cloths = &mut cloths[..known];
+        for (part, m) in cloths.iter().enumerate() {
+            self.gather_member(part, m);
         }
         let start: Vec<Vec3> = self.positions.iter().map(|p| p.truncate()).collect();
         let mut report = LoadReport { before: self.detect_gathered(), ..LoadReport::default() };
@@ -70,17 +70,15 @@ impl Island {
         self.moved = moved;
         let way = |(now, start): (&Vec4, &Vec3)| now.truncate().distance(*start);
         report.farthest = self.positions.iter().zip(&start).map(way).fold(0.0, f32::max);
-        for part in 0..self.surface.parts.len() {
-            if let Some(m) = cloths.member(part) {
-                self.scatter(part, m.state, m.offset);
-            }
+        for (part, m) in cloths.iter_mut().enumerate() {
+            self.scatter(part, m.state, m.offset);
         }
         report
     }
 
     /// Begins to take apart what is to be taken apart at load, or goes on with it, as far as the work of a frame allows.
-    pub(super) fn load_in_frame(&mut self, settings: &UntangleSettings, cloths: &mut impl Members) {
-        let begins = (0..self.surface.parts.len()).any(|part| cloths.member(part).is_some_and(|m| m.at_load));
+    pub(super) fn load_in_frame(&mut self, settings: &UntangleSettings, cloths: &[Member<'_>]) {
+        let begins = cloths.iter().any(|m| m.at_load);
         let known = self.loading.take().or_else(|| begins.then(LoadReport::default));
         if let Some(mut report) = known.filter(|_| !self.total.is_clean()) {
             self.loading = self.load(settings, AT_LOAD, &mut report, cloths).then_some(report);
@@ -89,9 +87,9 @@ impl Island {
 
     /// Takes what was gathered apart in at most `most` iterations, those that the report tells of included, as far as the work of a frame allows.
     /// Whether there is more to be done.
-    fn load(&mut self, settings: &UntangleSettings, most: u32, report: &mut LoadReport, cloths: &mut impl Members) -> bool {
+    fn load(&mut self, settings: &UntangleSettings, most: u32, report: &mut LoadReport, cloths: &[Member<'_>]) -> bool {
         let mut relax = |part: usize, positions: &mut [Vec4]| {
-            if let Some(m) = cloths.member(part) {
+            if let Some(m) = cloths.get(part) {
                 relax_edges(m.cloth.rest, positions);
             }
         };

@@ -19,6 +19,10 @@ pub struct Member<'a> {
     pub state: &'a mut ClothState,
     /// Its buffers.
     pub scratch: &'a mut Scratch,
+    /// What [`Integrate`](super::Stage::Integrate) did with it.
+    pub report: &'a mut Option<StepReport>,
+    /// Where its animation puts its particles; none: the shape at rest is what it is drawn to when nothing else takes it out of a tangle.
+    pub animation: Option<&'a dyn Animation>,
     /// From its frame of simulation to that of the island `[m]`.
     pub offset: Vec3,
     /// Whether other cloths can push it.
@@ -39,19 +43,25 @@ pub struct Member<'a> {
     pub last_resort: f32,
 }
 
-/// The cloths of an island, as it asks for them.
-pub trait Members {
-    /// Cloth `part`, in the order in which the island was made.
-    fn member(&mut self, part: usize) -> Option<Member<'_>>;
-
-    /// Is told what the frame of cloth `part` did.
-    fn done(&mut self, part: usize, report: StepReport);
-
-    /// Writes the shape that cloth `part` has when nothing else helps `[m]`: its own at rest, laid where it fits best.
-    fn pose(&mut self, part: usize, pose: &mut Vec<Vec3>) {
+impl Member<'_> {
+    /// Writes the pose that it is drawn to when nothing else helps `[m]`: the animated one, or the shape at rest where that fits best.
+    pub(super) fn pose(&self, pose: &mut Vec<Vec3>) {
         pose.clear();
-        if let Some(m) = self.member(part) {
-            fit(m.cloth.rest, &m.state.positions, pose);
+        match self.animation {
+            Some(animation) => pose.extend((0..self.state.positions.len()).map(|i| animation.position(i))),
+            None => fit(self.cloth.rest, &self.state.positions, pose),
         }
+    }
+}
+
+/// The animated pose of a cloth.
+pub trait Animation: Sync + core::fmt::Debug {
+    /// Where it puts a particle `[m]`, in the frame of simulation of the cloth.
+    fn position(&self, particle: usize) -> Vec3;
+}
+
+impl Animation for Vec<Vec3> {
+    fn position(&self, particle: usize) -> Vec3 {
+        self.get(particle).copied().unwrap_or(Vec3::NAN)
     }
 }

@@ -4,9 +4,9 @@
 //! integrate ─► detect ─► resolve ─► evaluate ─► respond
 //! ```
 //!
-//! Those methods are the whole frame, called in this order once a frame, by systems and scenes alike. The island asks [`Members`] for its cloths; it copies
-//! their particles into arrays of its own when it detects, and while nothing crosses nothing is written back, so that a clean cloth has the same bits with
-//! and without an island.
+//! [`Stage::FRAME`] is the whole frame: [`Island::run`] runs each stage once, in this order, for systems, scenes and recordings alike, on a slice of
+//! [`Member`]s. The island copies their particles into arrays of its own when it detects. While nothing crosses it writes nothing back, so that a clean cloth
+//! has the same bits with and without an island.
 
 mod detect;
 mod display;
@@ -18,6 +18,7 @@ mod put_off;
 mod rescale;
 mod resolve;
 mod skins;
+mod stage;
 mod substep;
 mod undo;
 
@@ -27,8 +28,9 @@ use glam::{Vec3, Vec4};
 
 pub use display::Display;
 pub use load::LoadReport;
-pub use member::{Member, Members};
+pub use member::{Animation, Member};
 pub use put_off::PutOff;
+pub use stage::Stage;
 
 use super::body::Touch;
 use super::detect::tree::Tree;
@@ -188,7 +190,7 @@ impl Island {
         (settings.layer, settings.self_collision, settings.thickness) = (layer, self_collision, thickness);
     }
 
-    /// How often pairs were looked for since [`Self::respond`], that look included.
+    /// How often pairs were looked for since [`Stage::Respond`], that look included.
     #[must_use]
     pub fn looks(&self) -> u32 {
         self.looks
@@ -251,13 +253,13 @@ impl Island {
         self.authored.get(part).copied().unwrap_or_default()
     }
 
-    /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Self::evaluate`]; empty before the first tangle.
+    /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Stage::Evaluate`]; empty before the first tangle.
     #[must_use]
     pub fn weights(&self, part: usize) -> &[f32] {
         if part < self.surface.parts.len() { self.weights.get(self.range(part)).unwrap_or(&[]) } else { &[] }
     }
 
-    /// Whether [`Self::resolve`] moved anything in this frame.
+    /// Whether [`Stage::Resolve`] moved anything in this frame.
     #[must_use]
     pub fn has_moved(&self) -> bool {
         self.moved

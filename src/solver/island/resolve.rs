@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Members, UntangleSettings, parts_of_contours};
+use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::retreat::Retreat;
@@ -15,19 +15,17 @@ use crate::solver::verdict::Resort;
 
 impl Island {
     /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
-    pub fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut impl Members) {
-        let parts = self.surface.parts.len();
+    pub(super) fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut [Member<'_>]) {
         self.rein_in(dt, cloths);
         self.bound(settings.effort);
         self.untangler.resolver.effort = self.most;
         self.load_in_frame(settings, cloths);
-        let resorts = (0..parts).filter_map(|part| cloths.member(part).map(|m| m.outcome.resort));
-        let resort = resorts.max().unwrap_or_default();
+        let resort = cloths.iter().map(|m| m.outcome.resort).max().unwrap_or_default();
         self.escalate(resort);
         // What goes on at load is not done with until then.
         if self.loading.is_none() {
             self.take_apart(settings, |part, positions| {
-                if let Some(m) = cloths.member(part) {
+                if let Some(m) = cloths.get_mut(part) {
                     relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
                 }
             });
@@ -40,37 +38,31 @@ impl Island {
 
     /// Draws what nothing could take apart to the animated pose, or to the shape at rest where it is.
     #[cold]
-    fn blend_members(&mut self, dt: f32, cloths: &mut impl Members) {
+    fn blend_members(&mut self, dt: f32, cloths: &[Member<'_>]) {
         let mut pose = core::mem::take(&mut self.pose);
-        for part in 0..self.surface.parts.len() {
-            cloths.pose(part, &mut pose);
-            if let Some(m) = cloths.member(part) {
-                // First around the tangle, then more and more of the cloth.
-                let whole = (m.outcome.tangled_for / m.last_resort - 4.0).clamp(0.0, 1.0);
-                self.blend(part, &pose, m.offset, dt / BLEND_TIME, whole);
-            }
+        for (part, m) in cloths.iter().enumerate() {
+            m.pose(&mut pose);
+            // First around the tangle, then more and more of the cloth.
+            let whole = (m.outcome.tangled_for / m.last_resort - 4.0).clamp(0.0, 1.0);
+            self.blend(part, &pose, m.offset, dt / BLEND_TIME, whole);
         }
         self.pose = pose;
     }
 
     /// Gives what moved back to the cloths, and keeps it out of bodies.
-    fn give_back(&mut self, cloths: &mut impl Members) {
+    fn give_back(&mut self, cloths: &mut [Member<'_>]) {
         if !self.moved {
             return;
         }
-        let parts = self.surface.parts.len();
-        for part in 0..parts {
-            let Some(m) = cloths.member(part) else { continue };
+        for (part, m) in cloths.iter_mut().enumerate() {
             let (fabric, bodies, offset) = (m.cloth.fabric, m.cloth.input.bodies, m.offset);
             if displace(fabric, bodies, m.state, m.scratch, |state| self.scatter(part, state, offset)) {
                 self.regather(part, m.state, offset);
             }
         }
         if self.stay() {
-            for part in 0..parts {
-                if let Some(m) = cloths.member(part) {
-                    self.scatter(part, m.state, m.offset);
-                }
+            for (part, m) in cloths.iter_mut().enumerate() {
+                self.scatter(part, m.state, m.offset);
             }
         }
     }
@@ -328,7 +320,8 @@ mod tests {
         assert!(island.stay());
         let mut after = crossed;
         (0..2).for_each(|part| island.scatter(part, &mut after[part], Vec3::ZERO));
-        assert!(island.evaluate().is_clean());
+        island.evaluate();
+        assert!(island.total().is_clean());
         for (after, clean) in after.iter().zip(&clean) {
             let off = |(a, b): (&Vec4, &Vec4)| a.distance(*b);
             let farthest = after.positions.iter().zip(&clean.positions).map(off).fold(0.0, f32::max);

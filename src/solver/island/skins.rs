@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::{Island, Members};
+use super::{Island, Member};
 use crate::solver::detect::Detector;
 
 /// Where the skins cross that cloths of an island follow; looked at only while something is tangled.
@@ -17,15 +17,13 @@ pub(super) struct Skins {
 
 impl Island {
     /// Draws what was tangled in the last frame to its skin, unless that crosses itself or another.
-    pub(super) fn rein_in(&mut self, dt: f32, cloths: &mut impl Members) {
-        let parts = self.surface.parts.len();
+    pub(super) fn rein_in(&mut self, dt: f32, cloths: &mut [Member<'_>]) {
         let mut skins = core::mem::take(&mut self.skins);
         if self.weighed {
             self.look_at_skins(cloths, &mut skins);
         }
-        for part in 0..parts {
-            if let Some(m) = cloths.member(part).filter(|m| m.moves)
-                && let Some(skinned) = m.cloth.input.skinned
+        for (part, m) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
+            if let Some(skinned) = m.cloth.input.skinned
                 && skinned.limits(m.state.positions.len())
             {
                 let tangled = if self.weighed && !skins.cross[part] { self.weights(part) } else { &[] };
@@ -37,14 +35,13 @@ impl Island {
 
     /// Looks for crossings of the targets of all cloths; those without any are where they are.
     #[cold]
-    fn look_at_skins(&self, cloths: &mut impl Members, skins: &mut Skins) {
+    fn look_at_skins(&self, cloths: &[Member<'_>], skins: &mut Skins) {
         let Skins { detector, targets, cross } = skins;
         targets.clone_from(&self.positions);
         let mut any = false;
-        for part in 0..self.surface.parts.len() {
+        for (part, m) in cloths.iter().enumerate() {
             let range = self.range(part);
-            if let Some(m) = cloths.member(part)
-                && let Some(skinned) = m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len()))
+            if let Some(skinned) = m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len()))
             {
                 any = true;
                 let offset = m.offset;

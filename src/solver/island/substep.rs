@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{CROWDED, Island, LOOK_AGAIN, Member, Members};
+use super::{CROWDED, Island, LOOK_AGAIN, Member};
 use crate::solver::respond::CALM_PASSES;
 use crate::solver::settings::Stepping;
 use crate::solver::state::ClothState;
@@ -14,17 +14,14 @@ use crate::solver::state::ClothState;
 impl Island {
     /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it
     /// where it is.
-    pub fn integrate(&mut self, cloths: &mut impl Members) {
-        let parts = self.surface.parts.len();
+    pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
         let (mut count, mut longest, mut driven) = (0, 0.0f32, false);
-        for part in 0..parts {
-            if let Some(m) = cloths.member(part) {
-                count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
-                driven |= m.scratch.is_driven();
-                longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
-                if m.moves {
-                    self.retreat.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
-                }
+        for (part, m) in cloths.iter_mut().enumerate() {
+            count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
+            driven |= m.scratch.is_driven();
+            longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
+            if m.moves {
+                self.retreat.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
             }
         }
         self.takes_back &= self.retreat.knows();
@@ -35,39 +32,33 @@ impl Island {
         let gap = (LOOK_AGAIN * count as f32 / longest.max(f32::MIN_POSITIVE)).round().max(1.0) as u32;
         self.share = 0.0;
         self.contacts.note_meetings();
-        for part in 0..parts {
+        let tangled = !self.contours().is_empty();
+        for (part, m) in cloths.iter_mut().enumerate() {
             let range = self.surface.parts[part].particles.clone();
             let own = |p: u32| range.contains(&p).then(|| p - range.start);
-            if let Some(m) = cloths.member(part) {
-                let tangled = !self.contours().is_empty();
-                // Inner steps would draw back what untangling moves.
-                let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
-                m.cloth.begin(if tangled { &whole } else { m.stepping }, Some(count), m.state, m.scratch);
-                if tangled {
-                    m.scratch.leave_air();
-                }
-                m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
+            // Inner steps would draw back what untangling moves.
+            let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
+            m.cloth.begin(if tangled { &whole } else { m.stepping }, Some(count), m.state, m.scratch);
+            if tangled {
+                m.scratch.leave_air();
             }
+            m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
         }
         for n in 1..=count {
             self.contacts.lift();
             self.note_start(cloths);
             let lies = self.lies_on_bodies(cloths);
-            for part in 0..parts {
-                if let Some(m) = cloths.member(part) {
-                    m.cloth.constrain(m.state, m.scratch);
-                }
+            for m in &mut *cloths {
+                m.cloth.constrain(m.state, m.scratch);
             }
             if lies {
                 self.lay(cloths);
             }
             self.keep_apart(cloths, lies);
-            for part in 0..parts {
-                if let Some(m) = cloths.member(part) {
-                    m.cloth.project(m.state, m.scratch);
-                    let first = self.surface.parts[part].particles.start;
-                    m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
-                }
+            for (part, m) in cloths.iter_mut().enumerate() {
+                m.cloth.project(m.state, m.scratch);
+                let first = self.surface.parts[part].particles.start;
+                m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
             }
             if lies {
                 self.hold_what_sticks(cloths);
@@ -82,12 +73,8 @@ impl Island {
         }
         self.note_start(cloths);
         let crowded = !self.contacts.is_empty();
-        for part in 0..parts {
-            if let Some(m) = cloths.member(part)
-                && let Some(report) = m.cloth.finish(crowded, m.state, m.scratch)
-            {
-                cloths.done(part, report);
-            }
+        for m in &mut *cloths {
+            *m.report = m.cloth.finish(crowded, m.state, m.scratch);
         }
         // Overlong edges were shortened without heed to what is between them.
         self.guard(cloths, true);
@@ -95,31 +82,28 @@ impl Island {
 
     /// Whether cloth that lies on bodies may touch cloth, so that care is to be taken of both at once. Folds of one cloth in motion cross no less
     /// without, and a sheet of 64² on a ball takes an eighth longer with it.
-    fn lies_on_bodies(&self, cloths: &mut impl Members) -> bool {
+    fn lies_on_bodies(&self, cloths: &[Member<'_>]) -> bool {
         let parts = self.surface.parts.len();
-        let mut lies = |m: Member<'_>| (parts > 1 || m.scratch.is_calm()) && m.scratch.grounded().next().is_some();
-        !self.contacts.is_empty() && (0..parts).any(|part| cloths.member(part).is_some_and(&mut lies))
+        let lies = |m: &Member<'_>| (parts > 1 || m.scratch.is_calm()) && m.scratch.grounded().next().is_some();
+        !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
     /// Puts what lies on bodies where they will put it.
-    fn lay(&self, cloths: &mut impl Members) {
-        for part in 0..self.surface.parts.len() {
-            if let Some(m) = cloths.member(part) {
-                m.cloth.lay(self.contacts.meets_other(part), m.state, m.scratch);
-            }
+    fn lay(&self, cloths: &mut [Member<'_>]) {
+        for (part, m) in cloths.iter_mut().enumerate() {
+            m.cloth.lay(self.contacts.meets_other(part), m.state, m.scratch);
         }
     }
 
     /// Notes where everything is that may touch, and how fast.
-    fn note_start(&mut self, cloths: &mut impl Members) {
+    fn note_start(&mut self, cloths: &[Member<'_>]) {
         if self.contacts.is_empty() {
             return;
         }
         self.contacts.begin_start();
-        for part in 0..self.surface.parts.len() {
-            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+        for (part, Member { state, offset, moves, .. }) in cloths.iter().enumerate() {
             let offset = offset.extend(0.0);
-            let per_second = if moves && state.substep > 0.0 { state.substep.recip() } else { 0.0 };
+            let per_second = if *moves && state.substep > 0.0 { state.substep.recip() } else { 0.0 };
             self.contacts.note_start(part, |i| match (state.positions.get(i), state.previous.get(i)) {
                 (Some(&x), Some(&old)) => (x + offset, Vec3A::from_vec4(x - old) * per_second),
                 _ => (Vec4::NAN, Vec3A::ZERO),
@@ -128,20 +112,18 @@ impl Island {
     }
 
     /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
-    fn keep_apart(&mut self, cloths: &mut impl Members, lies: bool) {
+    fn keep_apart(&mut self, cloths: &mut [Member<'_>], lies: bool) {
         if self.contacts.is_empty() {
             self.contacts.rest();
             return;
         }
         let (mut h, mut calm) = (0.0f32, true);
-        for part in 0..self.surface.parts.len() {
-            if let Some(Member { state, scratch, moves: true, .. }) = cloths.member(part) {
-                calm &= scratch.is_calm();
-                h = h.max(state.substep);
-            }
+        for Member { state, scratch, .. } in cloths.iter().filter(|m| m.moves) {
+            calm &= scratch.is_calm();
+            h = h.max(state.substep);
         }
         let passes = if calm { CALM_PASSES } else { 1 };
-        let gravity = self.gravity(cloths);
+        let gravity = Self::gravity(cloths);
         self.contacts.begin_solve(h, passes);
         self.gather_pairs(cloths);
         for pass in 1..=passes {
@@ -157,20 +139,19 @@ impl Island {
     }
 
     /// Sum of what pulls the cloths that move `[m/s²]`, for its direction.
-    fn gravity(&self, cloths: &mut impl Members) -> Vec3 {
-        let mut of = |part: usize| cloths.member(part).filter(|m| m.moves).map_or(Vec3::ZERO, |m| m.cloth.input.gravity);
-        (0..self.surface.parts.len()).map(&mut of).sum()
+    fn gravity(cloths: &[Member<'_>]) -> Vec3 {
+        cloths.iter().map(|m| if m.moves { m.cloth.input.gravity } else { Vec3::ZERO }).sum()
     }
 
     /// Holds pairs that stick, when bodies have pushed, too.
-    fn hold_what_sticks(&mut self, cloths: &mut impl Members) {
+    fn hold_what_sticks(&mut self, cloths: &mut [Member<'_>]) {
         self.gather_pairs(cloths);
-        self.contacts.hold(self.gravity(cloths));
+        self.contacts.hold(Self::gravity(cloths));
         self.scatter_pairs(cloths);
     }
 
     /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the substep began.
-    fn rebound(&mut self, cloths: &mut impl Members) {
+    fn rebound(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.has_impacts() {
             self.gather_pairs(cloths);
             self.contacts.rebound();
@@ -179,13 +160,12 @@ impl Island {
     }
 
     /// Takes in where the particles of pairs are and where they were when the substep began.
-    fn gather_pairs(&mut self, cloths: &mut impl Members) {
+    fn gather_pairs(&mut self, cloths: &[Member<'_>]) {
         self.contacts.begin_gather();
-        for part in 0..self.surface.parts.len() {
-            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+        for (part, Member { state, offset, moves, .. }) in cloths.iter().enumerate() {
             let offset = offset.extend(0.0);
             self.contacts.gather(part, |i| match (state.positions.get(i), state.previous.get(i)) {
-                (Some(&now), Some(&old)) if moves => (now + offset, old + offset),
+                (Some(&now), Some(&old)) if *moves => (now + offset, old + offset),
                 // What stays has no speed, whatever it had.
                 (Some(&now), _) if !moves => (now.truncate().extend(0.0) + offset, now + offset),
                 _ => (Vec4::NAN, Vec4::NAN),
@@ -194,9 +174,8 @@ impl Island {
     }
 
     /// Gives back where they are and where they were.
-    fn scatter_pairs(&mut self, cloths: &mut impl Members) {
-        for part in 0..self.surface.parts.len() {
-            let Some(Member { state, offset, moves: true, .. }) = cloths.member(part) else { continue };
+    fn scatter_pairs(&mut self, cloths: &mut [Member<'_>]) {
+        for (part, Member { state, offset, .. }) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
             let offset = offset.extend(0.0);
             self.contacts.scatter(part, |i, now, old| {
                 if let (Some(x), Some(was)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
@@ -215,16 +194,14 @@ impl Island {
     /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that [`Stepped::finish`] moved it, which gave
     /// it no speed. To be stopped there gives a calm cloth none either; to others it is a brake: without it edges of a strip that is overwound get seven
     /// times as long.
-    fn guard(&mut self, cloths: &mut impl Members, finished: bool) {
+    fn guard(&mut self, cloths: &mut [Member<'_>], finished: bool) {
         if self.contacts.is_empty() {
             return;
         }
-        let parts = self.surface.parts.len();
-        for part in 0..parts {
-            let Some(Member { state, offset, moves, .. }) = cloths.member(part) else { continue };
+        for (part, Member { state, offset, moves, .. }) in cloths.iter().enumerate() {
             let offset = offset.extend(0.0);
             self.contacts.gather_end(part, |i| match state.positions.get(i) {
-                Some(&now) if moves => now + offset,
+                Some(&now) if *moves => now + offset,
                 Some(&now) => now.truncate().extend(0.0) + offset,
                 None => Vec4::NAN,
             });
@@ -232,8 +209,7 @@ impl Island {
         if !self.contacts.guard() {
             return;
         }
-        for part in 0..parts {
-            let Some(Member { state, scratch, offset, moves: true, .. }) = cloths.member(part) else { continue };
+        for (part, Member { state, scratch, offset, .. }) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
             let (offset, silent) = (offset.extend(0.0), finished && scratch.is_calm());
             self.contacts.scatter_cut(part, |i, now| {
                 if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
@@ -249,27 +225,25 @@ impl Island {
 
     /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead, where it was
     /// foreseen to be; everywhere when that time is up. Otherwise only when that is `due`.
-    fn look_ahead(&mut self, cloths: &mut impl Members, each: f32, due: bool) {
+    fn look_ahead(&mut self, cloths: &[Member<'_>], each: f32, due: bool) {
         let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
         if !over && (!due || self.within.is_spent()) {
             return;
         }
         let mut strayed = over;
         for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch).filter(|_| !over) {
-            let Some(m) = cloths.member(i).filter(|m| m.moves) else { continue };
+            let Some(m) = cloths.get(i).filter(|m| m.moves) else { continue };
             if m.state.positions.len() == part.particles.len() {
                 let first = part.particles.start as usize;
-                let ClothState { positions, previous, .. } = &*m.state;
+                let ClothState { positions, previous, .. } = &m.state;
                 strayed |= self.finder.strayed(first, positions, previous, m.offset, next, touch.thickness);
             }
         }
         if strayed {
-            for part in 0..self.surface.parts.len() {
-                if let Some(m) = cloths.member(part) {
-                    self.gather(part, m.state, m.offset, !m.moves);
-                    if !m.moves {
-                        self.hold(part);
-                    }
+            for (part, m) in cloths.iter().enumerate() {
+                self.gather(part, m.state, m.offset, !m.moves);
+                if !m.moves {
+                    self.hold(part);
                 }
             }
             if over {
