@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothHit};
 use crate::simulation::{ClothRest, ClothShown};
-use crate::solver::pick::{self, Pick};
+use crate::solver::raycast::{self, Pick};
 
 /// Asks cloths as they are drawn, held and interpolated shapes included. A cloth that was not drawn yet, or cannot be simulated, is not found.
 ///
@@ -71,9 +71,9 @@ impl ClothQuery<'_, '_> {
             let Some((from, direction)) = place(entity, shown, limit) else { continue };
             let at = |p: u32| shown.particles.get(p as usize).copied().unwrap_or(Vec3::NAN);
             let found = if direction == Vec3::ZERO {
-                pick::nearest(faces, at, from, limit)
+                raycast::nearest(faces, at, from, limit)
             } else {
-                pick::ray(faces, at, from, direction, limit)
+                raycast::ray(faces, at, from, direction, limit)
             };
             let Some(Pick { face, weights, distance }) = found else { continue };
             if best.as_ref().is_some_and(|hit| (distance, entity) >= (hit.distance, hit.entity)) {

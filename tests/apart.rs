@@ -8,7 +8,7 @@ use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
-use bevy_drape::solver::verdict::Resort;
+use bevy_drape::solver::verdict::Escalation;
 use drape_scenes::{self as scenes, Scene, SceneCloth, Seed, Tangle, fabric, grid};
 use glam::{Vec3, Vec4, vec3};
 
@@ -551,13 +551,13 @@ fn what_nothing_takes_apart_is_drawn_to_its_shape_at_rest_in_the_end() {
     let clean = (1..=600).find(|_| {
         scene.step(FRAME);
         let outcome = scene.cloths[0].display.outcome();
-        if outcome.became_last_resort || seen.last() != Some(&outcome.resort) {
-            seen.push(outcome.resort);
+        if outcome.became_last_resort || seen.last() != Some(&outcome.escalation) {
+            seen.push(outcome.escalation);
         }
         scene.crossings() == 0
     });
     assert!(clean.is_some(), "{} crossings left", scene.crossings());
-    let expected = [Resort::None, Resort::Regions, Resort::Candidates, Resort::Blend];
+    let expected = [Escalation::None, Escalation::Regions, Escalation::Candidates, Escalation::Blend];
     assert!(seen.starts_with(&expected), "{seen:?}");
 }
 

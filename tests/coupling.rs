@@ -437,7 +437,7 @@ fn a_ball_in_a_fine_net_is_borne_by_its_pins_whole() {
     let weight = 0.08 * G;
     assert!((given / weight - 1.0).abs() < 0.02, "the net gives the ball {given} N of {weight} N");
     let expected = -(weight + weight_of(&net));
-    // What is stuck in a calm cloth gives up the velocity of its last inner step, which bore load: 3 % of it. Without damping pins are within 0.1 %.
+    // What is stuck in a settling cloth gives up the velocity of its last inner step, which bore load: 3 % of it. Without damping pins are within 0.1 %.
     assert!((pins / expected - 1.0).abs() < 0.04, "pins bear {pins} N of {expected} N");
 }
 

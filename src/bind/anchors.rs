@@ -8,8 +8,8 @@ use super::placement::seen_from;
 use super::{Authored, Placement};
 use crate::components::{ClothError, ClothErrorKind, ClothPinSelect, ClothPins};
 use crate::solver::anchors::{Anchors, RIGID};
+use crate::solver::ramp::SLEW_TIME;
 use crate::solver::rest::RestShape;
-use crate::solver::slew::SLEW_TIME;
 
 /// What holds the anchors.
 #[derive(Clone, Debug, Default)]

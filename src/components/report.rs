@@ -63,7 +63,7 @@ pub struct ClothReport {
     pub iterations: u32,
     /// Whether the last frame put work off to the next one, of this cloth or another that it can meet, since it would have been too much: see
     /// [`ClothUntangling::effort`](crate::ClothUntangling::effort).
-    pub put_off: bool,
+    pub deferred: bool,
     /// Time since the cloth was last clean `[s]`.
     pub tangled_for: f32,
     /// Whether the last clean shape is shown where the cloth is tangled.

@@ -34,7 +34,7 @@ pub struct ClothUntangling {
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
     /// Most work of a frame beyond what is in proportion to the size of the cloth, in visits of particles, crossings and pairs of faces for each face. Default
-    /// 512, range 16 to 1,000,000. What is more goes on in the next frame, and [`ClothReport::put_off`](crate::ClothReport::put_off) tells of it. Less keeps heaps
+    /// 512, range 16 to 1,000,000. What is more goes on in the next frame, and [`ClothReport::deferred`](crate::ClothReport::deferred) tells of it. Less keeps heaps
     /// tangled for longer and lets piles that land hard cross; more holds up the frame where cloth crosses all over. It is counted, not timed, so that
     /// every machine comes to the same.
     pub effort: u32,

@@ -21,7 +21,7 @@
 //! | [`contacts`](ClothDebug::contacts) | Integrate | where cloth touches cloth and bodies, by force |
 //! | [`bvh`](ClothDebug::bvh) | Detect | boxes of the search tree, by level |
 //! | [`crossings`](ClothDebug::crossings), [`contours`](ClothDebug::contours), [`regions`](ClothDebug::regions) | Evaluate | what is still tangled, by how its contour ends |
-//! | [`sleep`](ClothDebug::sleep) | Respond | borders, by level of detail: strained, awake, calm, fewer substeps, still or asleep |
+//! | [`sleep`](ClothDebug::sleep) | Respond | borders, by level of detail: strained, awake, settling, fewer substeps, still or asleep |
 //! | [`normals`](ClothDebug::normals), [`bounds`](ClothDebug::bounds) | Sync | normals of particles, boxes for culling |
 
 mod bounds;
@@ -90,7 +90,7 @@ pub struct ClothDebug {
     pub contours: bool,
     /// The pieces that contours cut off. Default false.
     pub regions: bool,
-    /// The border of each cloth, by its level of detail: strained, awake, calm, half or a quarter of the substeps, still, or asleep; every
+    /// The border of each cloth, by its level of detail: strained, awake, settling, half or a quarter of the substeps, still, or asleep; every
     /// edge of one without a border. Default false.
     pub sleep: bool,
     /// Normals of the particles. Default false.

@@ -1,12 +1,12 @@
 //! How much is solved of a cloth, its level of detail: its border, or every edge of a cloth that has none.
 //!
 //! ```text
-//! awake ─ slow for 0.25 s ─► calm ─ within a few millimetres for 0.5 s, and so its island ─► asleep
+//! awake ─ slow for 0.25 s ─► settling ─ within a few millimetres for 0.5 s, and so its island ─► asleep
 //!   ▲                         │                                                               │
 //!   └─────────────────────────┴────────────────────── anything that moves it ─────────────────┘
 //! ```
 //!
-//! One with an edge far beyond the strain limit is strained: a coarse net over it is solved, too. [`ClothLod`](crate::ClothLod) takes
+//! One with an edge far beyond the strain limit is strained: a coarse level over it is solved, too. [`ClothLod`](crate::ClothLod) takes
 //! substeps off what is far away or unseen.
 
 use bevy::prelude::*;
@@ -20,7 +20,7 @@ use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 pub(super) enum Rest {
     Strained,
     Awake,
-    Calm,
+    Settling,
     Asleep,
     Half,
     Quarter,
@@ -29,13 +29,13 @@ pub(super) enum Rest {
 
 impl Rest {
     pub(super) const ALL: [Self; 7] =
-        [Self::Strained, Self::Awake, Self::Calm, Self::Asleep, Self::Half, Self::Quarter, Self::Still];
+        [Self::Strained, Self::Awake, Self::Settling, Self::Asleep, Self::Half, Self::Quarter, Self::Still];
 
     pub(super) fn label(self) -> &'static str {
         match self {
-            Self::Strained => "strained: a coarse net is solved, too",
+            Self::Strained => "strained: a coarse level is solved, too",
             Self::Awake => "awake",
-            Self::Calm => "calm: slow for a while",
+            Self::Settling => "settling: slow for a while",
             Self::Asleep => "asleep: costs nothing",
             Self::Half => "half of the substeps",
             Self::Quarter => "a quarter of the substeps",
@@ -47,7 +47,7 @@ impl Rest {
         match self {
             Self::Strained => Color::srgb_u8(204, 121, 167),
             Self::Awake => Color::srgb_u8(213, 94, 0),
-            Self::Calm => Color::srgb_u8(240, 228, 66),
+            Self::Settling => Color::srgb_u8(240, 228, 66),
             Self::Asleep => Color::srgb_u8(86, 180, 233),
             Self::Half => Color::srgb_u8(0, 158, 115),
             Self::Quarter => Color::srgb_u8(0, 114, 178),
@@ -63,7 +63,7 @@ impl Rest {
             ClothDetail::Quarter => Self::Quarter,
             ClothDetail::Still => Self::Still,
             ClothDetail::Full if solver.is_strained() => Self::Strained,
-            ClothDetail::Full if solver.is_calm() => Self::Calm,
+            ClothDetail::Full if solver.is_settling() => Self::Settling,
             ClothDetail::Full => Self::Awake,
         }
     }

@@ -6,7 +6,7 @@ use parry3d::bounding_volume::BoundingVolume;
 use crate::components::ClothCollisionLayers;
 use crate::components::checked::Checked;
 use crate::solver::body::{Pose, SharedShape};
-use crate::solver::couple::Given;
+use crate::solver::couple::Reaction;
 
 /// Jumps shorter than this are motion `[m]`: as far as a cloth goes by default.
 const LEAST_JUMP: f32 = 1.0;
@@ -53,7 +53,7 @@ pub(crate) struct WorldRigid {
     pub inverse_inertia: Mat3,
     /// Cloths that gave it something in the last frame, and what and how many do in this one.
     pub givers: u32,
-    pub given: Given,
+    pub given: Reaction,
     pub gave: u32,
 }
 
@@ -65,7 +65,7 @@ impl WorldRigid {
 
     /// A pose that goes with the body, moved as cloth moved it.
     pub fn moved(&self, pose: Isometry3d) -> Isometry3d {
-        let Given { shift, turn, .. } = self.given;
+        let Reaction { shift, turn, .. } = self.given;
         let translation = self.to + shift + turn * (Vec3::from(pose.translation) - self.to);
         Isometry3d::new(translation, (turn * pose.rotation).normalize())
     }

@@ -15,11 +15,11 @@ use crate::solver::anchors::Anchors;
 use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
 use crate::solver::island::{Animation, UntangleSettings};
+use crate::solver::ramp::Ramp;
 use crate::solver::recover::Limits;
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::skinned::Skinned;
-use crate::solver::slew::Slew;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
 
@@ -38,7 +38,7 @@ pub(crate) struct ClothInputs {
     pub asleep: bool,
     /// Fabric of this frame, on its way to the one that is wanted.
     pub fabric: Fabric,
-    pub slew: Slew,
+    pub ramp: Ramp,
     pub stepping: Stepping,
     pub limits: Limits,
     pub untangle: UntangleSettings,
@@ -130,7 +130,7 @@ impl ClothInputs {
             active: true,
             asleep: false,
             fabric: Fabric::default(),
-            slew: Slew::of_length(2.0 * radius),
+            ramp: Ramp::of_length(2.0 * radius),
             stepping: Stepping::default(),
             limits: Limits::default(),
             untangle: UntangleSettings::default(),

@@ -3,8 +3,8 @@
 use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
+use crate::solver::impulse;
 use crate::solver::island::Display;
-use crate::solver::kick;
 use crate::solver::recover::Recovery;
 use crate::solver::state::ClothState;
 
@@ -73,7 +73,7 @@ impl ClothParticles {
     /// `radius` not above 0.
     pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
         let point = (point.as_dvec3() - self.origin).as_vec3();
-        kick::impulse(self.state_mut(), point, impulse, radius)
+        impulse::impulse(self.state_mut(), point, impulse, radius)
     }
 
     /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is what the whole cloth gets close by;
@@ -81,7 +81,7 @@ impl ClothParticles {
     /// part; none when a number is not finite or `radius` not above 0.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
         let center = (center.as_dvec3() - self.origin).as_vec3();
-        kick::explosion(self.state_mut(), center, impulse, radius)
+        impulse::explosion(self.state_mut(), center, impulse, radius)
     }
 
     /// Origin of the frame of simulation in the world `[m]`.

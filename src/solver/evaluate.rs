@@ -15,7 +15,7 @@
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::solver::verdict::{Resort, Verdict};
+use crate::solver::verdict::{Escalation, Verdict};
 
 /// What to do about frames that are still tangled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -111,7 +111,7 @@ pub struct Outcome {
     /// The last resort has begun with this frame.
     pub became_last_resort: bool,
     /// What to use against the tangle in the next frame.
-    pub resort: Resort,
+    pub escalation: Escalation,
 }
 
 /// Clean shapes kept.
@@ -119,7 +119,7 @@ const SNAPSHOTS: usize = 2;
 /// Runs of held frames remembered for the bound per second; a clean frame lies between two.
 const LOG: usize = 32;
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Snapshot {
     positions: Vec<Vec3>,
@@ -128,7 +128,7 @@ struct Snapshot {
 }
 
 /// Decides, for one cloth, what each frame shows. Allocates only when the first clean shapes are kept.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Evaluator {
     ring: [Snapshot; SNAPSHOTS],
@@ -184,8 +184,8 @@ impl Evaluator {
         }
         out.became_tangled = before.shown == Shown::Clean;
         out.tangled_for = before.tangled_for + dt;
-        out.resort = Resort::after(out.tangled_for, settings.last_resort);
-        out.last_resort = out.resort != Resort::None;
+        out.escalation = Escalation::after(out.tangled_for, settings.last_resort);
+        out.last_resort = out.escalation != Escalation::None;
         out.became_last_resort = out.last_resort && !before.last_resort;
         if self.may_hold(dt, settings) {
             self.held_frames += 1;
@@ -333,9 +333,9 @@ mod tests {
         let outcomes: Vec<Outcome> = (0..240).map(|_| evaluator.judge(&DIRTY, DT, &settings)).collect();
         let announced: Vec<usize> = (0..240).filter(|&i| outcomes[i].became_last_resort).collect();
         assert!(announced.len() == 1 && (59..=60).contains(&announced[0]), "announced in frames {announced:?}");
-        let resorts = [30, 90, 150, 210].map(|i| outcomes[i].resort);
-        assert_eq!(resorts, [Resort::None, Resort::Regions, Resort::Candidates, Resort::Blend]);
-        assert_eq!(evaluator.judge(&Verdict::default(), DT, &settings).resort, Resort::None);
+        let escalations = [30, 90, 150, 210].map(|i| outcomes[i].escalation);
+        assert_eq!(escalations, [Escalation::None, Escalation::Regions, Escalation::Candidates, Escalation::Blend]);
+        assert_eq!(evaluator.judge(&Verdict::default(), DT, &settings).escalation, Escalation::None);
     }
 
     #[test]

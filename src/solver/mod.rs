@@ -5,7 +5,8 @@
 //! Modules stand in the order of the data flow.
 
 pub mod settings;
-pub mod slew;
+mod buffer;
+pub mod ramp;
 pub mod topology;
 pub mod rest;
 pub mod state;
@@ -22,7 +23,7 @@ pub mod verdict;
 pub mod resolve;
 pub mod evaluate;
 pub mod respond;
-pub mod retreat;
+pub mod rollback;
 pub mod island;
 #[cfg(feature = "record")]
 pub mod recording;
@@ -30,5 +31,5 @@ pub mod scene;
 pub mod fit;
 pub mod recover;
 pub mod surface;
-pub mod pick;
-pub mod kick;
+pub mod raycast;
+pub mod impulse;

@@ -66,7 +66,7 @@ pub enum Level {
 }
 
 /// Remembers the last good state and how often it was needed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Recovery {
     good: Vec<Vec3>,

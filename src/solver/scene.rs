@@ -183,14 +183,14 @@ pub struct Untangling {
     pub skip: EvaluateSettings,
     /// Whether cloths rest on each other, and on themselves.
     pub contact: bool,
-    room: Room,
+    roster: Roster,
 }
 
 /// Room for a list of members, kept from frame to frame.
 #[derive(Debug, Default)]
-struct Room(Vec<Member<'static>>);
+struct Roster(Vec<Member<'static>>);
 
-impl Room {
+impl Roster {
     fn take<'a>(&mut self) -> Vec<Member<'a>> {
         core::mem::take(&mut self.0)
     }
@@ -202,7 +202,7 @@ impl Room {
     }
 }
 
-impl Clone for Room {
+impl Clone for Roster {
     fn clone(&self) -> Self {
         Self::default()
     }
@@ -271,15 +271,18 @@ impl Scene {
                 (part, &*rest.tree)
             })
             .collect();
-        self.untangle = Some(Untangling { island: Island::new(&parts)?, settings, skip, contact: true, room: Room::default() });
+        self.untangle =
+            Some(Untangling { island: Island::new(&parts)?, settings, skip, contact: true, roster: Roster::default() });
         Ok(self)
     }
 
     /// Takes the cloths apart before the first frame, in at most `most` iterations; nothing without untangling.
     pub fn untangle_at_load(&mut self, most: u32) -> LoadReport {
-        let Some((Untangling { island, settings, room, .. }, mut members)) = self.together(0.0) else { return LoadReport::default() };
+        let Some((Untangling { island, settings, roster, .. }, mut members)) = self.together(0.0) else {
+            return LoadReport::default();
+        };
         let report = island.untangle_at_load(settings, most, &mut members);
-        room.keep(members);
+        roster.keep(members);
         report
     }
 
@@ -289,7 +292,7 @@ impl Scene {
         let untangling = untangle.as_mut()?;
         let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: None };
         let (contact, last_resort) = (untangling.contact, untangling.skip.last_resort);
-        let mut members = untangling.room.take();
+        let mut members = untangling.roster.take();
         members.extend(cloths.iter_mut().map(|cloth| cloth.member(input, contact, last_resort)));
         Some((untangling, members))
     }
@@ -297,13 +300,13 @@ impl Scene {
     /// Runs `stages` of a frame of `dt` `[s]` of the island; nothing without untangling.
     fn run(&mut self, stages: &[Stage], dt: f32) {
         let mut times = self.times;
-        let Some((Untangling { island, settings, room, .. }, mut members)) = self.together(dt) else { return };
+        let Some((Untangling { island, settings, roster, .. }, mut members)) = self.together(dt) else { return };
         for &stage in stages {
             let start = Instant::now();
             island.run(stage, dt, settings, &mut members);
             *times.of(stage) = since(start);
         }
-        room.keep(members);
+        roster.keep(members);
         self.times = times;
     }
 
@@ -377,9 +380,9 @@ impl Scene {
 
     /// Looks for crossings as the cloths lie, and moves nothing.
     pub fn look(&mut self) -> Verdict {
-        let Some((Untangling { island, room, .. }, members)) = self.together(0.0) else { return Verdict::default() };
+        let Some((Untangling { island, roster, .. }, members)) = self.together(0.0) else { return Verdict::default() };
         let verdict = island.inspect(&members);
-        room.keep(members);
+        roster.keep(members);
         verdict
     }
 

@@ -43,7 +43,7 @@ impl Verdict {
 /// Stronger and stronger means against a tangle that stays, in the order in which they are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub enum Resort {
+pub enum Escalation {
     /// None: by end type.
     #[default]
     None,
@@ -55,7 +55,7 @@ pub enum Resort {
     Blend,
 }
 
-impl Resort {
+impl Escalation {
     /// What to use after so much time tangled `[s]`: each stands for as long as the first waited.
     #[must_use]
     pub fn after(tangled_for: f32, first: f32) -> Self {

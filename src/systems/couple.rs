@@ -8,7 +8,7 @@ use crate::components::body::{ColliderBody, CoupledBody};
 use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, WorldBodies, WorldRigid, jumped};
-use crate::solver::couple::{Given, Rigid};
+use crate::solver::couple::{Reaction, Rigid};
 use crate::time::ClothTime;
 
 /// Finds the entity that takes what is done to another: itself or the nearest ancestor that says so.
@@ -86,7 +86,7 @@ fn in_world(entity: Entity, rigid: &ClothRigidBody, from: Isometry3d, to: Isomet
         inverse_mass: rigid.inverse_mass,
         inverse_inertia: axes * rigid.inverse_inertia * axes.transpose(),
         givers,
-        given: Given::default(),
+        given: Reaction::default(),
         gave: 0,
     }
 }
@@ -168,8 +168,10 @@ pub(crate) fn give(
         for (slot, (&index, &share)) in (0..).zip(coupled.rigids.iter().zip(&coupled.shares)) {
             let given = scratch.solver.coupling().given(slot);
             let finite = given.linear.is_finite() && given.angular.is_finite() && given.shift.is_finite();
-            let Some(body) = rigids.get_mut(index as usize).filter(|_| finite && given != Given::default()) else { continue };
-            let Given { linear, angular, shift, turn } = &mut body.given;
+            let Some(body) = rigids.get_mut(index as usize).filter(|_| finite && given != Reaction::default()) else {
+                continue;
+            };
+            let Reaction { linear, angular, shift, turn } = &mut body.given;
             *linear += given.linear;
             *angular += given.angular;
             *shift += given.shift / share;
@@ -180,7 +182,7 @@ pub(crate) fn give(
     }
     for rigid in rigids.iter() {
         let Ok((mut reaction, mut body)) = takers.get_mut(rigid.entity) else { continue };
-        let Given { linear, angular, shift, turn } = rigid.given;
+        let Reaction { linear, angular, shift, turn } = rigid.given;
         reaction.set_if_neq(ClothReaction { linear, angular, displacement: shift, turn });
         body.givers = rigid.gave;
         body.pose = body.pose.map(|pose| rigid.moved(pose));

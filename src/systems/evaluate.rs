@@ -64,7 +64,7 @@ pub(crate) fn judge(
             report.held = outcome.shown == Shown::Held;
             report.held_frames = outcome.held_frames;
             report.iterations = at.map_or(0, |(island, _)| island.solver.iterations());
-            report.put_off = at.is_some_and(|(island, _)| !island.solver.put_off().is_nothing());
+            report.deferred = at.is_some_and(|(island, _)| !island.solver.deferred().is_nothing());
             let of = |stage: Stage| at.map_or(0.0, |(island, part)| island.cost(stage, part));
             (report.detect_ms, report.resolve_ms) = (of(Stage::Detect), of(Stage::Resolve));
             (report.respond_ms, report.contacts) = (0.0, 0);
@@ -91,7 +91,7 @@ pub(crate) fn tell(
         if outcome.became_held {
             commands.trigger(ClothHeld { entity });
         }
-        // What takes no part has no resorts.
+        // What takes no part has no escalations.
         if outcome.became_last_resort && !not_untangled {
             commands.trigger(ClothUntanglingEscalated { entity, crossings: report.crossings });
         }

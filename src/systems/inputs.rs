@@ -92,7 +92,7 @@ pub(crate) fn settings(
         inputs.time_scale = solver.time_scale(checked);
         let dt = time.delta_secs() * inputs.time_scale;
         let before = inputs.fabric.prepared();
-        let tuned = inputs.slew.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
+        let tuned = inputs.ramp.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
         let [moved, turned] = slew_weights(&mut inputs.anchors, &inputs.sets.weights, dt);
         inputs.tuned = tuned || moved;
         inputs.stale |= turned || before != inputs.fabric.prepared();

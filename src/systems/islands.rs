@@ -17,7 +17,13 @@ pub(super) type Cloths<'w, 's, 'a> =
 
 /// Runs a `stage` of a frame of `dt` `[s]` of the islands that are `wanted`, and notes the time it took. An island that lost a cloth since it was formed
 /// waits until it is formed anew.
-pub(super) fn run(islands: &mut ClothIslands, cloths: &mut Cloths, stage: Stage, dt: f32, wanted: impl Fn(&ClothIsland) -> bool) {
+pub(super) fn run(
+    islands: &mut ClothIslands,
+    cloths: &mut Cloths,
+    stage: Stage,
+    dt: f32,
+    wanted: impl Fn(&ClothIsland) -> bool,
+) {
     let mut placed: Vec<_> = cloths
         .iter_mut()
         .filter_map(|(rest, inputs, particles, scratch)| {

@@ -9,7 +9,11 @@ use crate::solver::island::Stage;
 use crate::time::ClothTime;
 
 /// Makes up the contacts of every island, in parallel over islands.
-pub(crate) fn respond(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut reports: Query<&mut ClothReport, With<Cloth>>) {
+pub(crate) fn respond(
+    time: Res<ClothTime>,
+    mut islands: ResMut<ClothIslands>,
+    mut reports: Query<&mut ClothReport, With<Cloth>>,
+) {
     let _span = debug_span!("cloth/respond").entered();
     run_without_cloths(&mut islands, Stage::Respond, time.delta_secs());
     for island in islands.list.iter().filter(|island| is_awake(island)) {

@@ -10,8 +10,10 @@ use bevy::prelude::*;
 use bevy_drape::ClothParticles;
 use bevy_drape::prelude::*;
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::island::UntangleSettings;
+use bevy_drape::solver::island::{Display, Island, UntangleSettings};
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
+use bevy_drape::solver::state::ClothState;
+use bevy_drape::solver::step::Scratch;
 use drape_scenes::{self as scenes, Scene, Tangle};
 
 use crate::common::*;
@@ -51,36 +53,56 @@ fn math() -> u64 {
     hash.0
 }
 
-/// A scene of the solver over `frames`, untangled by a method or left alone.
-fn solver(mut scene: Scene, method: Option<Method>, itself: bool, frames: u32) -> u64 {
-    if let Some(method) = method {
-        let settings = UntangleSettings { resolve: ResolveSettings { method, ..default() }, ..default() };
-        scene = scene.untangled(settings, EvaluateSettings::default(), itself).expect("a scene");
-    }
-    let mut hash = Hash::new();
-    for _ in 0..frames {
-        scene.step(1.0 / 60.0);
-        for x in scene.cloths.iter().flat_map(|cloth| &cloth.state.positions) {
-            hash.add(x.to_array());
-        }
-    }
-    hash.0
+/// A scene of the solver and the frames that it takes.
+struct OfSolver {
+    name: String,
+    scene: Scene,
+    frames: u32,
 }
 
-/// An app over `frames`, which something may happen to before each.
-fn in_app(mut app: App, frames: u32, mut happen: impl FnMut(&mut App, u32)) -> u64 {
-    let mut hash = Hash::new();
-    for frame in 0..frames {
-        happen(&mut app, frame);
-        app.update();
-        let mut cloths = app.world_mut().query::<(Entity, &ClothParticles)>();
-        let mut cloths: Vec<_> = cloths.iter(app.world()).collect();
-        cloths.sort_by_key(|(entity, _)| *entity);
-        for x in cloths.iter().flat_map(|(_, particles)| &particles.state().positions) {
-            hash.add(x.to_array());
-        }
+/// Every position of a scene as it is now, in this order.
+fn positions(scene: &Scene) -> impl Iterator<Item = f32> + '_ {
+    scene.cloths.iter().flat_map(|cloth| &cloth.state.positions).flat_map(|x| x.to_array())
+}
+
+impl OfSolver {
+    fn step(&mut self) {
+        self.scene.step(1.0 / 60.0);
     }
-    hash.0
+
+    fn hash(mut self) -> u64 {
+        let mut hash = Hash::new();
+        for _ in 0..self.frames {
+            self.step();
+            hash.add(positions(&self.scene));
+        }
+        hash.0
+    }
+}
+
+/// An app, the frames that it takes, and what happens to it before each.
+pub struct InApp {
+    pub name: &'static str,
+    pub app: App,
+    pub frames: u32,
+    pub happen: Box<dyn Fn(&mut App, u32)>,
+}
+
+impl InApp {
+    fn hash(mut self) -> u64 {
+        let mut hash = Hash::new();
+        for frame in 0..self.frames {
+            (self.happen)(&mut self.app, frame);
+            self.app.update();
+            let mut cloths = self.app.world_mut().query::<(Entity, &ClothParticles)>();
+            let mut cloths: Vec<_> = cloths.iter(self.app.world()).collect();
+            cloths.sort_by_key(|(entity, _)| *entity);
+            for x in cloths.iter().flat_map(|(_, particles)| &particles.state().positions) {
+                hash.add(x.to_array());
+            }
+        }
+        hash.0
+    }
 }
 
 fn spawn_sheets(app: &mut App, material: &ClothMaterial, far: f32) -> Entity {
@@ -92,25 +114,31 @@ fn spawn_sheets(app: &mut App, material: &ClothMaterial, far: f32) -> Entity {
     first
 }
 
-/// Each scene and what it came to.
-fn all() -> Vec<(String, u64)> {
+/// The scenes of the solver, each untangled by a method or left alone.
+fn of_solver() -> Vec<OfSolver> {
     const BY_END: Option<Method> = Some(Method::ByEndType);
-    let mut hashes: Vec<(String, u64)> = Vec::new();
-    let mut note = |name: &str, hash: u64| hashes.push((name.replace(' ', "_"), hash));
-    note("hang", solver(scenes::hang(24), None, false, 120));
-    note("ball", solver(scenes::ball(24), None, false, 120));
-    note("ball self collision", solver(scenes::ball(24), BY_END, true, 120));
-    note("flags", solver(scenes::flags(2, 20), None, false, 120));
-    note("flag self collision", solver(scenes::flags(1, 20), BY_END, true, 120));
-    note("layers", solver(scenes::layers(3, 16), BY_END, false, 120));
-    note("stack", solver(scenes::stack(4, 14), BY_END, true, 90));
-    note("curtain", solver(scenes::curtain(14), BY_END, true, 120));
-    note("twist", solver(scenes::twist(14), BY_END, true, 120));
-    note("skirt", solver(scenes::skirt(14), BY_END, true, 120));
-    note("funnel", solver(scenes::funnel(20), BY_END, true, 120));
-    note("pinch", solver(scenes::pinch(16), BY_END, true, 90));
-    note("needles", solver(scenes::needles(20), BY_END, true, 90));
-    note("far away", solver(shifted(scenes::ball(16), Vec3::new(100.0, -3.0, 7.0)), BY_END, true, 60));
+    let mut all = Vec::new();
+    let mut add = |name: &str, mut scene: Scene, method: Option<Method>, itself: bool, frames: u32| {
+        if let Some(method) = method {
+            let settings = UntangleSettings { resolve: ResolveSettings { method, ..default() }, ..default() };
+            scene = scene.untangled(settings, EvaluateSettings::default(), itself).expect("a scene");
+        }
+        all.push(OfSolver { name: name.to_owned(), scene, frames });
+    };
+    add("hang", scenes::hang(24), None, false, 120);
+    add("ball", scenes::ball(24), None, false, 120);
+    add("ball self collision", scenes::ball(24), BY_END, true, 120);
+    add("flags", scenes::flags(2, 20), None, false, 120);
+    add("flag self collision", scenes::flags(1, 20), BY_END, true, 120);
+    add("layers", scenes::layers(3, 16), BY_END, false, 120);
+    add("stack", scenes::stack(4, 14), BY_END, true, 90);
+    add("curtain", scenes::curtain(14), BY_END, true, 120);
+    add("twist", scenes::twist(14), BY_END, true, 120);
+    add("skirt", scenes::skirt(14), BY_END, true, 120);
+    add("funnel", scenes::funnel(20), BY_END, true, 120);
+    add("pinch", scenes::pinch(16), BY_END, true, 90);
+    add("needles", scenes::needles(20), BY_END, true, 90);
+    add("far away", shifted(scenes::ball(16), Vec3::new(100.0, -3.0, 7.0)), BY_END, true, 60);
     for (name, method) in [
         ("end type", Method::ByEndType),
         ("global", Method::GlobalGradient),
@@ -118,39 +146,37 @@ fn all() -> Vec<(String, u64)> {
         ("history", Method::History),
     ] {
         for tangle in [Tangle::Dent, Tangle::FullCut] {
-            note(&format!("{tangle:?} {name}"), solver(scenes::tangle(tangle, 14), Some(method), false, 30));
+            add(&format!("{tangle:?} {name}"), scenes::tangle(tangle, 14), Some(method), false, 30);
         }
     }
+    all
+}
+
+/// The apps.
+pub fn in_apps() -> Vec<InApp> {
     let mut fabrics = app();
     for (k, (_, material)) in ClothMaterial::PRESETS.into_iter().enumerate() {
         spawn(&mut fabrics, sheet(10), (border(), material, Transform::from_xyz(2.0 * k as f32, 0.0, 0.0)));
     }
-    note("app: fabrics", in_app(fabrics, 60, |_, _| {}));
     let mut rest = app();
     let sleeper = spawn_sheets(&mut rest, &ClothMaterial::COTTON, 0.0);
-    note("app: sleep and waking", {
-        in_app(rest, 300, |app, frame| {
-            if frame == 240 {
-                let mut particles = app.world_mut().get_mut::<ClothParticles>(sleeper).expect("a cloth");
-                particles.apply_impulse(Vec3::new(0.2, 0.3, 0.0), Vec3::new(0.0, 0.02, 0.0), 0.2);
-            }
-        })
-    });
+    let wake = move |app: &mut App, frame| {
+        if frame == 240 {
+            let mut particles = app.world_mut().get_mut::<ClothParticles>(sleeper).expect("a cloth");
+            particles.apply_impulse(Vec3::new(0.2, 0.3, 0.0), Vec3::new(0.0, 0.02, 0.0), 0.2);
+        }
+    };
     let mut moved = app();
     let carried = spawn(&mut moved, sheet(12), border());
-    note("app: teleport", {
-        in_app(moved, 90, |app, frame| {
-            let mut transform = app.world_mut().get_mut::<Transform>(carried).expect("a transform");
-            transform.translation.x += if frame == 45 { 500.0 } else { 0.02 };
-        })
-    });
+    let carry = move |app: &mut App, frame| {
+        let mut transform = app.world_mut().get_mut::<Transform>(carried).expect("a transform");
+        transform.translation.x += if frame == 45 { 500.0 } else { 0.02 };
+    };
     let mut lod = app();
     let level = ClothLod { full_within: 10.0, still_beyond: 100.0, ..default() };
     let camera = lod.world_mut().spawn((Camera3d::default(), Transform::from_xyz(5.0, 0.0, 0.0))).id();
     spawn(&mut lod, sheet(12), (border(), level));
-    note("app: level of detail", {
-        in_app(lod, 90, |app, _| app.world_mut().get_mut::<Transform>(camera).expect("a camera").translation.x += 0.7)
-    });
+    let recede = move |app: &mut App, _| app.world_mut().get_mut::<Transform>(camera).expect("a camera").translation.x += 0.7;
     let mut net = app();
     let body = (
         Transform::from_xyz(0.1, 0.6, 0.05),
@@ -160,8 +186,98 @@ fn all() -> Vec<(String, u64)> {
     );
     net.world_mut().spawn(body);
     spawn(&mut net, sheet(16), (border(), ClothMaterial::RUBBER));
-    note("app: two-way body", in_app(net, 90, |_, _| {}));
-    hashes
+    vec![
+        InApp { name: "fabrics", app: fabrics, frames: 60, happen: Box::new(|_, _| {}) },
+        InApp { name: "sleep and waking", app: rest, frames: 300, happen: Box::new(wake) },
+        InApp { name: "teleport", app: moved, frames: 90, happen: Box::new(carry) },
+        InApp { name: "level of detail", app: lod, frames: 90, happen: Box::new(recede) },
+        InApp { name: "two-way body", app: net, frames: 90, happen: Box::new(|_, _| {}) },
+    ]
+}
+
+/// Each scene and what it came to.
+fn all() -> Vec<(String, u64)> {
+    let of_solver = of_solver().into_iter().map(|scene| (scene.name.replace(' ', "_"), scene.hash()));
+    let in_apps = in_apps().into_iter().map(|scene| (format!("app: {}", scene.name).replace(' ', "_"), scene.hash()));
+    of_solver.chain(in_apps).collect()
+}
+
+/// What decides the next frame of a scene of the solver, as bytes.
+fn written(scene: &Scene) -> Vec<u8> {
+    let cloths: Vec<_> = scene.cloths.iter().map(|cloth| (&cloth.state, &cloth.scratch, &cloth.display)).collect();
+    let mut bytes = Vec::new();
+    ciborium::into_writer(&(cloths, scene.untangle.as_ref().map(|u| &u.island)), &mut bytes).expect("memory");
+    bytes
+}
+
+/// Puts what was [written] into a scene.
+fn read(bytes: &[u8], scene: &mut Scene) {
+    type Cloths = Vec<(ClothState, Scratch, Display)>;
+    let (cloths, island): (Cloths, Option<Island>) = ciborium::from_reader(bytes).expect("what was written");
+    for (cloth, (state, scratch, display)) in scene.cloths.iter_mut().zip(cloths) {
+        (cloth.state, cloth.scratch, cloth.display) = (state, scratch, display);
+    }
+    if let Some((untangling, island)) = scene.untangle.as_mut().zip(island) {
+        untangling.island = island;
+    }
+}
+
+/// Ten frames before `end`, at random, ascending.
+pub fn ten_before(end: u32, seed: u64) -> Vec<u32> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut frames: Vec<u32> = (0..10).map(|_| random.u32(1..end)).collect();
+    frames.sort_unstable();
+    frames
+}
+
+#[test]
+fn a_scene_that_was_copied_or_written_at_ten_frames_goes_on_with_the_same_bits() {
+    const AFTER: u32 = 120;
+    for (seed, mut scene) in (0..).zip(of_solver()) {
+        let (frames, mut copies) = (ten_before(scene.frames, seed), Vec::new());
+        let bits = |scene: &Scene| positions(scene).map(f32::to_bits).collect::<Vec<_>>();
+        let mut first = vec![bits(&scene.scene)];
+        for frame in 1..=scene.frames + AFTER {
+            scene.step();
+            first.push(bits(&scene.scene));
+            if frames.contains(&frame) {
+                copies.push((frame, scene.scene.clone(), written(&scene.scene)));
+            }
+        }
+        assert!(!copies.is_empty());
+        for (k, (frame, mut copy, bytes)) in copies.into_iter().enumerate() {
+            if k % 2 == 1 {
+                // Another program has what drives the cloths, and reads the rest.
+                for cloth in &mut copy.cloths {
+                    (cloth.state, cloth.scratch, cloth.display) = Default::default();
+                }
+                copy.untangle.iter_mut().for_each(|u| u.island = Island::default());
+                read(&bytes, &mut copy);
+                assert_eq!(written(&copy), bytes, "{}, frame {frame}", scene.name);
+            }
+            for after in frame + 1..=frame + AFTER {
+                copy.step(1.0 / 60.0);
+                assert!(bits(&copy) == first[after as usize], "{}: copied at {frame}, frame {after}", scene.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn two_runs_of_a_scene_are_equal_in_all_that_is_kept() {
+    for (mut first, mut second) in of_solver().into_iter().zip(of_solver()) {
+        let same = |a: &Scene, b: &Scene| {
+            a.cloths.iter().zip(&b.cloths).all(|(a, b)| a.state == b.state && a.scratch == b.scratch)
+                && a.untangle.as_ref().map(|u| &u.island) == b.untangle.as_ref().map(|u| &u.island)
+        };
+        for _ in 0..20 {
+            first.step();
+            second.step();
+        }
+        assert!(same(&first.scene, &second.scene), "{}", first.name);
+        second.step();
+        assert!(!same(&first.scene, &second.scene), "{}: a frame later", first.name);
+    }
 }
 
 fn shifted(mut scene: Scene, by: Vec3) -> Scene {

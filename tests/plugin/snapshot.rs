@@ -7,12 +7,13 @@ use bevy_drape::prelude::*;
 use bevy_drape::{ClothParticles, ClothSnapshot};
 use drape_scenes::Tangle;
 
+use crate::bits::{InApp, in_apps, ten_before};
 use crate::common::*;
 
 /// An app and what the app itself does before each frame.
 pub struct Played {
     pub app: App,
-    pub happen: fn(&mut App, u32),
+    pub happen: Box<dyn Fn(&mut App, u32)>,
 }
 
 /// What the app has to restore by itself.
@@ -49,7 +50,7 @@ impl Own {
 
 impl Played {
     fn new(app: App) -> Self {
-        Self { app, happen: |_, _| {} }
+        Self { app, happen: Box::new(|_, _| {}) }
     }
 
     /// Every bit of every frame.
@@ -126,7 +127,9 @@ pub fn played() -> Vec<(&'static str, Played)> {
             "carried",
             Played {
                 app: carried,
-                happen: |app, frame| moving(app, |at| at.translation.x += if frame == 70 { 500.0 } else { 0.02 }),
+                happen: Box::new(|app, frame| {
+                    moving(app, |at| at.translation.x += if frame == 70 { 500.0 } else { 0.02 });
+                }),
             },
         ),
         ("tangled", Played::new(tangled)),
@@ -134,34 +137,48 @@ pub fn played() -> Vec<(&'static str, Played)> {
             "grabbed",
             Played {
                 app: grabbed,
-                happen: |app, frame| {
+                happen: Box::new(|app, frame| {
                     for mut grab in app.world_mut().query::<&mut ClothGrab>().iter_mut(app.world_mut()) {
                         grab.target.y += 0.005 * (0.1 * frame as f32).sin();
                     }
-                },
+                }),
             },
         ),
     ]
 }
 
+/// Goes back to snapshots of some `frames`, ascending, and plays `after` frames from each, as often as that.
+fn goes_back(name: &str, scene: &mut Played, frames: &[u32], after: u32, times: u32) {
+    let mut at = 0;
+    for &frame in frames {
+        scene.play(at..frame);
+        let (snapshot, own) = (ClothSnapshot::capture(scene.app.world_mut()), Own::of(&mut scene.app));
+        let first = scene.play(frame..frame + after);
+        let back = |scene: &mut Played| {
+            snapshot.restore(scene.app.world_mut()).expect("the same cloths");
+            own.restore(&mut scene.app);
+        };
+        for again in 0..times {
+            back(scene);
+            let differs = scene.play(frame..frame + after).iter().zip(&first).position(|(a, b)| a != b);
+            assert_eq!(differs, None, "{name}: frame {frame}, time {again}, of {}", first.len());
+        }
+        back(scene);
+        at = frame;
+    }
+}
+
 #[test]
 fn what_follows_a_restored_snapshot_has_the_same_bits_as_before() {
     for (name, mut scene) in played() {
-        let mut at = 0;
-        for frame in [1, 2, 5, 17, 40, 64, 90, 133] {
-            scene.play(at..frame);
-            let (snapshot, own) = (ClothSnapshot::capture(scene.app.world_mut()), Own::of(&mut scene.app));
-            let first = scene.play(frame..frame + 60);
-            for again in 0..2 {
-                snapshot.restore(scene.app.world_mut()).expect("the same cloths");
-                own.restore(&mut scene.app);
-                let differs = scene.play(frame..frame + 60).iter().zip(&first).position(|(a, b)| a != b);
-                assert_eq!(differs, None, "{name}: frame {frame}, time {again}, of {}", first.len());
-            }
-            snapshot.restore(scene.app.world_mut()).expect("the same cloths");
-            own.restore(&mut scene.app);
-            at = frame;
-        }
+        goes_back(name, &mut scene, &[1, 2, 5, 17, 40, 64, 90, 133], 60, 2);
+    }
+}
+
+#[test]
+fn every_hashed_app_goes_back_to_ten_frames_and_on_with_the_same_bits() {
+    for (seed, InApp { name, app, frames, happen }) in (0..).zip(in_apps()) {
+        goes_back(name, &mut Played { app, happen }, &ten_before(frames, seed), 120, 1);
     }
 }
 

@@ -262,7 +262,7 @@ fn cloths_part_as_their_restitution_says() {
     }
 }
 
-/// Calm is what was slow for a while, and may be hit in the next frame.
+/// Settling is what was slow for a while, and may be hit in the next frame.
 #[test]
 fn calm_cloths_part_as_their_restitution_says() {
     for restitution in [0.0, 0.8] {
@@ -274,7 +274,7 @@ fn calm_cloths_part_as_their_restitution_says() {
         }
         let mut scene = untangled(scene);
         (0..60).for_each(|_| scene.step(FRAME));
-        assert!(scene.cloths.iter().all(|c| c.scratch.is_calm()));
+        assert!(scene.cloths.iter().all(|c| c.scratch.is_settling()));
         let above = &mut scene.cloths[1];
         let gap = above.fabric.thickness + 0.4 * FRAME;
         above.state.positions.iter_mut().for_each(|x| x.y = gap);
@@ -363,7 +363,7 @@ fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
         (0..300).for_each(|_| scene.step(FRAME));
         for cloth in &scene.cloths {
             let speed = mean_speed(cloth);
-            assert!(speed < 0.015 && cloth.scratch.is_calm(), "{n}²: {speed} m/s");
+            assert!(speed < 0.015 && cloth.scratch.is_settling(), "{n}²: {speed} m/s");
         }
     }
 }
@@ -437,7 +437,7 @@ fn curtains_whose_folds_touch_come_to_rest() {
     assert!(touching > 20 && scene.crossings() == 0, "{touching} touch");
     for cloth in &scene.cloths {
         let speed = mean_speed(cloth);
-        assert!(speed < 0.01 && cloth.scratch.is_calm(), "{speed} m/s");
+        assert!(speed < 0.01 && cloth.scratch.is_settling(), "{speed} m/s");
     }
 }
 

@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3A};
 
 /// Signed distance `[m]` and unit normal at a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Sample {
     /// Signed distance to the surface `[m]`; a lower bound when `normal` is zero.

@@ -6,7 +6,7 @@ use parry3d::math::Pose;
 use parry3d::shape::Shape;
 
 use super::Body;
-use crate::solver::couple::{Coupling, Gain, Slot};
+use crate::solver::couple::{BodyImpulse, Coupling, RigidState};
 
 /// World to body at the start and end of one substep.
 pub(super) struct Motion {
@@ -59,7 +59,7 @@ impl Motion {
     }
 
     /// Follows a body that cloth moves.
-    pub(super) fn follow(&mut self, slot: &Slot, radius: f32) {
+    pub(super) fn follow(&mut self, slot: &RigidState, radius: f32) {
         if slot.is_movable() {
             let (start, end) = self.planned;
             self.set(&slot.moved(start, self.s.0, true), &slot.moved(end, self.s.1, false), radius);
@@ -68,21 +68,21 @@ impl Motion {
 }
 
 /// A body that takes what it does to the cloth.
-pub(super) struct Yielding<'a> {
-    pub(super) slot: &'a mut Slot,
+pub(super) struct RigidProxy<'a> {
+    pub(super) slot: &'a mut RigidState,
     /// Share of the frame at the end of the substep.
     s: f32,
     /// Length of the substep `[s]`.
     h: f32,
     /// Contacts that share the body.
     pub(super) several: f32,
-    gain: Gain,
+    gain: BodyImpulse,
 }
 
-impl<'a> Yielding<'a> {
+impl<'a> RigidProxy<'a> {
     /// A body at the share `s` of the frame, at the end of a substep of `h` `[s]`.
-    pub(super) fn new(slot: &'a mut Slot, s: f32, h: f32) -> Self {
-        Self { slot, s, h, several: 1.0, gain: Gain::default() }
+    pub(super) fn new(slot: &'a mut RigidState, s: f32, h: f32) -> Self {
+        Self { slot, s, h, several: 1.0, gain: BodyImpulse::default() }
     }
 
     pub(super) fn is_movable(&self) -> bool {

@@ -25,7 +25,7 @@ const PROJECTIONS: u32 = 3;
 pub(super) type Face = [Vec3A; 3];
 
 /// The nearest point of a face.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Near {
     /// Share of each corner (dimensionless).

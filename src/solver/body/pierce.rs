@@ -21,7 +21,7 @@ use super::geometry::{for_each_geometry, half_thickness};
 use super::{Body, motion, renumber};
 use crate::solver::rest::Springs;
 use crate::solver::settings::Fabric;
-use crate::solver::skinned::{Reins, Skinned};
+use crate::solver::skinned::{Skinned, TangledLimits};
 
 /// Elongation beyond which an edge is looked at, in strain limits (dimensionless).
 const STRETCHED: f32 = 5.0;
@@ -45,7 +45,7 @@ pub(super) struct Held {
 }
 
 /// What bones go through, what skins hold at them, and buffers to find it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pierced {
     /// Sorted.
@@ -77,7 +77,7 @@ impl Pierced {
     pub fn find(
         &mut self,
         bodies: &[Body],
-        skinned: Option<(&Skinned, &Reins)>,
+        skinned: Option<(&Skinned, &TangledLimits)>,
         fabric: &Fabric,
         springs: &Springs,
         worst: f32,
@@ -118,12 +118,12 @@ impl Pierced {
                 };
                 pairs.extend(known.filter(is_still));
                 // Where its target is at the end of the frame, and the bone too.
-                if let (Some((skinned, reins)), Some(pose)) = (skinned, motion::valid(body.to)) {
+                if let (Some((skinned, tangled_limits)), Some(pose)) = (skinned, motion::valid(body.to)) {
                     let (at, most) = (pose * local, keep + half_thickness(shape));
                     let near = shape.compute_aabb(&at).loosened(keep);
                     for (i, target) in skinned.to.iter().enumerate() {
                         let is_near = near.mins.cmple(*target).all() && near.maxs.cmpge(*target).all();
-                        let free = reins.distance(skinned, i);
+                        let free = tangled_limits.distance(skinned, i);
                         if !is_near || positions[i].w == 0.0 || free >= most {
                             continue;
                         }

@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
 
 use super::geometry::for_each_geometry;
-use super::room::OPPOSED;
+use super::squeeze::OPPOSED;
 use super::{Body, motion};
 
 /// Gap between two bones below which cloth is pinched, and below which it stays so, in distances that are kept from a bone (dimensionless).
@@ -15,7 +15,7 @@ const PINCHED: f32 = 2.0;
 const RELEASED: f32 = 3.0;
 
 /// The particles that are pinched, and buffers to find them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pinches {
     /// Sorted.

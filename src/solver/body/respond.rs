@@ -34,7 +34,7 @@ pub(crate) const LOAD_SHARE: f32 = 0.25;
 pub(crate) const BAND: f32 = 0.02;
 
 /// Friction coefficients of one body and one fabric (dimensionless).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Friction {
     pub(crate) fixed: f32,
@@ -69,7 +69,7 @@ impl Friction {
 pub(crate) const IMPACT_SPEED: f32 = 0.25;
 
 /// The contact plane `n · q = c`; with a normal of zero nothing is below it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
     pub(crate) normal: Vec3A,
@@ -85,7 +85,7 @@ impl Plane {
 }
 
 /// Where the particle and its previous position go, in body space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Response {
     pub(crate) end: Vec3A,

@@ -19,7 +19,7 @@ pub(super) const GRAZE: f32 = 1.0e-3;
 pub(super) const SLIDES: u32 = 3;
 
 /// Where a path ends after sliding along what it met, and the last plane it met.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Swept {
     pub(super) end: Vec3A,

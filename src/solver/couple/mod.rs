@@ -66,7 +66,7 @@ impl Rigid {
 /// What cloth gave a body in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Given {
+pub struct Reaction {
     /// Impulse `[N s]`.
     pub linear: Vec3,
     /// Angular impulse about the centre of mass `[N m s]`.
@@ -77,21 +77,21 @@ pub struct Given {
     pub turn: Quat,
 }
 
-impl Default for Given {
+impl Default for Reaction {
     fn default() -> Self {
         Self { linear: Vec3::ZERO, angular: Vec3::ZERO, shift: Vec3::ZERO, turn: Quat::IDENTITY }
     }
 }
 
 /// How far a body is off the way that its engine has it go.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-struct Deviation {
+struct PoseDelta {
     shift: Vec3,
     turn: Quat,
 }
 
-impl Deviation {
+impl PoseDelta {
     const NONE: Self = Self { shift: Vec3::ZERO, turn: Quat::IDENTITY };
 
     /// Moved by `shift` `[m]` and turned by the small rotation vector `turn` `[rad]`.
@@ -102,16 +102,16 @@ impl Deviation {
 }
 
 /// A body in the frame under way.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Slot {
+pub(crate) struct RigidState {
     rigid: Rigid,
     movable: bool,
     /// How much its way is curved: `x(s) = from + (to - from) s + bend (s² - s)` `[m]`.
     bend: Vec3,
     /// At the start and at the end of the substep.
-    start: Deviation,
-    now: Deviation,
+    start: PoseDelta,
+    now: PoseDelta,
     /// Speed `[m/s]` and spin `[rad/s]` off the way.
     velocity: Vec3,
     spin: Vec3,
@@ -121,10 +121,10 @@ pub(crate) struct Slot {
     pins: u32,
 }
 
-impl Slot {
+impl RigidState {
     fn new(rigid: Rigid) -> Self {
         let movable = rigid.is_movable();
-        let (start, now) = (Deviation::NONE, Deviation::NONE);
+        let (start, now) = (PoseDelta::NONE, PoseDelta::NONE);
         let (velocity, spin, linear, angular) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
         Self { rigid, movable, bend: Vec3::ZERO, start, now, velocity, spin, linear, angular, pins: 0 }
     }
@@ -166,8 +166,8 @@ impl Slot {
     }
 
     /// Gives the body what it gained in a substep of `h` `[s]`.
-    pub(crate) fn give(&mut self, gain: &Gain, h: f32) {
-        let Gain { linear, angular, silent_linear, silent_angular } = *gain;
+    pub(crate) fn give(&mut self, gain: &BodyImpulse, h: f32) {
+        let BodyImpulse { linear, angular, silent_linear, silent_angular } = *gain;
         let (loud, loud_angular) = (linear - silent_linear, angular - silent_angular);
         if self.movable {
             let Rigid { inverse_mass, inverse_inertia, .. } = self.rigid;
@@ -182,9 +182,9 @@ impl Slot {
 }
 
 /// What a body gains in a substep, times its length.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Gain {
+pub(crate) struct BodyImpulse {
     /// `[kg m]`
     linear: Vec3,
     /// About its centre of mass `[kg m²]`.
@@ -194,7 +194,7 @@ pub(crate) struct Gain {
     silent_angular: Vec3,
 }
 
-impl Gain {
+impl BodyImpulse {
     /// Whether there is something to give, and it is a number.
     pub(crate) fn is_some(&self) -> bool {
         self.linear != Vec3::ZERO && self.linear.is_finite() && self.angular.is_finite()
@@ -212,10 +212,10 @@ impl Gain {
 }
 
 /// The bodies that one cloth gives something to, and its pins on them. Buffers are reused: nothing is allocated once they are warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupling {
-    slots: Vec<Slot>,
+    slots: Vec<RigidState>,
     pins: Pins,
 }
 
@@ -228,7 +228,7 @@ impl Coupling {
 
     /// Adds a body; returns the number by which [`Body::rigid`](super::body::Body::rigid) and [`Self::hold`] name it.
     pub fn add(&mut self, rigid: Rigid) -> u32 {
-        self.slots.push(Slot::new(rigid));
+        self.slots.push(RigidState::new(rigid));
         (self.slots.len() - 1) as u32
     }
 
@@ -239,8 +239,8 @@ impl Coupling {
 
     /// What the cloth gave body `slot` in the last frame.
     #[must_use]
-    pub fn given(&self, slot: u32) -> Given {
-        self.slots.get(slot as usize).map_or_else(Given::default, |slot| Given {
+    pub fn given(&self, slot: u32) -> Reaction {
+        self.slots.get(slot as usize).map_or_else(Reaction::default, |slot| Reaction {
             linear: slot.linear,
             angular: slot.angular,
             shift: slot.now.shift,
@@ -260,7 +260,7 @@ impl Coupling {
         self.slots.is_empty()
     }
 
-    pub(crate) fn slot_mut(&mut self, slot: u32) -> Option<&mut Slot> {
+    pub(crate) fn slot_mut(&mut self, slot: u32) -> Option<&mut RigidState> {
         self.slots.get_mut(slot as usize)
     }
 
@@ -268,7 +268,7 @@ impl Coupling {
     pub(crate) fn begin(&mut self, dt: f32, anchors: &Anchors, positions: &[Vec4]) {
         self.pins.begin(self.slots.len(), anchors, positions);
         for slot in &mut self.slots {
-            *slot = Slot::new(slot.rigid);
+            *slot = RigidState::new(slot.rigid);
             let Rigid { from, to, velocity, .. } = slot.rigid;
             let bend = velocity.map_or(Vec3::ZERO, |velocity| velocity * dt - (to - from));
             slot.bend = if slot.movable && bend.is_finite() { bend } else { Vec3::ZERO };

@@ -13,13 +13,13 @@
 use glam::{DVec3, Mat3, Quat, Vec3, Vec4};
 use parry3d::math::Pose;
 
-use super::{Gain, Slot};
+use super::{BodyImpulse, RigidState};
 use crate::solver::anchors::Anchors;
 use crate::solver::anchors::RIGID;
 use crate::solver::rest::RestShape;
 
 /// A pin on a body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Pin {
     anchor: u32,
@@ -31,7 +31,7 @@ struct Pin {
 }
 
 /// The pins of one cloth on bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pins {
     pins: Vec<Pin>,
@@ -64,13 +64,13 @@ impl Pins {
     }
 
     /// Computes inverse masses for the pins to be given.
-    pub(super) fn weigh(&mut self, slots: &mut [Slot], anchors: &Anchors) {
+    pub(super) fn weigh(&mut self, slots: &mut [RigidState], anchors: &Anchors) {
         let rigid = |pin: &Pin| anchors.weights.get(pin.anchor as usize).is_some_and(|w| *w >= RIGID);
         self.pins.retain(|pin| rigid(pin) && (pin.slot as usize) < slots.len());
         slots.iter_mut().for_each(|slot| slot.pins = 0);
         self.pins.iter().for_each(|pin| slots[pin.slot as usize].pins += 1);
         for pin in &mut self.pins {
-            let Slot { rigid, pins, .. } = &slots[pin.slot as usize];
+            let RigidState { rigid, pins, .. } = &slots[pin.slot as usize];
             let arm = anchors.from.get(pin.anchor as usize).map_or(0.0, |at| (*at - rigid.from).length_squared());
             let turns = rigid.inverse_inertia.to_cols_array().iter().map(|x| x * x).sum::<f32>().sqrt();
             pin.w = *pins as f32 * (rigid.inverse_mass.max_element() + turns * arm);
@@ -96,7 +96,7 @@ impl Pins {
         welded.filter_map(|pin| anchors.particles.get(pin.anchor as usize).copied())
     }
 
-    fn put(&mut self, slots: &[Slot], anchors: &Anchors, s: f32, positions: &mut [Vec4]) {
+    fn put(&mut self, slots: &[RigidState], anchors: &Anchors, s: f32, positions: &mut [Vec4]) {
         for pin in self.pins.iter_mut().filter(|pin| pin.w > 0.0) {
             let (a, slot) = (pin.anchor as usize, &slots[pin.slot as usize]);
             let target = anchors.from[a].lerp(anchors.to[a], s);
@@ -106,7 +106,7 @@ impl Pins {
         }
     }
 
-    pub(super) fn place(&mut self, slots: &[Slot], anchors: &Anchors, s: f32, positions: &mut [Vec4]) {
+    pub(super) fn place(&mut self, slots: &[RigidState], anchors: &Anchors, s: f32, positions: &mut [Vec4]) {
         self.put(slots, anchors, s, positions);
         if self.pins.iter().any(|pin| pin.w == 0.0) {
             self.before.clear();
@@ -114,7 +114,7 @@ impl Pins {
         }
     }
 
-    pub(super) fn react(&mut self, slots: &mut [Slot], pull: &Pull<'_>, positions: &mut [Vec4]) {
+    pub(super) fn react(&mut self, slots: &mut [RigidState], pull: &Pull<'_>, positions: &mut [Vec4]) {
         if self.pins.is_empty() {
             return;
         }
@@ -122,7 +122,7 @@ impl Pins {
             self.share(pull, positions);
         }
         for (i, slot) in (0..).zip(slots.iter_mut()) {
-            let mut gain = Gain::default();
+            let mut gain = BodyImpulse::default();
             for pin in self.pins.iter().filter(|pin| pin.slot == i) {
                 let at = positions[pull.anchors.particles[pin.anchor as usize] as usize].truncate();
                 if pin.w > 0.0 {

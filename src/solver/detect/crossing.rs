@@ -17,9 +17,9 @@ use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 use crate::solver::effort::{Effort, Meter};
 use crate::solver::topology::NONE;
 
-use super::calm::Calm;
 use super::orient::{Plane, Point, Side, Ties, orient};
 use super::parts::Parts;
+use super::quiet::QuietPairs;
 use super::surface::Surface;
 use super::tree::{Meeting, Tree};
 
@@ -45,7 +45,7 @@ pub struct Crossing {
 }
 
 /// Finds crossings. Holds the search tree and reused buffers; allocates nothing once warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Detector {
     pub(super) tree: Tree,
@@ -62,7 +62,7 @@ pub struct Detector {
     parts: Parts,
     /// Work that the last look was `[visits]`.
     visits: usize,
-    pub(super) calm: Calm,
+    pub(super) quiet: QuietPairs,
 }
 
 impl Detector {
@@ -90,18 +90,18 @@ impl Detector {
             crossings: Vec::new(),
             parts: Parts::default(),
             visits: 0,
-            calm: Calm::new(surface),
+            quiet: QuietPairs::new(surface),
         }
     }
 
     /// Forgets what was found of cloth that hardly moves: another part of it counts now.
     pub fn forget(&mut self) {
-        self.calm.forget();
+        self.quiet.forget();
     }
 
     /// Forgets what was found of cloth that hardly moves, of a surface that is some times as large now.
     pub fn rescale(&mut self, surface: &Surface) {
-        self.calm.rescale(surface);
+        self.quiet.rescale(surface);
     }
 
     /// Finds all crossings at `positions` (`[m]`, `w` inverse mass), sorted by edge, then face.
@@ -129,26 +129,26 @@ impl Detector {
         if positions.len() != surface.len() {
             return self.detect(surface, positions);
         }
-        let mut calm = core::mem::take(&mut self.calm);
-        let known = calm.close(positions).is_some_and(|close| self.detect_among(surface, positions, close).is_empty());
+        let mut quiet = core::mem::take(&mut self.quiet);
+        let known = quiet.close(positions).is_some_and(|close| self.detect_among(surface, positions, close).is_empty());
         if !known {
             self.tree.refit(surface, positions, None);
-            if calm.begin(surface, positions) {
-                self.detect_and(surface, positions, calm.reach, |tree, met, crosser| {
+            if quiet.begin(surface, positions) {
+                self.detect_and(surface, positions, quiet.reach, |tree, met, crosser| {
                     tree.pairs_of(met, |f, g| {
-                        calm.take_in(surface, positions, [f, g]);
+                        quiet.take_in(surface, positions, [f, g]);
                         crosser.ask(f, g);
                     });
                 });
                 let all = (0..surface.parts.len()).all(|part| !self.is_quarantined(part as u16));
                 if all && self.parts.is_whole && self.crossings.is_empty() {
-                    calm.end();
+                    quiet.end();
                 }
             } else {
                 self.detect_everywhere(surface, positions);
             }
         }
-        self.calm = calm;
+        self.quiet = quiet;
         &self.crossings
     }
 

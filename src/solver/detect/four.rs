@@ -6,7 +6,7 @@ use glam::{Mat4, Vec3A, Vec4};
 pub const WIDE: usize = 4;
 
 /// Four vectors, one in each lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Four {
     pub x: Vec4,

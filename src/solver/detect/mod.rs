@@ -6,7 +6,7 @@
 //! positions ─► Tree::refit ─► pairs of faces whose boxes meet ─► orientation signs ─► crossings, sorted
 //! ```
 
-mod calm;
+mod quiet;
 pub(super) mod four;
 pub mod crossing;
 pub mod orient;

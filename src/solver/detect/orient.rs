@@ -24,7 +24,7 @@ use glam::DVec3;
 const FILTER: f64 = 1.0e-15;
 
 /// A point with its global id, which breaks ties.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Point {
     /// Global particle id.
@@ -48,7 +48,7 @@ pub struct Side {
 }
 
 /// A plane through three points, ready to be asked about many.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Plane {
     corners: [Point; 3],
@@ -107,7 +107,7 @@ impl Plane {
 }
 
 /// Decides ties. Without directions it falls back to the order of the ids and notes that a tie was met.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ties {
     /// Direction of each particle; multiples of `2^-14` below 128. Empty while no tie was met.

@@ -8,7 +8,7 @@
 use crate::solver::effort::Effort;
 
 /// How much a look may be at, and what looks at other parts of the cloth found.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Parts {
     /// Work that one look may be.

@@ -70,7 +70,7 @@ pub enum SurfaceError {
 }
 
 /// One or several cloths in one index space. Immutable; positions are passed beside it as concatenated slices.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
     /// Connectivity over the particles of all cloths.

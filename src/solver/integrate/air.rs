@@ -19,7 +19,7 @@ use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
 /// The air around the particles of a cloth in a frame.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Carried {
     /// Velocities at the start of the substep `[m/s]`; empty while no air is carried.

@@ -24,7 +24,7 @@ pub struct Pull {
 }
 
 /// All grips on a cloth; buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pulls {
     pulls: Vec<(Pull, usize)>,

@@ -7,7 +7,7 @@ use glam::{Mat4, Vec4};
 use crate::solver::rest::LANES;
 
 /// Four vectors: all `x`, all `y`, all `z`.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rows(pub [Vec4; 3]);
 

@@ -105,7 +105,7 @@ pub(super) fn inverse_length(q: Vec4) -> Vec4 {
 }
 
 /// The strain limit.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bound {
     hard: Vec4,

@@ -3,7 +3,7 @@
 use super::{Island, LONGEST_LOOK, Member, RINGS, parts_of_contours};
 use crate::solver::body::Touch;
 use crate::solver::resolve::Untangler;
-use crate::solver::respond::{Finder, Moment};
+use crate::solver::respond::{Moment, NeighborList};
 use crate::solver::verdict::Verdict;
 
 impl Island {
@@ -24,7 +24,7 @@ impl Island {
         self.known &= self.touch == self.touch_before && self.takes_part == self.took_part;
         // While no time passes, nobody knows how much will.
         if longest > 0.0 {
-            self.horizon = self.finder.horizon(longest.min(LONGEST_LOOK), longest / self.count.max(1) as f32, &self.touch);
+            self.horizon = self.neighbors.horizon(longest.min(LONGEST_LOOK), longest / self.count.max(1) as f32, &self.touch);
         }
         (self.share, self.looks) = (0.0, 0);
         self.detect_gathered();
@@ -44,12 +44,12 @@ impl Island {
         if self.looks == 0 || self.moved || !self.crossings().is_empty() {
             self.share = 0.0;
             if self.total.is_clean() {
-                let Self { contacts, retreat, .. } = self;
-                contacts.absolve(|v| retreat.took(v));
+                let Self { contacts, rollback, .. } = self;
+                contacts.clear_inverted(|v| rollback.was_restored(v));
             }
             self.find(false);
         }
-        self.finder.note(&self.positions);
+        self.neighbors.note(&self.positions);
     }
 
     /// Finds the pairs that may touch until the horizon: all, or those of particles that strayed.
@@ -60,7 +60,7 @@ impl Island {
             self.contacts.clear();
             return;
         }
-        let Self { surface, untangler, finder, contacts, weights, pinned, .. } = self;
+        let Self { surface, untangler, neighbors, contacts, weights, pinned, .. } = self;
         let clean = untangler.detector.crossings().is_empty();
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
@@ -70,10 +70,10 @@ impl Island {
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
-            finder.find_strayed(surface, tree, &moment, share, rest, tangled, contacts);
-            self.within.spend(finder.visits());
+            neighbors.update_strayed(surface, tree, &moment, share, rest, tangled, contacts);
+            self.within.spend(neighbors.visits());
         } else {
-            finder.find(surface, tree, &moment, self.horizon, tangled, contacts);
+            neighbors.find(surface, tree, &moment, self.horizon, tangled, contacts);
         }
     }
 
@@ -101,26 +101,27 @@ impl Island {
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
         let Self {
-            surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
+            surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
         } = self;
         let most = *most;
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
-        finder.begin(surface, &moment, self.horizon, contacts);
-        untangler.detector.tree().refit(surface, positions, Some(finder.ahead()));
+        neighbors.begin(surface, &moment, self.horizon, contacts);
+        untangler.detector.tree().refit(surface, positions, Some(neighbors.ahead()));
         let meter = most.meter();
-        let mut ask = finder.ask(surface, &moment, |_| 0.0, contacts, false, &meter);
-        let crossings = untangler.detector.detect_and(surface, positions, Finder::reach(&moment), |tree, met, crosser| {
-            ask.leaves(tree, met, |f, g| crosser.ask(f, g));
-        });
-        ask.finish();
-        finder.note_cost(&meter);
+        let mut narrow = neighbors.narrow_phase(surface, &moment, |_| 0.0, contacts, false, &meter);
+        let crossings =
+            untangler.detector.detect_and(surface, positions, NeighborList::reach(&moment), |tree, met, crosser| {
+                narrow.leaves(tree, met, |f, g| crosser.ask(f, g));
+            });
+        narrow.finish();
+        neighbors.note_cost(&meter);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;
         // Of a cloth that was left out nothing is known.
         let detector = &untangler.detector;
         let all = detector.is_whole()
-            && !finder.is_cut()
+            && !neighbors.is_cut()
             && (0..surface.parts.len()).all(|part| !detector.is_quarantined(part as u16));
         self.sum_up();
         self.known = all && self.crossings().is_empty();
@@ -130,13 +131,13 @@ impl Island {
     /// is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
         let Self {
-            surface, untangler, finder, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
+            surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
         } = self;
         let most = *most;
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
         let detector = &mut untangler.detector;
-        if !(self.known && finder.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts))
-            || finder.is_cut()
+        if !(self.known && neighbors.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts))
+            || neighbors.is_cut()
         {
             return false;
         }
@@ -164,10 +165,10 @@ impl Island {
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
         // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps apart is not
-        // taken back.
+        // rolled back.
         let touches = self.takes_part.contains(&true);
-        let clean = touches && self.total.is_clean() && (self.retreat.knows() || !self.contacts.coincide());
-        self.retreat.note(&self.surface, &self.positions, &self.previous, clean);
+        let clean = touches && self.total.is_clean() && (self.rollback.knows() || !self.contacts.coincide());
+        self.rollback.note(&self.surface, &self.positions, &self.previous, clean);
     }
 
     pub(super) fn look(&mut self) {

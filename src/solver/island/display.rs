@@ -7,7 +7,7 @@ use crate::solver::state::ClothState;
 use crate::solver::verdict::Verdict;
 
 /// What one cloth shows, and what it showed before.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Display {
     evaluator: Evaluator,

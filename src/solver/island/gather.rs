@@ -14,7 +14,7 @@ impl Island {
             Some(skinned) => {
                 let thickness = self.surface.parts[part].thickness;
                 for (i, held) in self.held[range].iter_mut().enumerate() {
-                    *held = m.scratch.reins.distance(skinned, i) < thickness;
+                    *held = m.scratch.tangled_limits.distance(skinned, i) < thickness;
                 }
             }
             None => self.held[range].fill(false),

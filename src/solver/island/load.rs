@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 
 use super::{Island, Member, UntangleSettings};
 use crate::solver::rest::RestShape;
-use crate::solver::verdict::{Resort, Verdict};
+use crate::solver::verdict::{Escalation, Verdict};
 
 /// Iterations at load, at most.
 const AT_LOAD: u32 = 300;
@@ -96,9 +96,9 @@ impl Island {
         let (mut moved, mut goes_on) = (false, true);
         while goes_on && report.iterations < most {
             self.escalate(match 3 * report.iterations / most {
-                0 => Resort::None,
-                1 => Resort::Regions,
-                _ => Resort::Candidates,
+                0 => Escalation::None,
+                1 => Escalation::Regions,
+                _ => Escalation::Candidates,
             });
             self.inspect_layers();
             let portion = UntangleSettings { iterations: PORTION.min(most - report.iterations), ..*settings };
@@ -112,7 +112,7 @@ impl Island {
                 break;
             }
         }
-        self.escalate(Resort::None);
+        self.escalate(Escalation::None);
         self.moved |= moved;
         goes_on && report.iterations < most
     }

@@ -14,7 +14,7 @@ mod gather;
 pub mod load;
 mod look;
 mod member;
-mod put_off;
+mod deferred;
 mod rescale;
 mod resolve;
 mod skins;
@@ -26,19 +26,20 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec4};
 
+pub use deferred::Deferred;
 pub use display::Display;
 pub use load::LoadReport;
 pub use member::{Animation, Member};
-pub use put_off::PutOff;
 pub use stage::Stage;
 
 use super::body::Touch;
+use super::buffer::Buffer;
 use super::detect::tree::Tree;
 use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
 use super::effort::Effort;
 use super::resolve::{Contour, ResolveSettings, Resolver, Strategy, Untangler};
-use super::respond::{Contacts, Finder};
-use super::retreat::Retreat;
+use super::respond::{Contacts, NeighborList};
+use super::rollback::Rollback;
 use super::verdict::Verdict;
 use skins::Skins;
 use undo::Undo;
@@ -46,15 +47,15 @@ use undo::Undo;
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
 
-/// Looks after which the rest of a tangle that came up within a frame is not taken back any more.
-const MOST_RETREATS: usize = 8;
+/// Looks after which the rest of a tangle that came up within a frame is not rolled back any more.
+const MOST_ROLLBACKS: usize = 8;
 /// Rounds in which one cloth after the other stays where it was.
 const MOST_ROUNDS: usize = 8;
 
 /// How far ahead pairs are looked for at most `[s]`: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
-/// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be taken back at its
+/// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be rolled back at its
 /// end: not where a fast body is by then. Looking in every substep costs twice as much for a flag in the wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
 /// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less
@@ -87,14 +88,14 @@ impl Default for UntangleSettings {
 }
 
 /// The cloths of an island as one surface, with reused buffers; nothing is allocated once warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Island {
     surface: Surface,
     untangler: Untangler,
     positions: Vec<Vec4>,
     previous: Vec<Vec4>,
-    before: Vec<Vec4>,
+    before: Buffer<Vec<Vec4>>,
     weights: Vec<f32>,
     /// Whether the weights are those of the last frame.
     weighed: bool,
@@ -106,7 +107,7 @@ pub struct Island {
     /// Whether something moved since it was gathered, and since the last look.
     moved: bool,
     stale: bool,
-    finder: Finder,
+    neighbors: NeighborList,
     contacts: Contacts,
     substep: Vec<f32>,
     /// Cloths that are not to be moved.
@@ -114,16 +115,16 @@ pub struct Island {
     /// Particles that pins hold, whether or not their cloth is to be moved, and those that their skin holds as tightly.
     pinned: Vec<bool>,
     held: Vec<bool>,
-    retreat: Retreat,
-    /// Whether what comes to cross within a frame will be taken back at its end.
-    takes_back: bool,
+    rollback: Rollback,
+    /// Whether what comes to cross within a frame will be rolled back at its end.
+    rolls_back: bool,
     /// Thickness and friction of each cloth, and whether it rests on others; of this frame and of the last.
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
     touch_before: Vec<Touch>,
     took_part: Vec<bool>,
     /// A pose to blend to.
-    pose: Vec<Vec3>,
+    pose: Buffer<Vec<Vec3>>,
     /// Substeps that the last frame took.
     count: u32,
     /// Time for which pairs were looked for `[s]`, and the share of it that has passed.
@@ -132,8 +133,8 @@ pub struct Island {
     looks: u32,
     undo: Undo,
     /// Where everything was before an iteration; particles of what crosses.
-    start: Vec<Vec4>,
-    caught: Vec<bool>,
+    start: Buffer<Vec<Vec4>>,
+    caught: Buffer<Vec<bool>>,
     /// Whether what was found at the last look is still known, as long as nothing moves far.
     known: bool,
     skins: Skins,
@@ -162,7 +163,7 @@ impl Island {
         let untangler = Untangler { detector, resolver: Resolver::default() };
         let n = surface.len();
         let mut island = Self {
-            finder: Finder::new(&surface, untangler.detector.tree_ref()),
+            neighbors: NeighborList::new(&surface, untangler.detector.tree_ref()),
             untangler,
             substep: vec![0.0; surface.parts.len()],
             fixed: vec![false; surface.parts.len()],
@@ -225,8 +226,8 @@ impl Island {
 
     /// Moves the frame of the island: everything that is known lies `by` `[m]` elsewhere in it from now on.
     pub fn carry(&mut self, by: Vec3) {
-        self.retreat.carry(by);
-        self.finder.carry(by);
+        self.rollback.carry(by);
+        self.neighbors.carry(by);
         self.known = false;
     }
 

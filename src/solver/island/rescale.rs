@@ -9,7 +9,7 @@ impl Island {
         if !self.surface.reshape(part, rest) {
             return false;
         }
-        self.finder.measure(&self.surface);
+        self.neighbors.measure(&self.surface);
         self.untangler.detector.rescale(&self.surface);
         self.known = false;
         true

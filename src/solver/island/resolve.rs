@@ -1,27 +1,27 @@
 //! Resolve: takes apart what crosses.
 //!
 //! ```text
-//! take back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► give back what moved ─► bodies ─► stay: put back what they pushed
+//! roll back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► give back what moved ─► bodies ─► stay: put back what they pushed
 //! ```
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{BLEND_TIME, Island, MOST_RETREATS, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
+use super::{BLEND_TIME, Island, MOST_ROLLBACKS, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
-use crate::solver::retreat::Retreat;
+use crate::solver::rollback::Rollback;
 use crate::solver::step::{displace, relax};
-use crate::solver::verdict::Resort;
+use crate::solver::verdict::Escalation;
 
 impl Island {
     /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
     pub(super) fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut [Member<'_>]) {
-        self.rein_in(dt, cloths);
+        self.limit_tangled(dt, cloths);
         self.bound(settings.effort);
         self.untangler.resolver.effort = self.most;
         self.load_in_frame(settings, cloths);
-        let resort = cloths.iter().map(|m| m.outcome.resort).max().unwrap_or_default();
-        self.escalate(resort);
+        let escalation = cloths.iter().map(|m| m.outcome.escalation).max().unwrap_or_default();
+        self.escalate(escalation);
         // What goes on at load is not done with until then.
         if self.loading.is_none() {
             self.take_apart(settings, |part, positions| {
@@ -30,7 +30,7 @@ impl Island {
                 }
             });
         }
-        if resort == Resort::Blend {
+        if escalation == Escalation::Blend {
             self.blend_members(dt, cloths);
         }
         self.give_back(cloths);
@@ -69,13 +69,13 @@ impl Island {
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub(super) fn take_apart(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
-        self.takes_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
+        self.rolls_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
         self.undo.forget();
         if !self.fixed.contains(&false) {
             return;
         }
         if settings.iterations > 0 {
-            self.take_back();
+            self.roll_back();
         }
         if self.total.is_clean() {
             self.undo.forget_least();
@@ -168,9 +168,9 @@ impl Island {
         let weights = if *weighed { weights.as_slice() } else { &[] };
         let tangled =
             |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
-        if contacts.guard_all_but(|a, b| tangled(a) && tangled(b)) {
+        if contacts.clamp_motion_except(|a, b| tangled(a) && tangled(b)) {
             for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
-                contacts.scatter_cut(part, |i, x| {
+                contacts.scatter_clamped(part, |i, x| {
                     let v = range + i;
                     previous[v] += x - positions[v];
                     positions[v] = x;
@@ -179,20 +179,20 @@ impl Island {
         }
     }
 
-    /// Takes back what crosses since the last frame, if that ended clean and cloth is to be kept apart.
-    fn take_back(&mut self) {
+    /// Rolls back what crosses since the last frame, if that ended clean and cloth is to be kept apart.
+    fn roll_back(&mut self) {
         let touches = self.takes_part.contains(&true);
         let crossings = self.untangler.detector.crossings();
         if !touches || self.total.is_clean() {
             return;
         }
-        if !self.retreat.begin(&self.surface, crossings, &self.positions, &self.previous, &self.takes_part, self.count) {
+        if !self.rollback.begin(&self.surface, crossings, &self.positions, &self.previous, &self.takes_part, self.count) {
             return;
         }
-        self.put_back(MOST_RETREATS, Retreat::take);
+        self.put_back(MOST_ROLLBACKS, Rollback::restore_relative);
         // What touched before may cross by rounding.
-        self.put_back(MOST_RETREATS, Retreat::take_there);
-        self.put_back(MOST_RETREATS, Retreat::take_along);
+        self.put_back(MOST_ROLLBACKS, Rollback::restore_exactly);
+        self.put_back(MOST_ROLLBACKS, Rollback::follow_pins);
     }
 
     /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is left to put; whether there
@@ -200,15 +200,15 @@ impl Island {
     fn put_back(
         &mut self,
         rounds: usize,
-        put: impl Fn(&mut Retreat, &Surface, &[Crossing], &mut [Vec4], &mut [Vec4]) -> bool,
+        put: impl Fn(&mut Rollback, &Surface, &[Crossing], &mut [Vec4], &mut [Vec4]) -> bool,
     ) -> bool {
         let mut any = false;
         for _ in 0..rounds {
-            let Self { surface, untangler, retreat, positions, previous, .. } = self;
+            let Self { surface, untangler, rollback, positions, previous, .. } = self;
             if self.total.is_clean() || untangler.resolver.effort.is_spent() {
                 break;
             }
-            if !put(retreat, surface, untangler.detector.crossings(), positions, previous) {
+            if !put(rollback, surface, untangler.detector.crossings(), positions, previous) {
                 break;
             }
             (any, self.moved) = (true, true);
@@ -217,23 +217,23 @@ impl Island {
         any
     }
 
-    /// When bodies pushed what was taken back, and something crosses again: it goes to the very place where it was when nothing did; where
+    /// When bodies pushed what was rolled back, and something crosses again: it goes to the very place where it was when nothing did; where
     /// that is not enough, the cloths that cross stay where they were, as a whole. Whether anything does, and is to be
     /// [scattered](Self::scatter) once more. Call it after [`Self::regather`].
     pub(super) fn stay(&mut self) -> bool {
-        if !(self.stale && self.retreat.retreats()) {
+        if !(self.stale && self.rollback.rolled_back()) {
             return false;
         }
         self.look();
-        let there = self.put_back(MOST_RETREATS, Retreat::take_there);
+        let there = self.put_back(MOST_ROLLBACKS, Rollback::restore_exactly);
         // A cloth that stays may be met by one that went on.
-        let whole = self.put_back(self.surface.parts.len().min(MOST_ROUNDS), Retreat::stay);
+        let whole = self.put_back(self.surface.parts.len().min(MOST_ROUNDS), Rollback::restore_cloths);
         there || whole
     }
 
     /// Uses stronger means from now on; `None` goes back to the ordinary ones.
-    pub(super) fn escalate(&mut self, resort: Resort) {
-        self.untangler.resolver.escalate(resort);
+    pub(super) fn escalate(&mut self, escalation: Escalation) {
+        self.untangler.resolver.escalate(escalation);
     }
 
     /// Looks at the order of layers of all particles in the next iteration, not only of a few.
@@ -242,7 +242,7 @@ impl Island {
     }
 
     /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose `[m]` in the cloth's own frame, by a
-    /// fraction of the way: [`Resort::Blend`]. All others weigh at least `least`.
+    /// fraction of the way: [`Escalation::Blend`]. All others weigh at least `least`.
     pub(super) fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
         let range = self.range(part);
         if pose.len() != range.len() || self.weights.len() != self.positions.len() || self.total.is_clean() {
@@ -260,14 +260,14 @@ impl Island {
 
     /// Sweeps the springs of every cloth; previous positions go along, so that no velocity comes of it.
     fn relax(&mut self, sweeps: u32, relax: &mut impl FnMut(usize, &mut [Vec4])) {
-        self.before.clone_from(&self.positions);
+        (*self.before).clone_from(&self.positions);
         for part in (0..self.surface.parts.len()).filter(|&part| !self.fixed[part]) {
             let range = self.range(part);
             for _ in 0..sweeps {
                 relax(part, &mut self.positions[range.clone()]);
             }
         }
-        for ((old, now), before) in self.previous.iter_mut().zip(&self.positions).zip(&self.before) {
+        for ((old, now), before) in self.previous.iter_mut().zip(&self.positions).zip(self.before.iter()) {
             if now != before {
                 *old += *now - *before;
             }
@@ -308,7 +308,7 @@ mod tests {
         let off = |&v: &usize| positions[v].truncate().distance(centre);
         let v = (0..positions.len()).min_by(|a, b| off(a).total_cmp(&off(b))).expect("particles");
         let gap = (clean[0].positions[0] - clean[1].positions[0]).y.abs();
-        // It flies on through the other sheet, is taken back, and pushed there again.
+        // It flies on through the other sheet, is rolled back, and pushed there again.
         let mut crossed = clean.clone();
         crossed[upper].positions[v] += vec3(0.0, -2.0 * gap, 0.0).extend(0.0);
         crossed[upper].previous[v].y = crossed[upper].positions[v].y + gap;

@@ -1,4 +1,4 @@
-//! Tangles of cloth that its skin holds close are drawn to the skin, where that is whole: see [`Reins`](crate::solver::skinned::Reins).
+//! Tangles of cloth that its skin holds close are drawn to the skin, where that is whole: see [`TangledLimits`](crate::solver::skinned::TangledLimits).
 
 use glam::Vec4;
 
@@ -6,7 +6,7 @@ use super::{Island, Member};
 use crate::solver::detect::Detector;
 
 /// Where the skins cross that cloths of an island follow; looked at only while something is tangled.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Skins {
     detector: Option<Detector>,
@@ -17,7 +17,7 @@ pub(super) struct Skins {
 
 impl Island {
     /// Draws what was tangled in the last frame to its skin, unless that crosses itself or another.
-    pub(super) fn rein_in(&mut self, dt: f32, cloths: &mut [Member<'_>]) {
+    pub(super) fn limit_tangled(&mut self, dt: f32, cloths: &mut [Member<'_>]) {
         let mut skins = core::mem::take(&mut self.skins);
         if self.weighed {
             self.look_at_skins(cloths, &mut skins);
@@ -27,7 +27,7 @@ impl Island {
                 && skinned.limits(m.state.positions.len())
             {
                 let tangled = if self.weighed && !skins.cross[part] { self.weights(part) } else { &[] };
-                m.scratch.reins.advance(skinned, tangled, dt);
+                m.scratch.tangled_limits.advance(skinned, tangled, dt);
             }
         }
         self.skins = skins;
@@ -41,8 +41,7 @@ impl Island {
         let mut any = false;
         for (part, m) in cloths.iter().enumerate() {
             let range = self.range(part);
-            if let Some(skinned) = m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len()))
-            {
+            if let Some(skinned) = m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len())) {
                 any = true;
                 let offset = m.offset;
                 for (target, to) in targets[range].iter_mut().zip(&skinned.to) {

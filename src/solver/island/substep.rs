@@ -1,13 +1,13 @@
 //! Integrate: the cloths of an island side by side, substep by substep.
 //!
 //! ```text
-//! (constrain ─► (lay on bodies ─► keep apart), twice if calm ─► bodies ─► hold what sticks ─► rebound ─► guard)* ─► finish ─► guard
+//! (constrain ─► (lay on bodies ─► keep apart), twice if settling ─► bodies ─► hold what sticks ─► apply_restitution ─► guard)* ─► finish ─► guard
 //! ```
 
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::{CROWDED, Island, LOOK_AGAIN, Member};
-use crate::solver::respond::CALM_PASSES;
+use crate::solver::respond::SETTLING_PASSES;
 use crate::solver::settings::Stepping;
 use crate::solver::state::ClothState;
 
@@ -15,16 +15,16 @@ impl Island {
     /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it
     /// where it is.
     pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
-        let (mut count, mut longest, mut driven) = (0, 0.0f32, false);
+        let (mut count, mut longest, mut fast_body) = (0, 0.0f32, false);
         for (part, m) in cloths.iter_mut().enumerate() {
             count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
-            driven |= m.scratch.is_driven();
+            fast_body |= m.scratch.meets_fast_body();
             longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
             if m.moves {
-                self.retreat.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
+                self.rollback.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
             }
         }
-        self.takes_back &= self.retreat.knows();
+        self.rolls_back &= self.rollback.knows();
         self.within = self.most;
         self.count = count;
         // Share of the time looked ahead that passes in a substep.
@@ -45,29 +45,29 @@ impl Island {
             m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
         }
         for n in 1..=count {
-            self.contacts.lift();
+            self.contacts.age_support();
             self.note_start(cloths);
             let lies = self.lies_on_bodies(cloths);
             for m in &mut *cloths {
                 m.cloth.constrain(m.state, m.scratch);
             }
             if lies {
-                self.lay(cloths);
+                self.project_provisionally(cloths);
             }
             self.keep_apart(cloths, lies);
             for (part, m) in cloths.iter_mut().enumerate() {
                 m.cloth.project(m.state, m.scratch);
                 let first = self.surface.parts[part].particles.start;
-                m.scratch.grounded().for_each(|p| self.contacts.ground(first + p));
+                m.scratch.grounded().for_each(|p| self.contacts.touch_ground(first + p));
             }
             if lies {
-                self.hold_what_sticks(cloths);
+                self.reapply_static_friction(cloths);
             }
-            self.rebound(cloths);
-            self.guard(cloths, false);
+            self.apply_restitution(cloths);
+            self.clamp_motion(cloths, false);
             self.share += each;
             if n < count {
-                let often = driven || !self.takes_back || self.contacts.len() > CROWDED * self.surface.len();
+                let often = fast_body || !self.rolls_back || self.contacts.len() > CROWDED * self.surface.len();
                 self.look_ahead(cloths, each, often || n % gap == 0);
             }
         }
@@ -77,21 +77,21 @@ impl Island {
             *m.report = m.cloth.finish(crowded, m.state, m.scratch);
         }
         // Overlong edges were shortened without heed to what is between them.
-        self.guard(cloths, true);
+        self.clamp_motion(cloths, true);
     }
 
     /// Whether cloth that lies on bodies may touch cloth, so that care is to be taken of both at once. Folds of one cloth in motion cross no less
     /// without, and a sheet of 64² on a ball takes an eighth longer with it.
     fn lies_on_bodies(&self, cloths: &[Member<'_>]) -> bool {
         let parts = self.surface.parts.len();
-        let lies = |m: &Member<'_>| (parts > 1 || m.scratch.is_calm()) && m.scratch.grounded().next().is_some();
+        let lies = |m: &Member<'_>| (parts > 1 || m.scratch.is_settling()) && m.scratch.grounded().next().is_some();
         !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
     /// Puts what lies on bodies where they will put it.
-    fn lay(&self, cloths: &mut [Member<'_>]) {
+    fn project_provisionally(&self, cloths: &mut [Member<'_>]) {
         for (part, m) in cloths.iter_mut().enumerate() {
-            m.cloth.lay(self.contacts.meets_other(part), m.state, m.scratch);
+            m.cloth.project_provisionally(self.contacts.meets_other(part), m.state, m.scratch);
         }
     }
 
@@ -117,12 +117,12 @@ impl Island {
             self.contacts.rest();
             return;
         }
-        let (mut h, mut calm) = (0.0f32, true);
+        let (mut h, mut settling) = (0.0f32, true);
         for Member { state, scratch, .. } in cloths.iter().filter(|m| m.moves) {
-            calm &= scratch.is_calm();
+            settling &= scratch.is_settling();
             h = h.max(state.substep);
         }
-        let passes = if calm { CALM_PASSES } else { 1 };
+        let passes = if settling { SETTLING_PASSES } else { 1 };
         let gravity = Self::gravity(cloths);
         self.contacts.begin_solve(h, passes);
         self.gather_pairs(cloths);
@@ -130,7 +130,7 @@ impl Island {
             if pass > 1 && lies {
                 // What was pushed into a body lies on it again.
                 self.scatter_pairs(cloths);
-                self.lay(cloths);
+                self.project_provisionally(cloths);
                 self.gather_pairs(cloths);
             }
             self.contacts.solve(pass == passes, gravity);
@@ -144,17 +144,17 @@ impl Island {
     }
 
     /// Holds pairs that stick, when bodies have pushed, too.
-    fn hold_what_sticks(&mut self, cloths: &mut [Member<'_>]) {
+    fn reapply_static_friction(&mut self, cloths: &mut [Member<'_>]) {
         self.gather_pairs(cloths);
-        self.contacts.hold(Self::gravity(cloths));
+        self.contacts.reapply_static_friction(Self::gravity(cloths));
         self.scatter_pairs(cloths);
     }
 
     /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the substep began.
-    fn rebound(&mut self, cloths: &mut [Member<'_>]) {
+    fn apply_restitution(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.has_impacts() {
             self.gather_pairs(cloths);
-            self.contacts.rebound();
+            self.contacts.apply_restitution();
             self.scatter_pairs(cloths);
         }
     }
@@ -192,9 +192,9 @@ impl Island {
     }
 
     /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that [`Stepped::finish`] moved it, which gave
-    /// it no speed. To be stopped there gives a calm cloth none either; to others it is a brake: without it edges of a strip that is overwound get seven
+    /// it no speed. To be stopped there gives a settling cloth none either; to others it is a brake: without it edges of a strip that is overwound get seven
     /// times as long.
-    fn guard(&mut self, cloths: &mut [Member<'_>], finished: bool) {
+    fn clamp_motion(&mut self, cloths: &mut [Member<'_>], finished: bool) {
         if self.contacts.is_empty() {
             return;
         }
@@ -206,12 +206,12 @@ impl Island {
                 None => Vec4::NAN,
             });
         }
-        if !self.contacts.guard() {
+        if !self.contacts.clamp_motion() {
             return;
         }
         for (part, Member { state, scratch, offset, .. }) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
-            let (offset, silent) = (offset.extend(0.0), finished && scratch.is_calm());
-            self.contacts.scatter_cut(part, |i, now| {
+            let (offset, silent) = (offset.extend(0.0), finished && scratch.is_settling());
+            self.contacts.scatter_clamped(part, |i, now| {
                 if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
                     let to = now - offset;
                     if silent {
@@ -236,7 +236,7 @@ impl Island {
             if m.state.positions.len() == part.particles.len() {
                 let first = part.particles.start as usize;
                 let ClothState { positions, previous, .. } = &m.state;
-                strayed |= self.finder.strayed(first, positions, previous, m.offset, next, touch.thickness);
+                strayed |= self.neighbors.strayed(first, positions, previous, m.offset, next, touch.thickness);
             }
         }
         if strayed {
@@ -252,7 +252,7 @@ impl Island {
             self.find(!over);
             if over {
                 // Not before: what moved since the last time is not stuck.
-                self.finder.note(&self.positions);
+                self.neighbors.note(&self.positions);
             }
         }
     }

@@ -14,7 +14,7 @@ const WORSE_TIMES: f32 = 1.7;
 const WORSE_EDGES: f32 = 8.0;
 
 /// How everything was before a frame took crossings apart, and how little of them there has been.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Undo {
     /// Where all particles were `[m]`; empty while nothing is undone.

@@ -2,7 +2,7 @@
 
 use super::View;
 use super::contour::ContourGraph;
-use super::probe::Member;
+use super::separation::Member;
 
 /// The cloths on the two sides of a contour.
 pub(super) fn cloths(view: View<'_>, graph: &ContourGraph, contour: usize) -> Option<[u16; 2]> {
@@ -13,7 +13,7 @@ pub(super) fn cloths(view: View<'_>, graph: &ContourGraph, contour: usize) -> Op
 }
 
 /// A contour between two different cloths.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Entry {
     /// The smaller number first.
@@ -26,7 +26,7 @@ struct Entry {
 }
 
 /// All contours between different cloths, sorted by pair of cloths. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Between {
     list: Vec<Entry>,

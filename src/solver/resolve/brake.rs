@@ -2,17 +2,17 @@
 
 use glam::{Vec3, Vec4};
 
-use super::latch::Strategy;
 use super::share::{load, shares};
+use super::tracked::Strategy;
 use super::{Resolver, View};
 
 impl Resolver {
     /// Removes the velocity with which the two sides of a contour run deeper into each other, and no other. The exchange is that of a
     /// perfectly inelastic collision along the direction of separation: momentum stays, energy does not grow.
     pub(super) fn stop_approach(&mut self, view: View<'_>, previous: &[Vec4], contour: usize) {
-        let latch = self.latches.now[contour];
-        let out = latch.heading.normalize_or_zero();
-        let first = if latch.strategy == Strategy::Push && latch.side == 1 { 1 } else { 0 };
+        let tracked = self.tracked.now[contour];
+        let out = tracked.heading.normalize_or_zero();
+        let first = if tracked.strategy == Strategy::Push && tracked.side == 1 { 1 } else { 0 };
         self.patch.gather(view, &self.graph, contour);
         let velocity = |side: usize| {
             let (mut sum, mut mass) = (Vec3::ZERO, 0.0);

@@ -80,7 +80,7 @@ const LOOP: u32 = u32::MAX - 1;
 const BROKEN: u32 = u32::MAX - 2;
 const FIRST_END: u32 = BROKEN;
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct End {
     code: u32,
@@ -89,7 +89,7 @@ struct End {
     node: u32,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Path {
     ends: [End; 2],
@@ -100,7 +100,7 @@ struct Path {
 }
 
 /// All contours of one detection. Buffers are reused; nothing is allocated once warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContourGraph {
     /// The contours, ordered by their first crossing.
@@ -450,7 +450,7 @@ impl ContourGraph {
 }
 
 /// The ends of a contour, counted.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Tally {
     loops: u32,

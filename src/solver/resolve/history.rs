@@ -12,7 +12,7 @@ use glam::{Vec3, Vec4};
 use crate::solver::detect::{Detector, Proximity, ProximityKind, ProximitySettings, Surface};
 
 /// Sides remembered, sorted by particle and face.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct History {
     sides: Vec<([u32; 4], f32)>,

@@ -15,8 +15,8 @@ use glam::{Vec3, Vec4};
 use super::between::cloths;
 use super::contour::ContourGraph;
 use super::plan::Plans;
-use super::probe::{Course, Member, Stray};
 use super::separate::{AGREE, ONE_WAY, agreement, facing, facing_at, mean};
+use super::separation::{Course, Member, Stray};
 use super::{Resolver, View};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
@@ -40,7 +40,7 @@ const HELD: f32 = 0.5;
 const UNDONE: f32 = 0.8;
 
 /// Two cloths whose order is being restored.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Pair {
     /// The outer and the inner cloth.
@@ -52,7 +52,7 @@ struct Pair {
 }
 
 /// What is being done about the order of layers. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Layers {
     pub plans: Plans,
@@ -194,7 +194,7 @@ fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray
 impl Resolver {
     /// Plans how cloths get into the order of their layers, in steps of at most `step` `[m]`.
     pub(super) fn order(&mut self, view: View<'_>, step: f32) {
-        let Self { graph, between, layers: Layers { plans, pairs, strays, of_pair, .. }, probe, set, .. } = self;
+        let Self { graph, between, layers: Layers { plans, pairs, strays, of_pair, .. }, separation, set, .. } = self;
         pairs.retain(|p| plans.is_live(p.plan));
         let at_contours = (0..graph.contours.len()).filter_map(|k| ordered(view.surface, cloths(view, graph, k)?));
         for cloths in at_contours.chain(strays.iter().map(|s| s.0)) {
@@ -207,10 +207,10 @@ impl Resolver {
             of_pair.extend(strays.iter().filter(|s| s.0 == cloths).map(|s| s.1));
             let (mut plan, mut held) = (0, false);
             if let Some(course) = outward(view, graph, set, of_pair) {
-                probe.look_from(view, graph, set, of_pair, course);
-                held = probe.pins[1] as f32 >= HELD * (probe.pins[0].max(1)) as f32;
-                if !held && probe.cost > 0.0 && (set.is_empty() || probe.undone >= UNDONE) {
-                    plan = plans.carry_out(view, graph, set, probe, step);
+                separation.look_from(view, graph, set, of_pair, course);
+                held = separation.pins[1] as f32 >= HELD * (separation.pins[0].max(1)) as f32;
+                if !held && separation.cost > 0.0 && (set.is_empty() || separation.undone >= UNDONE) {
+                    plan = plans.carry_out(view, graph, set, separation, step);
                 }
             }
             pairs.push(Pair { cloths, plan, held });

@@ -20,7 +20,7 @@ pub mod contour;
 pub mod gradient;
 #[cfg(feature = "research")]
 pub mod history;
-pub mod latch;
+pub mod tracked;
 pub mod region;
 mod between;
 mod brake;
@@ -30,7 +30,7 @@ mod nearest;
 mod patch;
 mod peel;
 mod plan;
-mod probe;
+mod separation;
 mod push;
 mod separate;
 mod share;
@@ -40,27 +40,28 @@ mod turns;
 mod votes;
 
 pub use contour::{Contour, ContourGraph, ContourKind};
-pub use latch::Strategy;
+pub use tracked::Strategy;
 
 use glam::{Vec3, Vec4};
 
+use crate::solver::buffer::Buffer;
 use crate::solver::detect::{Crossing, Detector, Surface};
 use crate::solver::effort::Effort;
-use crate::solver::verdict::{Resort, Verdict};
+use crate::solver::verdict::{Escalation, Verdict};
 
 use between::Between;
 use gradient::Terms;
 #[cfg(feature = "research")]
 use history::{History, Push};
-use latch::Latches;
 use layers::Layers;
 use patch::Patch;
 use plan::Plans;
-use probe::{Member, Probe};
 use region::Flood;
+use separation::{Member, Separation};
 use shift::Shift;
+use tracked::TrackedContours;
 
-/// Crossings of a contour between two loop vertices from which on its sides are sheets, not creases.
+/// Crossings of a contour between two loop vertices from which on its sides are sheets, not feature_edges.
 const LONG: u32 = 32;
 
 /// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.
@@ -127,30 +128,30 @@ struct View<'a> {
 }
 
 /// Takes tangles apart, one iteration per call. Buffers are reused; nothing is allocated once warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resolver {
     graph: ContourGraph,
     between: Between,
-    latches: Latches,
+    tracked: TrackedContours,
     flood: Flood,
-    terms: Vec<Terms>,
+    terms: Buffer<Vec<Terms>>,
     points: Vec<Vec3>,
-    pulls: Vec<Vec3>,
-    smooth: Vec<Vec3>,
-    along: Vec<Vec3>,
-    shift: Shift,
-    brake: Shift,
-    patch: Patch,
-    resort: Resort,
+    pulls: Buffer<Vec<Vec3>>,
+    smooth: Buffer<Vec<Vec3>>,
+    along: Buffer<Vec<Vec3>>,
+    shift: Buffer<Shift>,
+    brake: Buffer<Shift>,
+    patch: Buffer<Patch>,
+    escalation: Escalation,
     layers: Layers,
     plans: Plans,
-    probe: Probe,
-    set: Vec<Member>,
+    separation: Separation,
+    set: Buffer<Vec<Member>>,
     /// Work of this frame.
     pub(crate) effort: Effort,
     /// Contours that the last iteration put off, and the edge at which the first of them begins: the next one goes on there.
-    put_off: u32,
+    deferred: u32,
     next: u32,
     #[cfg(feature = "research")]
     history: History,
@@ -188,14 +189,14 @@ impl Resolver {
     }
 
     /// Uses stronger means from now on.
-    pub fn escalate(&mut self, resort: Resort) {
-        self.resort = resort;
+    pub fn escalate(&mut self, escalation: Escalation) {
+        self.escalation = escalation;
     }
 
     /// The stronger means in use.
     #[must_use]
-    pub fn resort(&self) -> Resort {
-        self.resort
+    pub fn escalation(&self) -> Escalation {
+        self.escalation
     }
 
     /// Whether cloths are on their way to the other side of each other, as their layers ask for.
@@ -211,7 +212,7 @@ impl Resolver {
 
     /// What is being done about each contour of [`Self::graph`].
     pub fn strategies(&self) -> impl Iterator<Item = Strategy> + '_ {
-        self.latches.now.iter().map(|l| l.strategy)
+        self.tracked.now.iter().map(|l| l.strategy)
     }
 
     /// One iteration on the crossings analysed last: moves `positions` and `previous` together. Returns whether something was to be moved.
@@ -240,9 +241,9 @@ impl Resolver {
         } else {
             self.layers.clear();
         }
-        self.put_off = 0;
+        self.deferred = 0;
         if self.graph.contours.is_empty() && !self.layers.any() {
-            self.latches.clear();
+            self.tracked.clear();
             self.plans.clear();
             self.next = 0;
             return false;
@@ -265,8 +266,8 @@ impl Resolver {
 
     /// One more iteration without a look, if plans take care of every contour analysed last; whether they do.
     pub fn carry_on(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        let planned = |l: &latch::Latch| l.strategy == Strategy::Separate && self.plans.is_live(l.plan);
-        if self.layers.any() || self.latches.now.is_empty() || !self.latches.now.iter().all(planned) {
+        let planned = |l: &tracked::TrackedContour| l.strategy == Strategy::Separate && self.plans.is_live(l.plan);
+        if self.layers.any() || self.tracked.now.is_empty() || !self.tracked.now.iter().all(planned) {
             return false;
         }
         self.effort.spend(self.plans.moves());
@@ -286,12 +287,12 @@ impl Resolver {
         if self.graph.contours[contour].authored || self.is_ordered(view, contour) {
             return;
         }
-        if self.latches.now[contour].strategy == Strategy::Peel {
+        if self.tracked.now[contour].strategy == Strategy::Peel {
             self.peel(view, contour, settings.pace * step, settings);
             return;
         }
         let done = self.parts(view, contour, step, settings)
-            || (self.latches.now[contour].strategy == Strategy::Push && self.push(view, contour, step, settings));
+            || (self.tracked.now[contour].strategy == Strategy::Push && self.push(view, contour, step, settings));
         if !done {
             self.shrink(view, contour, step, true, settings);
         }
@@ -300,18 +301,18 @@ impl Resolver {
 
     /// Whether a contour is being separated, by a plan made before or now.
     fn parts(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
-        let latch = self.latches.now[contour];
-        if latch.strategy != Strategy::Separate {
+        let tracked = self.tracked.now[contour];
+        if tracked.strategy != Strategy::Separate {
             return false;
         }
-        if self.plans.is_live(latch.plan) {
+        if self.plans.is_live(tracked.plan) {
             return true;
         }
-        if latch.stale < settings.patience && self.separate(view, contour, settings.pace * step) {
+        if tracked.stale < settings.patience && self.separate(view, contour, settings.pace * step) {
             return true;
         }
-        let latch = &mut self.latches.now[contour];
-        latch.turn_to(if matches!(latch.kind, ContourKind::Bibi | ContourKind::Closed) {
+        let tracked = &mut self.tracked.now[contour];
+        tracked.turn_to(if matches!(tracked.kind, ContourKind::Bibi | ContourKind::Closed) {
             Strategy::Shrink
         } else {
             Strategy::Push
@@ -323,7 +324,7 @@ impl Resolver {
     fn choose(&mut self, view: View<'_>, settings: &ResolveSettings) {
         let by_type = settings.method == Method::ByEndType;
         let graph = &self.graph;
-        self.latches.carry(view.crossings, graph, |k| match graph.contours[k].kind {
+        self.tracked.carry(view.crossings, graph, |k| match graph.contours[k].kind {
             // Around the loop vertex of a cross both sides are one.
             ContourKind::Cross if by_type => Strategy::Push,
             ContourKind::Bbii | ContourKind::Bibi | ContourKind::Closed if by_type => Strategy::Separate,
@@ -331,24 +332,24 @@ impl Resolver {
             ContourKind::Ll if by_type => Strategy::Peel,
             _ => Strategy::Shrink,
         });
-        for latch in self.latches.now.iter_mut().filter(|l| by_type && l.resort < self.resort) {
-            latch.turn_to(if self.resort == Resort::Regions && latch.kind.separates() {
+        for tracked in self.tracked.now.iter_mut().filter(|l| by_type && l.escalation < self.escalation) {
+            tracked.turn_to(if self.escalation == Escalation::Regions && tracked.kind.separates() {
                 Strategy::Push
             } else {
                 Strategy::Separate
             });
-            latch.resort = self.resort;
+            tracked.escalation = self.escalation;
         }
-        let latches = self.latches.now.iter_mut().zip(&graph.contours);
-        for (latch, contour) in latches.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
+        let tracked = self.tracked.now.iter_mut().zip(&graph.contours);
+        for (tracked, contour) in tracked.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
             // A region needs a while to gather pace, the longer the more edges it hangs on.
-            let edges = if latch.strategy == Strategy::Push { latch.longest / contour.edge } else { 0.0 };
-            if latch.stale > (settings.patience + edges as u32 / 4) << latch.turns.min(4) {
+            let edges = if tracked.strategy == Strategy::Push { tracked.longest / contour.edge } else { 0.0 };
+            if tracked.stale > (settings.patience + edges as u32 / 4) << tracked.turns.min(4) {
                 let pushable =
-                    matches!(latch.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
-                latch.turn_to(match latch.strategy {
+                    matches!(tracked.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
+                tracked.turn_to(match tracked.strategy {
                     Strategy::Shrink if pushable => Strategy::Push,
-                    Strategy::Push if latch.turns % 4 != 3 => Strategy::Shrink,
+                    Strategy::Push if tracked.turns % 4 != 3 => Strategy::Shrink,
                     Strategy::Shrink | Strategy::Push => Strategy::Peel,
                     Strategy::Peel | Strategy::Separate => Strategy::Shrink,
                 });
@@ -369,7 +370,7 @@ impl Resolver {
 }
 
 /// Detection and resolution of one surface together.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Untangler {
     /// Finds crossings.

@@ -7,7 +7,7 @@
 use glam::Vec3;
 
 /// Points to be asked for the nearest. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Nearest {
     /// Each point `[m]` with its number.

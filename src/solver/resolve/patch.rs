@@ -6,7 +6,7 @@ use super::View;
 use super::contour::ContourGraph;
 
 /// The particles of the two sides of a contour.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Patch {
     seen: Vec<[u32; 2]>,

@@ -4,9 +4,11 @@ use std::collections::BinaryHeap;
 
 use glam::Vec3;
 
+use crate::solver::buffer::Buffer;
+
 use super::View;
 use super::contour::ContourGraph;
-use super::probe::{Member, Probe, Seen, nodes};
+use super::separation::{Member, Seen, Separation, nodes};
 use super::share::{load, shares};
 use super::shift::Shift;
 
@@ -20,7 +22,7 @@ const ROOM: f32 = 0.5;
 const LEAST_ROOM: f32 = 0.02;
 
 /// A displacement being carried out.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Plan {
     /// By which others know it.
@@ -32,7 +34,7 @@ struct Plan {
 }
 
 /// Plans being carried out. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plans {
     list: Vec<Plan>,
@@ -41,7 +43,7 @@ pub(super) struct Plans {
     numbers: Vec<u32>,
     last: u32,
     /// Particles to be settled when the rest of a side follows.
-    farthest: BinaryHeap<(u32, u32)>,
+    farthest: Buffer<BinaryHeap<(u32, u32)>>,
     /// Edges looked at.
     pub visits: usize,
 }
@@ -111,7 +113,14 @@ impl Plans {
     }
 
     /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` `[m]`. Returns its number, never 0.
-    pub fn carry_out(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], probe: &mut Probe, step: f32) -> u32 {
+    pub fn carry_out(
+        &mut self,
+        view: View<'_>,
+        graph: &ContourGraph,
+        set: &[Member],
+        separation: &mut Separation,
+        step: f32,
+    ) -> u32 {
         let Self { list, live, numbers, last, farthest, visits } = self;
         if *live == list.len() {
             list.push(Plan::default());
@@ -122,18 +131,18 @@ impl Plans {
         plan.number = *last;
         numbers.push(*last);
         plan.moves.clear();
-        let room =
-            (ROOM * probe.edge + thickness(view, probe)).min(apart_at_rest(view, graph, set).max(LEAST_ROOM * probe.edge));
-        share_ways(view, probe);
-        *visits += (0..2).map(|side| follow(view, probe, side, room, farthest)).sum::<usize>();
-        let share = shares([0, 1].map(|s: usize| load(view.positions, probe.behind[s].iter().copied())));
+        let room = (ROOM * separation.edge + thickness(view, separation))
+            .min(apart_at_rest(view, graph, set).max(LEAST_ROOM * separation.edge));
+        share_ways(view, separation);
+        *visits += (0..2).map(|side| follow(view, separation, side, room, farthest)).sum::<usize>();
+        let share = shares([0, 1].map(|s: usize| load(view.positions, separation.behind[s].iter().copied())));
         let mut longest = 0.0_f32;
         for (side, share) in share.into_iter().enumerate() {
             if share == 0.0 {
                 continue;
             }
-            for &v in &probe.behind[side] {
-                let Seen { way, along, .. } = probe.seen[v as usize][side];
+            for &v in &separation.behind[side] {
+                let Seen { way, along, .. } = separation.seen[v as usize][side];
                 let by = 0.5 * share * way * along;
                 longest = longest.max(by.length());
                 plan.moves.push((v, by));
@@ -165,14 +174,14 @@ fn apart_at_rest(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
 }
 
 /// Largest thickness of the two sides `[m]`.
-fn thickness(view: View<'_>, probe: &Probe) -> f32 {
+fn thickness(view: View<'_>, separation: &Separation) -> f32 {
     let of = |v: &u32| view.surface.parts[usize::from(view.surface.part(*v))].thickness;
-    probe.behind.iter().filter_map(|b| b.first()).map(of).fold(0.0, f32::max)
+    separation.behind.iter().filter_map(|b| b.first()).map(of).fold(0.0, f32::max)
 }
 
 /// Gives the faces that are met the way of what meets them, for a side that cannot be seen along the direction.
-fn share_ways(view: View<'_>, probe: &mut Probe) {
-    let Probe { seen, stamp, behind, meets, .. } = probe;
+fn share_ways(view: View<'_>, separation: &mut Separation) {
+    let Separation { seen, stamp, behind, meets, .. } = separation;
     for side in 0..2 {
         // Only of what was found by looking, not of what was added here.
         for k in 0..meets[side].len() {
@@ -192,9 +201,9 @@ fn share_ways(view: View<'_>, probe: &mut Probe) {
 
 /// Lengthens every way by `room` `[m]` and lets the rest of the side follow, so far that no edge is strained much. Returns how many edges were looked
 /// at.
-fn follow(view: View<'_>, probe: &mut Probe, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) -> usize {
+fn follow(view: View<'_>, separation: &mut Separation, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) -> usize {
     let at = |v: u32| view.positions[v as usize].truncate();
-    let Probe { seen, stamp, behind, .. } = probe;
+    let Separation { seen, stamp, behind, .. } = separation;
     farthest.clear();
     for &v in &behind[side] {
         let way = &mut seen[v as usize][side].way;

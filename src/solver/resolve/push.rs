@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::contour::{ContourGraph, ContourKind};
-use super::probe::largest_area;
 use super::region::{Flood, Region};
+use super::separation::largest_area;
 use super::share::{Load, load, shares};
-use super::{ResolveSettings, Resolver, View, latch};
+use super::{ResolveSettings, Resolver, View, tracked};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::topology::NONE;
 
@@ -49,7 +49,7 @@ impl Resolver {
     /// Pushes the smaller region that a contour cuts off back through it; `false` when there is none.
     pub(super) fn push(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
         let c = self.graph.contours[contour];
-        let latch::Latch { side: latched, seed, .. } = self.latches.now[contour];
+        let tracked::TrackedContour { side: latched, seed, .. } = self.tracked.now[contour];
         let side = match c.kind {
             ContourKind::Bbii | ContourKind::Cross => c.border_side,
             ContourKind::Bli | ContourKind::Unknown => return false,
@@ -65,8 +65,8 @@ impl Resolver {
             }
         };
         let Some(region) = self.region(view, contour, side, seed) else { return false };
-        self.latches.now[contour].side = side;
-        self.latches.now[contour].progress(region.area);
+        self.tracked.now[contour].side = side;
+        self.tracked.now[contour].progress(region.area);
         let nodes = self.graph.nodes_of(contour);
         let mut sum = DVec3::ZERO;
         for &i in nodes {
@@ -91,15 +91,15 @@ impl Resolver {
         // The particle that comes through last marks the region.
         let along = |v: &u32| view.positions[*v as usize].truncate().dot(direction);
         let deepest = self.flood.region().iter().min_by(|a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
-        self.latches.now[contour].seed = deepest.copied().unwrap_or(NONE);
+        self.tracked.now[contour].seed = deepest.copied().unwrap_or(NONE);
         let lowest = deepest.map_or(0.0, along);
-        let latch = &mut self.latches.now[contour];
-        latch.depth = latch.depth.max(c.centre.dot(direction) - lowest);
-        if region.area > largest_area(latch.longest, c.edge, latch.depth) {
+        let tracked = &mut self.tracked.now[contour];
+        tracked.depth = tracked.depth.max(c.centre.dot(direction) - lowest);
+        if region.area > largest_area(tracked.longest, c.edge, tracked.depth) {
             return false;
         }
-        let rings = (SPREAD * latch.depth / c.edge) as usize;
-        let motion = step * latch.steer(direction, settings.pace, 0.0);
+        let rings = (SPREAD * tracked.depth / c.edge) as usize;
+        let motion = step * tracked.steer(direction, settings.pace, 0.0);
         // The rest of the sheet follows, less and less with every ring, so that the region does not crumple against it.
         let (mine, theirs) = (usize::from(side), usize::from(1 - side));
         self.patch.gather(view, &self.graph, contour);

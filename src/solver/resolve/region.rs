@@ -31,7 +31,7 @@ pub struct Region {
 }
 
 /// Floods regions. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flood {
     /// Parity stamps of edges.

@@ -8,10 +8,10 @@ use glam::Vec3;
 
 use super::between::cloths;
 use super::contour::ContourGraph;
-use super::latch::Strategy;
-use super::probe::{Course, Member, nodes};
+use super::separation::{Course, Member, nodes};
+use super::tracked::Strategy;
 use super::{Resolver, View};
-use crate::solver::verdict::Resort;
+use crate::solver::verdict::Escalation;
 
 /// How much cheaper another direction must be than the one taken before.
 const HYSTERESIS: f32 = 0.25;
@@ -83,21 +83,21 @@ impl Resolver {
     }
 
     fn separate_all(&mut self, view: View<'_>, set: &[Member], between_two: bool, step: f32) -> bool {
-        let Self { graph, plans, probe, latches, resort, .. } = self;
+        let Self { graph, plans, separation, tracked, escalation, .. } = self;
         let before = set.iter().fold(Vec3::ZERO, |sum, m| {
-            let latch = &latches.now[m.contour];
-            let weight = if latch.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
-            sum + latch.heading * if m.flip == 0 { weight } else { -weight }
+            let tracked = &tracked.now[m.contour];
+            let weight = if tracked.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
+            sum + tracked.heading * if m.flip == 0 { weight } else { -weight }
         });
         let means = [0, 1].map(|side| mean(facing_at(view, graph, set, side)));
         let [n, m] = means.map(Vec3::normalize_or_zero);
         // What a cloth crosses of itself may be short and bent.
         let one_way = !between_two || means.iter().any(|mean| mean.length() > ONE_WAY);
         let (mut best, mut least) = (None, f32::INFINITY);
-        let mut look = |course: Course, most: f32| probe.look(view, graph, set, course, most).then_some(probe.cost);
+        let mut look = |course: Course, most: f32| separation.look(view, graph, set, course, most).then_some(separation.cost);
         let across = n.cross(m).normalize_or_zero();
         let more = [across, n.cross(across), m.cross(across), Vec3::X, Vec3::Y, Vec3::Z].map(|d| [d, -d]).into_iter().flatten();
-        let more = more.filter(|_| *resort >= Resort::Candidates);
+        let more = more.filter(|_| *escalation >= Escalation::Candidates);
         let directions = [before.normalize_or_zero(), n, -n, m, -m].into_iter().chain(more).filter(|_| one_way);
         let agree = agreement(view, graph, set);
         let signs = [1.0, -1.0].into_iter().filter(|_| !one_way && agree.abs() > AGREE);
@@ -111,17 +111,17 @@ impl Resolver {
         }
         let Some(course) = best else { return false };
         look(course, f32::INFINITY);
-        let cost = probe.cost;
-        let plan = plans.carry_out(view, graph, set, probe, step);
+        let cost = separation.cost;
+        let plan = plans.carry_out(view, graph, set, separation, step);
         let direction = if let Course::Along(direction) = course { direction } else { Vec3::ZERO };
         for member in set {
-            let latch = &mut latches.now[member.contour];
-            if latch.strategy != Strategy::Separate {
-                latch.turn_to(Strategy::Separate);
+            let tracked = &mut tracked.now[member.contour];
+            if tracked.strategy != Strategy::Separate {
+                tracked.turn_to(Strategy::Separate);
             }
-            latch.progress(cost);
-            latch.heading = if member.flip == 0 { direction } else { -direction };
-            latch.plan = plan;
+            tracked.progress(cost);
+            tracked.heading = if member.flip == 0 { direction } else { -direction };
+            tracked.plan = plan;
         }
         true
     }

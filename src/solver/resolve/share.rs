@@ -21,7 +21,7 @@ pub(super) fn shares(masses: [Load; 2]) -> [f32; 2] {
 }
 
 /// Mass `[kg]` of the free particles of a body, and whether some are pinned.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Load {
     pub mass: f32,

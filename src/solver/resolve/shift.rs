@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Shift {
     /// Displacement and cap `[m]` per particle.

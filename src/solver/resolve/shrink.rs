@@ -10,7 +10,7 @@
 use glam::{DVec3, Vec3};
 
 use super::share::{load, shares};
-use super::{ResolveSettings, Resolver, View, latch};
+use super::{ResolveSettings, Resolver, View, tracked};
 
 /// Most rings that shrinking moves.
 const MOST_RINGS: usize = 1000;
@@ -49,13 +49,13 @@ impl Resolver {
             g += if self.graph.side[i as usize] == 0 { pull } else { -pull };
         }
         let (step, d) = if exact {
-            let motion = self.latches.now[contour].steer(saturate(g, 1.0), settings.pace, latch::INERTIA);
-            (step * self.latches.now[contour].pace, step * motion)
+            let motion = self.tracked.now[contour].steer(saturate(g, 1.0), settings.pace, tracked::INERTIA);
+            (step * self.tracked.now[contour].pace, step * motion)
         } else {
             (step, saturate(g, step))
         };
         if exact {
-            let longest = self.latches.now[contour].longest / self.graph.contours[contour].edge;
+            let longest = self.tracked.now[contour].longest / self.graph.contours[contour].edge;
             let rings = ((settings.spread * longest) as usize).min(MOST_RINGS);
             self.patch.grow(view.surface, rings);
             for (side, share) in share.into_iter().enumerate() {

@@ -22,9 +22,9 @@ impl Resolver {
         for (done, k) in order.by_ref().enumerate() {
             if done > 0 && self.effort.is_spent() {
                 self.next = edge(&self.graph, k);
-                self.latches.now[k].waits = true;
-                order.for_each(|k| self.latches.now[k].waits = true);
-                self.put_off = (count - done) as u32;
+                self.tracked.now[k].waits = true;
+                order.for_each(|k| self.tracked.now[k].waits = true);
+                self.deferred = (count - done) as u32;
                 return;
             }
             let step = settings.step * self.graph.contours[k].edge;
@@ -39,20 +39,22 @@ impl Resolver {
             }
             self.count_visits();
         }
-        (self.put_off, self.next) = (0, 0);
+        (self.deferred, self.next) = (0, 0);
     }
 
     /// Counts what was done since the last time.
     pub(super) fn count_visits(&mut self) {
-        let Self { patch, flood, probe, plans, layers, .. } = self;
-        for visits in [&mut patch.visits, &mut flood.visits, &mut probe.visits, &mut plans.visits, &mut layers.plans.visits] {
+        let Self { patch, flood, separation, plans, layers, .. } = self;
+        for visits in
+            [&mut patch.visits, &mut flood.visits, &mut separation.visits, &mut plans.visits, &mut layers.plans.visits]
+        {
             self.effort.spend(core::mem::take(visits));
         }
     }
 
     /// Contours that the last iteration put off, since there was too much work for a frame.
     #[must_use]
-    pub fn put_off(&self) -> u32 {
-        self.put_off
+    pub fn deferred(&self) -> u32 {
+        self.deferred
     }
 }

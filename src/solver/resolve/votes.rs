@@ -15,7 +15,7 @@ const EQUAL_PAIR: i32 = 4;
 const BESIDE: i32 = 1;
 
 /// A crossing of the time before.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Key {
     edge: u32,
@@ -38,7 +38,7 @@ pub(super) struct Vote {
 }
 
 /// The crossings of the time before, and what those of now say. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Votes {
     /// Sorted by edge, then face.

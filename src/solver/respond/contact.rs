@@ -12,7 +12,7 @@
 //! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6), without one none.
 //!
 //! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
-//! difference, but within a calm cloth. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
+//! difference, but within a settling cloth. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
 
 use core::cmp::Ordering;
 
@@ -35,7 +35,7 @@ const MOST_PUSHES: f32 = 4.0;
 const FAR: f32 = 1.2;
 
 /// A pair. See the module.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Contact {
     pub kind: ProximityKind,
@@ -61,8 +61,8 @@ pub(super) struct Contact {
     /// Whether static friction held it when last pushed.
     pub sticks: bool,
     /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
-    pub behind: bool,
-    pub was_behind: bool,
+    pub inverted: bool,
+    pub was_inverted: bool,
 }
 
 /// The particles that pairs are made of, by slot; levels by particle.
@@ -73,7 +73,7 @@ pub(super) struct Particles<'a> {
     pub levels: &'a mut [u8],
     /// Against gravity; zero without.
     pub up: Vec3,
-    /// How often each pair is solved in a substep: more than once where all cloth is calm.
+    /// How often each pair is solved in a substep: more than once where all cloth is settling.
     pub passes: u32,
     /// Whether a pair was pushed as far as only an [impact](Contact::impact) does.
     pub impact: bool,
@@ -89,10 +89,10 @@ impl Contact {
     /// Keeps the pair apart; whether it touched.
     #[inline]
     pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
-        self.was_behind = self.behind;
+        self.was_inverted = self.inverted;
         let mut x = self.slots.map(|s| particles.now[s as usize]);
         if self.is_apart(&x) {
-            (self.behind, self.load, self.drive) = (false, 0.0, 0.0);
+            (self.inverted, self.load, self.drive) = (false, 0.0, 0.0);
             return false;
         }
         let was = self.slots.map(|s| particles.old[s as usize]);
@@ -113,7 +113,7 @@ impl Contact {
             let t = before / (before + distance);
             let midway = at(&std::array::from_fn(|i| was[i].lerp(x[i], t)));
             // Who was through at the end of the last substep still is, unless clearly not. A particle that was flung away passed nothing.
-            let share = if self.behind { 1.0 } else { 0.25 };
+            let share = if self.inverted { 1.0 } else { 0.25 };
             midway.distance < share * self.thickness.max(distance.min(4.0 * self.thickness))
         } {
             distance = -distance;
@@ -123,7 +123,7 @@ impl Contact {
             self.normal = delta.normalize() * distance.signum();
         }
         self.weights = near.weights;
-        self.behind = distance < 0.0;
+        self.inverted = distance < 0.0;
         let gap = distance - self.thickness;
         // NaN passes no comparison.
         let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
@@ -171,7 +171,7 @@ impl Contact {
 
     /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
     #[inline]
-    pub fn hold(&self, particles: &mut Particles<'_>) {
+    pub fn reapply_static_friction(&self, particles: &mut Particles<'_>) {
         if !(self.load > 0.0 && self.sticks) {
             return;
         }
@@ -195,7 +195,7 @@ impl Contact {
     /// not, however hard springs press it together.
     #[inline]
     pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
-        if !(self.load > 0.0) || self.behind || self.was_behind {
+        if !(self.load > 0.0) || self.inverted || self.was_inverted {
             return None;
         }
         let approach = -self.along(self.slots.map(|s| velocities[s as usize].into()));
@@ -203,7 +203,7 @@ impl Contact {
     }
 
     /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
-    pub fn rebound(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+    pub fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
         let now = self.along(self.slots.map(|s| (positions[s as usize] - previous[s as usize]).truncate()));
         let x = self.slots.map(|s| positions[s as usize]);
         let by = self.normal * ((apart - now) / self.mobility(&x));
@@ -230,7 +230,7 @@ impl Contact {
     }
 
     /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only push it back (mass scaling
-    /// as in Macklin et al. 2014, section 5.2). Not within a calm cloth: it presses its folds together itself, much more than gravity does, and where
+    /// as in Macklin et al. 2014, section 5.2). Not within a settling cloth: it presses its folds together itself, much more than gravity does, and where
     /// nothing takes the reaction they would lift themselves off a floor, and fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
@@ -277,8 +277,8 @@ impl Contact {
             load: 0.0,
             drive: 0.0,
             sticks: false,
-            behind: false,
-            was_behind: false,
+            inverted: false,
+            was_inverted: false,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::solver::detect::ProximityKind;
 use crate::solver::topology::NONE;
 
 /// Loads of pairs, chained by the first of their particles.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Loads {
     /// First entry of each particle, or [`NONE`].
@@ -12,7 +12,7 @@ pub(super) struct Loads {
     entries: Vec<Entry>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Entry {
     kind: ProximityKind,

@@ -1,9 +1,9 @@
 //! Respond: cloth rests on cloth, and folds on itself.
 //!
 //! ```text
-//! where it moved Finder::find      boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
-//! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction; twice in calm cloth
-//!                Contacts::guard   what would still pass through is stopped on its way
+//! where it moved NeighborList::find      boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
+//! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction; twice in settling cloth
+//!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
 //! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to
@@ -14,29 +14,30 @@
 //! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.
 
 mod contact;
-mod find;
-mod guard;
+mod neighbors;
+mod ccd;
 mod loads;
 mod touching;
 
 use glam::{Vec3, Vec3A, Vec4};
 
 use crate::solver::body::Touch;
+use crate::solver::buffer::Buffer;
 use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::topology::NONE;
 use contact::{Contact, Particles};
-pub use find::{Finder, Moment};
 use loads::Loads;
+pub use neighbors::{Moment, NeighborList};
 pub use touching::Touching;
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Contacts {
     pairs: Vec<Contact>,
     /// Particle of each slot, in the order in which pairs ask for them.
     particles: Vec<u32>,
-    /// Slot of each particle, or [`NONE`].
+    /// RigidState of each particle, or [`NONE`].
     slots: Vec<u32>,
     /// First particle of each cloth, and the slots of its particles.
     firsts: Vec<u32>,
@@ -44,20 +45,20 @@ pub struct Contacts {
     /// Whether each cloth touches another one.
     meets_other: Vec<bool>,
     /// Positions `[m]` with inverse masses `[1/kg]`, now and at the start of the substep; by slot.
-    now: Vec<Vec4>,
-    old: Vec<Vec4>,
+    now: Buffer<Vec<Vec4>>,
+    old: Buffer<Vec<Vec4>>,
     /// Velocities at the start of the substep `[m/s]`; by slot.
-    velocities: Vec<Vec3A>,
+    velocities: Buffer<Vec<Vec3A>>,
     /// Pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
     impacts: Vec<(u32, f32)>,
     /// Positions at the start of the substep, whatever was done to velocities since `[m]`.
-    start: Vec<Vec4>,
+    start: Buffer<Vec<Vec4>>,
     /// Pass of the guard in which the particle was last stopped, by slot.
-    cut: Vec<u8>,
+    cut: Buffer<Vec<u8>>,
     /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
-    behind: Vec<(u8, [u32; 4])>,
+    inverted: Vec<(u8, [u32; 4])>,
     /// What pairs bore that the last look forgot.
     loads: Loads,
     /// Faces that are close, or may come close: no others can cross before the next look.
@@ -75,10 +76,10 @@ pub struct Contacts {
 
 /// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
 /// one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
-const REBOUNDS: u32 = 3;
+const RESTITUTION_PASSES: u32 = 3;
 
-/// Passes over pairs in a substep while all cloth is calm: what one leaves over keeps going around in folds that nothing else moves.
-pub(super) const CALM_PASSES: u32 = 2;
+/// Passes over pairs in a substep while all cloth is settling: what one leaves over keeps going around in folds that nothing else moves.
+pub(super) const SETTLING_PASSES: u32 = 2;
 
 /// From one level to the next, and the substeps (22 ms at the default rate) after which what has left a body lies on nothing: longer, what bounces is
 /// carried in the air; shorter, a pile of so many layers never learns what it lies on, since each pass brings that up by one.
@@ -95,7 +96,7 @@ impl Contacts {
         self.particles.clear();
         self.slots_of.iter_mut().for_each(Vec::clear);
         self.pairs.clear();
-        self.behind.clear();
+        self.inverted.clear();
         self.close.clear();
     }
 
@@ -103,7 +104,7 @@ impl Contacts {
     fn begin(&mut self) {
         self.coincide = false;
         let (close, listed) = (self.close.len(), self.pairs.len());
-        self.forget_all_but(|pair| pair.behind);
+        self.forget_all_but(|pair| pair.inverted);
         let Self { pairs, particles, .. } = self;
         for pair in pairs.iter_mut() {
             pair.slots = pair.slots.map(|s| particles[s as usize]);
@@ -114,7 +115,7 @@ impl Contacts {
             pair.slots = pair.slots.map(|v| self.slot(v));
         }
         self.pairs = kept;
-        self.note_behind();
+        self.note_inverted();
         // What is brought up to date grows by what comes close, until the next look at everything.
         self.close.reserve(2 * close);
         self.pairs.reserve(listed + listed / 2);
@@ -124,10 +125,10 @@ impl Contacts {
     }
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
-    pub fn absolve(&mut self, put: impl Fn(u32) -> bool) {
+    pub fn clear_inverted(&mut self, put: impl Fn(u32) -> bool) {
         let Self { pairs, particles, .. } = self;
-        for pair in pairs.iter_mut().filter(|pair| pair.behind) {
-            pair.behind = !pair.slots.iter().any(|&s| put(particles[s as usize]));
+        for pair in pairs.iter_mut().filter(|pair| pair.inverted) {
+            pair.inverted = !pair.slots.iter().any(|&s| put(particles[s as usize]));
         }
     }
 
@@ -179,7 +180,7 @@ impl Contacts {
         self.particles.reserve(particles.saturating_sub(self.particles.len()));
         self.loads.fit(particles);
         self.impacts.reserve(particles.saturating_sub(self.impacts.len()));
-        self.behind.reserve((particles / 8).saturating_sub(self.behind.len()));
+        self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
         self.slots_of.resize_with(surface.parts.len(), Vec::new);
@@ -191,11 +192,11 @@ impl Contacts {
     }
 
     /// Lists the pairs that are on the other side than they belong: a new look would take the wrong side for theirs.
-    fn note_behind(&mut self) {
-        self.behind.clear();
-        let Self { pairs, particles, behind, .. } = self;
-        behind.extend(pairs.iter().filter(|p| p.behind).map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]))));
-        behind.sort_unstable();
+    fn note_inverted(&mut self) {
+        self.inverted.clear();
+        let Self { pairs, particles, inverted, .. } = self;
+        inverted.extend(pairs.iter().filter(|p| p.inverted).map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]))));
+        inverted.sort_unstable();
     }
 
     /// Forgets all pairs but those to `keep`, and notes what the others bear.
@@ -211,8 +212,8 @@ impl Contacts {
         });
     }
 
-    fn is_behind(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
-        !self.behind.is_empty() && self.behind.binary_search(&(kind as u8, particles)).is_ok()
+    fn is_inverted(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
+        !self.inverted.is_empty() && self.inverted.binary_search(&(kind as u8, particles)).is_ok()
     }
 
     /// Finds out which cloths touched another one in the last substep.
@@ -245,14 +246,14 @@ impl Contacts {
     }
 
     /// Lets go of particles that have not lain on anything for a while; once a substep.
-    pub(crate) fn lift(&mut self) {
+    pub(crate) fn age_support(&mut self) {
         for level in &mut self.levels {
             *level = if *level % LEVEL == LEVEL - 1 { FREE } else { *level + 1 };
         }
     }
 
     /// Says that a particle lies on a body: cloth on top of it gives way.
-    pub fn ground(&mut self, particle: u32) {
+    pub fn touch_ground(&mut self, particle: u32) {
         if let Some(level) = self.levels.get_mut(particle as usize) {
             *level = 0;
         }
@@ -304,7 +305,7 @@ impl Contacts {
         }
     }
 
-    /// Begins to keep pairs apart at the end of a substep of `h` `[s]`, in so many `passes`: two where all cloth is calm, else one.
+    /// Begins to keep pairs apart at the end of a substep of `h` `[s]`, in so many `passes`: two where all cloth is settling, else one.
     pub fn begin_solve(&mut self, h: f32, passes: u32) {
         (self.touching, self.substep, self.passes, self.hit) = (0, h, passes, false);
         self.impacts.clear();
@@ -318,10 +319,10 @@ impl Contacts {
         let mut particles = Particles { ids, now, old, levels, up, passes, impact: self.hit };
         self.touching = 0;
         for pair in &mut self.pairs {
-            let behind = pair.behind;
+            let inverted = pair.inverted;
             self.touching += u32::from(pair.solve(h, &mut particles));
             if !last {
-                pair.behind = behind;
+                pair.inverted = inverted;
             }
         }
         // What the first pass stopped, the last one does not see.
@@ -345,11 +346,11 @@ impl Contacts {
     }
 
     /// Holds pairs again that stuck in the last substep, when bodies have pushed.
-    pub(crate) fn hold(&mut self, gravity: Vec3) {
+    pub(crate) fn reapply_static_friction(&mut self, gravity: Vec3) {
         let up = -gravity.normalize_or_zero();
         let Self { particles: ids, now, old, levels, passes, .. } = self;
         let mut particles = Particles { ids, now, old, levels, up, passes: *passes, impact: false };
-        self.pairs.iter().for_each(|pair| pair.hold(&mut particles));
+        self.pairs.iter().for_each(|pair| pair.reapply_static_friction(&mut particles));
     }
 
     /// Whether pairs met fast in the last substep.
@@ -358,12 +359,12 @@ impl Contacts {
     }
 
     /// Gives pairs that met fast in the last substep their speed apart; nothing moves.
-    pub(crate) fn rebound(&mut self) {
+    pub(crate) fn apply_restitution(&mut self) {
         let Self { pairs, impacts, now, old, .. } = self;
         // There and back, as pairs share particles.
-        for _ in 0..REBOUNDS {
+        for _ in 0..RESTITUTION_PASSES {
             for &(i, apart) in impacts.iter().chain(impacts.iter().rev()) {
-                pairs[i as usize].rebound(apart * self.substep, now, old);
+                pairs[i as usize].apply_restitution(apart * self.substep, now, old);
             }
         }
         impacts.clear();

@@ -340,7 +340,7 @@ impl Weave {
 }
 
 /// One lane of a batch.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Element {
     coefficients: Vec4,

@@ -36,7 +36,6 @@ pub fn distances(topology: &Topology, positions: &[Vec3], sources: &[u32]) -> Ve
 
 /// A front that spreads from some sources; its buffers serve many runs.
 #[derive(Clone, Debug)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Front {
     best: Vec<Nearest>,
     settled: Vec<bool>,

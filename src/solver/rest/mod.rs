@@ -5,7 +5,7 @@ mod batch;
 mod bends;
 pub mod geodesic;
 mod membrane;
-mod net;
+mod coarse;
 mod order;
 mod scaled;
 mod source;
@@ -15,8 +15,8 @@ mod weld;
 
 pub use batch::LANES;
 pub use bends::{Bends, Weave};
+pub use coarse::CoarseMesh;
 pub use membrane::Membrane;
-pub use net::Net;
 pub use source::{BuildReport, RestError, SourceMesh};
 pub use springs::Springs;
 
@@ -52,7 +52,7 @@ pub struct RestShape {
     /// Bending elements.
     pub bends: Bends,
     /// Coarse net over the cloth.
-    pub net: Net,
+    pub coarse: CoarseMesh,
     /// Search tree over the faces, which islands join; multiples of a shape share it.
     #[cfg_attr(feature = "record", serde(skip))]
     pub tree: Arc<Tree>,
@@ -132,7 +132,7 @@ impl RestShape {
         let length: f64 =
             topology.edges.iter().map(|e| f64::from(positions[e[0] as usize].distance(positions[e[1] as usize]))).sum();
         shape.mean_edge = (length / topology.edges.len() as f64) as f32;
-        shape.net = Net::new(&topology, &positions, shape.mean_edge);
+        shape.coarse = CoarseMesh::new(&topology, &positions, shape.mean_edge);
         shape.topology = topology;
         shape.positions = positions;
         shape.tree = Arc::new(shape.plant());
@@ -213,9 +213,9 @@ impl RestShape {
             + size_of_val(&t.neighbours[..])
             + self.springs.a.len() * (2 * size_of::<[u32; LANES]>() + 3 * 16)
             + size_of_val(&self.springs.warp[..])
-            + size_of_val(&self.net.around[..])
-            + size_of_val(&self.net.weights[..])
-            + self.net.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
+            + size_of_val(&self.coarse.around[..])
+            + size_of_val(&self.coarse.weights[..])
+            + self.coarse.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
             + self.membrane.bytes()
             + self.bends.bytes()
             + self.tree.bytes()

@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Bends, Membrane, Net, RestShape, Springs};
+use super::{Bends, CoarseMesh, Membrane, RestShape, Springs};
 
 impl RestShape {
     /// The shape of the same mesh `s` times as large, as it would be built: to the bit where `s` is a power of two, else to rounding. None where `s`
@@ -17,7 +17,7 @@ impl RestShape {
             return None;
         }
         let mut shape = self.clone();
-        let Self { positions, areas, isolated, springs, membrane, bends, net, mean_edge, .. } = &mut shape;
+        let Self { positions, areas, isolated, springs, membrane, bends, coarse, mean_edge, .. } = &mut shape;
         positions.iter_mut().for_each(|x| *x *= s);
         areas.iter_mut().for_each(|area| *area *= s * s);
         isolated.iter_mut().for_each(|(_, offset)| *offset *= s);
@@ -25,7 +25,7 @@ impl RestShape {
         springs.scale(s);
         membrane.scale(s);
         bends.scale(s);
-        net.scale(s);
+        coarse.scale(s);
         shape.is_consistent().then_some(shape)
     }
 
@@ -69,7 +69,7 @@ impl Bends {
     }
 }
 
-impl Net {
+impl CoarseMesh {
     fn scale(&mut self, s: f32) {
         self.spacing *= s;
         self.lengths.iter_mut().for_each(|length| *length *= s);
@@ -126,7 +126,7 @@ mod tests {
                 worst(&mut of(&a.bends.rest, &b.bends.rest).into_iter(), edge.recip()),
                 worst(&mut of(&a.bends.area, &b.bends.area).into_iter(), edge * edge),
                 worst(&mut [(a.bends.fastest, b.bends.fastest)].into_iter(), b.bends.fastest),
-                worst(&mut a.net.lengths.iter().copied().zip(b.net.lengths.iter().copied()), edge),
+                worst(&mut a.coarse.lengths.iter().copied().zip(b.coarse.lengths.iter().copied()), edge),
             ];
             assert!(checks.iter().all(|&error| error < 1.0e-4), "times {s}: {checks:?}");
             assert_eq!((&a.topology, &a.springs.a, &a.bends.columns), (&b.topology, &b.springs.a, &b.bends.columns));

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 pub(super) const FARTHEST: f32 = 1.0e9;
 
 /// A triangle soup as an asset delivers it, already scaled to world units.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct SourceMesh {
     /// Positions `[m]` of the render vertices, scaled to world size, unrotated.

@@ -2,19 +2,19 @@
 
 use glam::{Vec3, Vec4};
 
-use super::{Reins, Skinned};
+use super::{Skinned, TangledLimits};
 
 impl Skinned {
     /// Brings particles back within their limits at the end of a substep, from the share `s0` of the frame to `s1`. What takes one farther than its own
     /// way and that of its target gives it no speed: a limit that shrinks, a blend, a jump.
-    pub fn limit(&self, reins: &Reins, [s0, s1]: [f32; 2], positions: &mut [Vec4], previous: &mut [Vec4]) {
+    pub fn limit(&self, tangled_limits: &TangledLimits, [s0, s1]: [f32; 2], positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.limits(positions.len()) {
             return;
         }
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
             let target = self.target(i, s1);
             let at = x.truncate();
-            let to = self.within(i, reins.distance(self, i), s1, target, at);
+            let to = self.within(i, tangled_limits.distance(self, i), s1, target, at);
             if to == at {
                 continue;
             }
@@ -28,13 +28,13 @@ impl Skinned {
     }
 
     /// Brings particles back within their limits at the end of the frame, without any speed.
-    pub fn limit_silently(&self, reins: &Reins, positions: &mut [Vec4], previous: &mut [Vec4]) {
+    pub fn limit_silently(&self, tangled_limits: &TangledLimits, positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.limits(positions.len()) {
             return;
         }
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate().filter(|(_, (x, _))| x.w > 0.0) {
             let at = x.truncate();
-            let by = (self.within(i, reins.distance(self, i), 1.0, self.to[i], at) - at).extend(0.0);
+            let by = (self.within(i, tangled_limits.distance(self, i), 1.0, self.to[i], at) - at).extend(0.0);
             *x += by;
             *old += by;
         }
@@ -89,7 +89,7 @@ mod tests {
 
     fn limited(skinned: &Skinned, at: Vec3, old: Vec3) -> (Vec3, Vec3) {
         let (mut x, mut previous) = ([at.extend(1.0)], [old.extend(1.0)]);
-        skinned.limit(&Reins::default(), [0.0, 1.0], &mut x, &mut previous);
+        skinned.limit(&TangledLimits::default(), [0.0, 1.0], &mut x, &mut previous);
         (x[0].truncate(), x[0].truncate() - previous[0].truncate())
     }
 

@@ -12,12 +12,12 @@
 mod avoid;
 mod drive;
 mod limit;
-mod rein;
+mod tangled;
 
 use glam::Vec3;
 
 pub use avoid::{AvoidBuffers, Surroundings};
-pub use rein::Reins;
+pub use tangled::TangledLimits;
 
 /// Below this maximum distance a particle is as good as pinned `[m]`.
 pub const PINNED: f32 = 1.0e-3;

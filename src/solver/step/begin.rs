@@ -1,12 +1,12 @@
 //! Begins a frame: everything that is found out once, before the first substep.
 
-use super::calm::CALM_DRAG;
 use super::frame::Frame;
-use super::tighten::CALM_SWEEPS;
+use super::settling::SETTLING_DRAG;
+use super::tighten::SETTLING_SWEEPS;
 use super::{Scratch, StepReport, Stepped, count};
 use crate::solver::body::{Approach, Sheet};
 use crate::solver::integrate::{air, bend, damp};
-use crate::solver::respond::CALM_PASSES;
+use crate::solver::respond::SETTLING_PASSES;
 use crate::solver::settings::{MembraneModel, Stepping};
 use crate::solver::skinned::Skinned;
 use crate::solver::state::ClothState;
@@ -32,24 +32,24 @@ impl Stepped<'_> {
         let steps = if scratch.welded.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
         self.factor(h / steps as f32, state, scratch);
         self.choose_membrane(stepping, scratch);
-        let calm = scratch.is_calm();
+        let settling = scratch.is_settling();
         scratch.bends.fold(&rest.bends, fabric, &state.positions, &mut state.folds);
         self.damp(dt, state, scratch);
         self.gather_bodies(dt, state, scratch);
         let (strained, taut) = scratch.judge(fabric);
-        self.take_air(calm || strained, state, scratch);
+        self.take_air(settling || strained, state, scratch);
         if taut {
-            self.find_tight(calm, state, scratch);
+            self.find_tight(settling, state, scratch);
         }
         self.make_room(taut, scratch);
-        scratch.before.clone_from(&state.positions);
+        (*scratch.before).clone_from(&state.positions);
         scratch.contacts.leave_out(&scratch.welded);
         scratch.faces.leave_out(&scratch.welded);
         scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
         scratch.contacts.leave_out(scratch.pinches.particles());
         scratch.faces.leave_out(scratch.pinches.particles());
-        let Scratch { pierced, reins, worst_edge, .. } = scratch;
-        let skinned = input.skinned.map(|skinned| (skinned, &*reins));
+        let Scratch { pierced, tangled_limits, worst_edge, .. } = scratch;
+        let skinned = input.skinned.map(|skinned| (skinned, &*tangled_limits));
         pierced.find(input.bodies, skinned, fabric, &rest.springs, *worst_edge, &state.positions);
         scratch.contacts.let_through(&scratch.pierced);
         scratch.faces.let_through(&scratch.pierced);
@@ -61,8 +61,8 @@ impl Stepped<'_> {
             steps,
             strained,
             taut,
-            calm,
-            drag: fabric.drag + if calm && fabric.damping > 0.0 { CALM_DRAG } else { 0.0 },
+            settling,
+            drag: fabric.drag + if settling && fabric.damping > 0.0 { SETTLING_DRAG } else { 0.0 },
             report: StepReport { substeps, inner_steps: steps, lost_time: input.dt - dt, ..StepReport::default() },
         });
     }
@@ -79,7 +79,7 @@ impl Stepped<'_> {
     fn factor(&self, step: f32, state: &ClothState, scratch: &mut Scratch) {
         if scratch.factors_for != step {
             scratch.springs.update(&self.rest.springs, self.fabric, &state.positions, step);
-            scratch.hubs.update(&self.rest.net, &state.positions);
+            scratch.coarse.update(&self.rest.coarse, &state.positions);
             scratch.factors_for = step;
         }
     }
@@ -140,8 +140,8 @@ impl Stepped<'_> {
         let topology = &self.rest.topology;
         let lie =
             scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(topology.faces.len() + topology.edges.len());
-        // Not only in calm cloth, since the list would grow when it becomes so.
-        let times = if taut && scratch.faces.candidates() > 0 { CALM_SWEEPS } else { CALM_PASSES };
-        scratch.laid.begin(lie * times as usize);
+        // Not only in settling cloth, since the list would grow when it becomes so.
+        let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { SETTLING_PASSES };
+        scratch.provisional.begin(lie * times as usize);
     }
 }

@@ -36,12 +36,12 @@ impl Stepped<'_> {
     pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = self.substeps_of_pull(stepping);
-        scratch.driven = false;
+        scratch.fast_body = false;
         if input.bodies.is_empty() {
             return count;
         }
         // Of bodies that cloth cannot stop, and of others: those may stay.
-        let (mut driven, mut borne) = (1, scratch.borne.max(1));
+        let (mut for_fast_body, mut for_heavy_body) = (1, scratch.for_heavy_body.max(1));
         // What hangs on a character that runs goes with it.
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
@@ -59,7 +59,7 @@ impl Stepped<'_> {
         };
         let drives = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
         if !input.bodies.iter().any(drives) {
-            return count * borne;
+            return count * for_heavy_body;
         }
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
@@ -71,12 +71,12 @@ impl Stepped<'_> {
             );
             // What cloth is to stop finds it in small steps already.
             if body.sweeps(low, high) || (finite && scratch.contacts.is_near(index)) {
-                let most = if finite { &mut borne } else { &mut driven };
+                let most = if finite { &mut for_heavy_body } else { &mut for_fast_body };
                 *most = (*most).max(times);
             }
         }
-        (scratch.driven, scratch.borne) = (driven > 1, borne);
-        count * borne.max(driven)
+        (scratch.fast_body, scratch.for_heavy_body) = (for_fast_body > 1, for_heavy_body);
+        count * for_heavy_body.max(for_fast_body)
     }
 
     /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many where cloth would fall by more than an edge in one, `g h² > L`.
@@ -111,8 +111,8 @@ impl Stepped<'_> {
 impl Scratch {
     /// Whether a body that cloth cannot stop, and that moves much faster than its pins, may meet it in the frame to come.
     #[must_use]
-    pub fn is_driven(&self) -> bool {
-        self.driven
+    pub fn meets_fast_body(&self) -> bool {
+        self.fast_body
     }
 }
 

@@ -19,6 +19,7 @@ pub fn displace(
         return false;
     }
     let Scratch { before, displaced, contacts, faces, coupling, .. } = scratch;
+    let (before, displaced) = (&mut **before, &mut **displaced);
     before.clone_from(&state.positions);
     displace(state);
     if state.positions == *before {

@@ -1,6 +1,6 @@
 //! Ends a frame.
 
-use super::calm::{mean_square_speed, slow_what_is_stuck};
+use super::settling::{damp_oscillation, mean_square_speed};
 use super::shorten::shorten;
 use super::{Scratch, StepReport, Stepped};
 use crate::solver::integrate::spring;
@@ -17,8 +17,8 @@ impl Stepped<'_> {
         report.bend_held = scratch.bends.held(frame.h / frame.steps as f32);
         scratch.keep_air(state);
         scratch.carried.end();
-        if frame.calm && fabric.damping > 0.0 {
-            slow_what_is_stuck(&scratch.before, 1.0 / report.substeps as f32, state);
+        if frame.settling && fabric.damping > 0.0 {
+            damp_oscillation(&scratch.before, 1.0 / report.substeps as f32, state);
         }
         let speed2 = mean_square_speed(&state.positions, &scratch.before, frame.dt);
         (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
@@ -28,11 +28,11 @@ impl Stepped<'_> {
             // Pins on bodies that cloth moves have a mass, and yet stay where they are.
             scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
             if let Some(skinned) = self.input.skinned {
-                skinned.limit_silently(&scratch.reins, &mut state.positions, &mut state.previous);
+                skinned.limit_silently(&scratch.tangled_limits, &mut state.positions, &mut state.previous);
             }
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
-        self.bear(scratch);
+        self.count_for_heavy_bodies(scratch);
         scratch.note_speed(speed2, frame.dt);
         Some(report)
     }

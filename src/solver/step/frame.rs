@@ -3,7 +3,7 @@
 use super::StepReport;
 
 /// A frame under way.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Frame {
     /// Length of the frame that is simulated `[s]`.
@@ -19,7 +19,7 @@ pub(super) struct Frame {
     /// What the cloth was when the frame began.
     pub(super) strained: bool,
     pub(super) taut: bool,
-    pub(super) calm: bool,
+    pub(super) settling: bool,
     /// Drag `[1/s]`.
     pub(super) drag: f32,
     pub(super) report: StepReport,

@@ -8,28 +8,28 @@ use crate::solver::integrate::{bend, membrane, spring};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
-/// Tethers are solved once in this many substeps; in every substep of a calm cloth, which the alternation would keep from rest.
+/// Tethers are solved once in this many substeps; in every substep of a settling cloth, which the alternation would keep from rest.
 const TETHER_EVERY: u64 = 2;
 
 impl Stepped<'_> {
     /// Keeps the cloth from its pins no farther than it is long, in the substep after so many `substeps`. What is strained is
-    /// drawn in by its coarse net, too.
+    /// drawn in by its coarse level, too.
     pub(super) fn bound_lengths(&self, frame: &Frame, substeps: u64, scratch: &mut Scratch, positions: &mut [Vec4]) {
         let Self { rest, fabric, .. } = *self;
         // They are at a bound, which holds for more than one substep.
-        if frame.calm || !substeps.is_multiple_of(TETHER_EVERY) {
+        if frame.settling || !substeps.is_multiple_of(TETHER_EVERY) {
             scratch.tethers.solve(fabric.tether_scale + scratch.give, positions);
         }
         if frame.strained {
-            scratch.hubs.solve(&rest.net, fabric.strain_limit, positions);
+            scratch.coarse.solve(&rest.coarse, fabric.strain_limit, positions);
         }
     }
 
-    /// Finds the folds again where the cloth is now, in the middle of a frame of a calm cloth. Bends turn within a frame, and
+    /// Finds the folds again where the cloth is now, in the middle of a frame of a settling cloth. Bends turn within a frame, and
     /// what lags behind by a whole one would keep it from rest.
     pub(super) fn fold_again(&self, frame: &Frame, positions: &[Vec4], folds: &mut Vec<Vec4>, bends: &mut bend::BendFactors) {
         let begun = frame.begun - 1;
-        if frame.calm && begun > 0 && begun == frame.report.substeps / 2 {
+        if frame.settling && begun > 0 && begun == frame.report.substeps / 2 {
             bends.fold(&self.rest.bends, self.fabric, positions, folds);
         }
     }

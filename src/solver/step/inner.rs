@@ -23,7 +23,7 @@ impl Stepped<'_> {
         let mut forces = frame.forces(step, Self::motion(state, h) / steps, scratch.last_step(state));
         state.substep = h;
         scratch.inner_steps = frame.steps;
-        scratch.late.clone_from(&state.positions);
+        (*scratch.late).clone_from(&state.positions);
         self.fold_again(frame, &state.positions, &mut state.folds, &mut scratch.bends);
         scratch.coupling.advance(h);
         scratch.inbound.clear();
@@ -59,7 +59,7 @@ impl Stepped<'_> {
 
     /// Takes the mean velocity of the substep for that of the last of its inner `steps`, and notes the difference.
     fn take_mean(steps: f32, state: &mut ClothState, scratch: &mut Scratch) {
-        for ((x, old), late) in state.positions.iter().zip(&mut state.previous).zip(&mut scratch.late) {
+        for ((x, old), late) in state.positions.iter().zip(&mut state.previous).zip(scratch.late.iter_mut()) {
             let start = core::mem::replace(late, (*x - *old) * steps - (*x - *late));
             *old = start;
         }
@@ -67,7 +67,7 @@ impl Stepped<'_> {
 
     /// Ends a substep taken [in inner steps](Self::advance_in_steps): velocities become those of the last, and what bounds and contacts added.
     pub(super) fn give_back(state: &mut ClothState, scratch: &mut Scratch) {
-        for (old, late) in state.previous.iter_mut().zip(&scratch.late) {
+        for (old, late) in state.previous.iter_mut().zip(scratch.late.iter()) {
             *old -= *late;
         }
         scratch.late.clear();

@@ -6,7 +6,7 @@
 //! begin      count substeps · damp · list what is near of bodies · judge how far it is stretched
 //! constrain  wind · predict · pins · drive · bends · bounds on lengths · springs or triangles · what pins do to bodies
 //! project    keep the cloth out of bodies, and within the limits of the skin
-//! finish     air · slow what is stuck · shorten what is overlong · is it calm?
+//! finish     air · slow what is stuck · shorten what is overlong · is it settling?
 //! ```
 
 mod prepare;
@@ -21,8 +21,8 @@ mod tighten;
 mod project;
 mod finish;
 mod shorten;
-mod bear;
-mod calm;
+mod heavy_body;
+mod settling;
 mod strain;
 mod displace;
 mod scratch;
@@ -30,12 +30,12 @@ mod frame;
 
 use glam::Vec3;
 
-pub(super) use calm::STUCK;
 pub use count::substeps_of;
 pub use displace::displace;
 pub use hold::relax;
 pub use prepare::prepare;
 pub use scratch::Scratch;
+pub(super) use settling::OSCILLATING;
 
 use super::anchors::Anchors;
 use super::body::Body;

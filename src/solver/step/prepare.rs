@@ -2,7 +2,7 @@
 
 use super::Scratch;
 use crate::solver::anchors::{Anchors, RIGID};
-use crate::solver::integrate::{leash, tether};
+use crate::solver::integrate::{follow_the_leader, tether};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
@@ -15,8 +15,8 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     let rigid = weigh(rest, fabric, anchors, state, scratch);
     if scratch.rigid != rigid || scratch.factors_for == 0.0 {
         scratch.tethers = tether::Tethers::new(rest, &rigid);
-        scratch.hubs.hold(rest, &rigid);
-        scratch.leash = leash::Leash::new(rest, &rigid);
+        scratch.coarse.hold(rest, &rigid);
+        scratch.follow_the_leader = follow_the_leader::FollowTheLeader::new(rest, &rigid);
         scratch.rigid = rigid;
     }
     let longest =

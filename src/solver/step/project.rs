@@ -17,12 +17,12 @@ const GIVE_BACK: f32 = 0.5;
 impl Stepped<'_> {
     /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between. `rubs`: whether friction is to hold
     /// it there, too.
-    pub fn lay(&self, rubs: bool, state: &mut ClothState, scratch: &mut Scratch) {
+    pub fn project_provisionally(&self, rubs: bool, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
-        let Scratch { contacts, faces, coupling, laid, .. } = scratch;
+        let Scratch { contacts, faces, coupling, provisional, .. } = scratch;
         let mut grounds = Grounds { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), rubs, coupling };
-        contacts.lay(&mut grounds, &mut state.positions, &state.previous, laid);
-        faces.lay(&mut grounds, &mut state.positions, &state.previous, laid);
+        contacts.project_provisionally(&mut grounds, &mut state.positions, &state.previous, provisional);
+        faces.project_provisionally(&mut grounds, &mut state.positions, &state.previous, provisional);
     }
 
     /// Ends the substep: keeps the cloth out of bodies, and within the limits of its skin.
@@ -31,16 +31,16 @@ impl Stepped<'_> {
         let (s0, s1) = frame.span();
         let touch = Touch::of(self.fabric);
         let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
-        scratch.laid.take_back(x);
+        scratch.provisional.restore(x);
         frame.report.body_contacts =
             scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
         if let Some(skinned) = self.input.skinned {
-            skinned.limit(&scratch.reins, [s0, s1], x, old);
+            skinned.limit(&scratch.tangled_limits, [s0, s1], x, old);
         }
         // Without a fast body once a frame is enough.
-        if scratch.driven || s1 == 1.0 {
-            let since = if scratch.driven { frame.h } else { frame.dt };
+        if scratch.fast_body || s1 == 1.0 {
+            let since = if scratch.fast_body { frame.h } else { frame.dt };
             scratch.give = give(self.fabric, scratch, x, since);
         }
     }

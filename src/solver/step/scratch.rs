@@ -3,15 +3,16 @@
 use glam::Vec4;
 
 use super::frame::Frame;
-use crate::solver::body::{BodyContacts, FaceContacts, Laid, Pierced, Pinches};
+use crate::solver::body::{BodyContacts, FaceContacts, Pierced, Pinches, Provisional};
+use crate::solver::buffer::Buffer;
 use crate::solver::couple::Coupling;
-use crate::solver::integrate::{air, bend, leash, net, pull, spring, tether};
-use crate::solver::skinned::Reins;
+use crate::solver::integrate::{air, bend, coarse, follow_the_leader, pull, spring, tether};
+use crate::solver::skinned::TangledLimits;
 use crate::solver::state::ClothState;
 use crate::solver::wind::WindForces;
 
 /// Reused buffers and what [`prepare`](super::prepare) derives for one cloth; no allocation once warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scratch {
     pub(super) springs: spring::SpringFactors,
@@ -19,13 +20,13 @@ pub struct Scratch {
     pub(super) triangles: bool,
     pub(super) bends: bend::BendFactors,
     pub(super) tethers: tether::Tethers,
-    pub(super) hubs: net::Hubs,
-    pub(super) leash: leash::Leash,
+    pub(super) coarse: coarse::CoarseLevel,
+    pub(super) follow_the_leader: follow_the_leader::FollowTheLeader,
     pub(super) overlong: spring::Overlong,
     pub(super) tight: spring::Tight,
     pub(super) contacts: BodyContacts,
     pub(super) faces: FaceContacts,
-    pub(super) laid: Laid,
+    pub(super) provisional: Provisional,
     pub(super) carried: air::Carried,
     /// Area at rest `[m²]`.
     pub(super) area: f32,
@@ -39,19 +40,19 @@ pub struct Scratch {
     /// Particles that bones do not meet, because they go through the cloth there.
     pub(super) pierced: Pierced,
     /// How far from its skin what is tangled may be.
-    pub(in crate::solver) reins: Reins,
+    pub(in crate::solver) tangled_limits: TangledLimits,
     pub(super) wind: WindForces,
     pub(super) pulls: pull::Pulls,
     pub(super) rigid: Vec<u32>,
-    pub(super) acceleration: Vec<Vec4>,
+    pub(super) acceleration: Buffer<Vec<Vec4>>,
     /// What particles did in the last substep `[m]`, `w` their inverse mass `[1/kg]`, while it is damped.
     pub(super) motion: Vec<Vec4>,
-    pub(super) before: Vec<Vec4>,
+    pub(super) before: Buffer<Vec<Vec4>>,
     /// Ways in the substep `[m]` before anything held the cloth together, if it bounces.
-    pub(super) inbound: Vec<Vec4>,
-    pub(super) displaced: Vec<Vec4>,
+    pub(super) inbound: Buffer<Vec<Vec4>>,
+    pub(super) displaced: Buffer<Vec<Vec4>>,
     /// How much farther the velocity of the last inner step would have got in the substep `[m]`.
-    pub(super) late: Vec<Vec4>,
+    pub(super) late: Buffer<Vec<Vec4>>,
     /// Inner steps of the last substep; 0 before the first.
     pub(super) inner_steps: u32,
     /// Whether springs run along the threads of the fabric, as far as anything tells those.
@@ -63,10 +64,10 @@ pub struct Scratch {
     pub(super) taut: bool,
     /// By how much of their length at rest tethers give way to bodies (dimensionless).
     pub(super) give: f32,
-    /// See [`Scratch::is_driven`].
-    pub(super) driven: bool,
+    /// See [`Scratch::meets_fast_body`].
+    pub(super) fast_body: bool,
     /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
-    pub(super) borne: u32,
+    pub(super) for_heavy_body: u32,
     /// For how long it was slow `[s]`.
     pub(super) slow_for: f32,
     pub(super) frame: Option<Frame>,
@@ -148,8 +149,8 @@ impl Scratch {
         self.springs.bytes()
             + self.bends.bytes()
             + self.tethers.bytes()
-            + self.hubs.bytes()
-            + self.leash.bytes()
+            + self.coarse.bytes()
+            + self.follow_the_leader.bytes()
             + self.carried.bytes()
             + size_of_val(&self.acceleration[..])
             + size_of_val(&self.motion[..])

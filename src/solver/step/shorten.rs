@@ -20,14 +20,14 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
     let Stepped { rest, fabric, input: FrameInput { bodies, .. }, .. } = *cloth;
     let bound = 1.0 + fabric.strain_limit;
     let x = &mut state.positions;
-    let before = &mut scratch.before;
+    let before = &mut *scratch.before;
     before.clone_from(x);
     scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
     // A cloth that is stretched as a whole would be crumpled.
-    if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.leash.is_empty() {
+    if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.follow_the_leader.is_empty() {
         let worst = spring::strain(&rest.springs, x).0;
-        scratch.displaced.clone_from(x);
-        scratch.leash.solve(rest, bound, x);
+        (*scratch.displaced).clone_from(x);
+        scratch.follow_the_leader.solve(rest, bound, x);
         // Each particle was drawn to the last of its neighbours: even that out.
         scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
         // Where what was drawn to one pin meets what was drawn to another, it does not fit.

@@ -3,12 +3,12 @@
 use super::Scratch;
 use crate::solver::settings::Fabric;
 
-/// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]. Its coarse net is solved in the next
+/// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]. Its coarse level is solved in the next
 /// frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
-/// The same at the end of a frame of a calm cloth: what is shortened moves, and is shortened in the next frame again.
-const CALM_STRAINED: f32 = 2.5;
+/// The same at the end of a frame of a settling cloth: what is shortened moves, and is shortened in the next frame again.
+const SETTLING_STRAINED: f32 = 2.5;
 
 /// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]. In the substeps of the next frame those of its
 /// springs that are close to the limit are also [swept](super::Stepped::tighten) for it alone.
@@ -22,7 +22,7 @@ const WILD: f32 = 8.0;
 const EASED: f32 = 0.5;
 
 impl Scratch {
-    /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse net, too.
+    /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse level, too.
     #[must_use]
     pub fn is_strained(&self) -> bool {
         self.strained
@@ -44,7 +44,7 @@ impl Scratch {
 
     /// Whether the frame is to end with its overlong edges shortened.
     pub(super) fn is_overlong(&self, fabric: &Fabric) -> bool {
-        let limits = if self.is_calm() { CALM_STRAINED } else { STRAINED };
+        let limits = if self.is_settling() { SETTLING_STRAINED } else { STRAINED };
         self.strain() > limits * fabric.strain_limit
     }
 

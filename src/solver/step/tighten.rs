@@ -13,15 +13,15 @@ const TAUT_SWEEPS: u32 = 2;
 /// The same near bodies that are finer than the mesh: cloth hangs on their corners.
 const HUNG_SWEEPS: u32 = 4;
 
-/// The same for a calm cloth, whose edges are shortened at the end of a frame only far beyond the limit.
-pub(super) const CALM_SWEEPS: u32 = 8;
+/// The same for a settling cloth, whose edges are shortened at the end of a frame only far beyond the limit.
+pub(super) const SETTLING_SWEEPS: u32 = 8;
 
 impl Stepped<'_> {
     /// Lists the springs that may get to the strain limit within the frame.
-    pub(super) fn find_tight(&self, calm: bool, state: &ClothState, scratch: &mut Scratch) {
-        // A calm cloth would feel a list that shrinks.
+    pub(super) fn find_tight(&self, settling: bool, state: &ClothState, scratch: &mut Scratch) {
+        // A settling cloth would feel a list that shrinks.
         let all = scratch.is_wild(self.fabric);
-        scratch.tight.find(&self.rest.springs, self.fabric.strain_limit, (all, calm), &state.positions);
+        scratch.tight.find(&self.rest.springs, self.fabric.strain_limit, (all, settling), &state.positions);
     }
 
     /// Shortens springs that are beyond the strain limit. Near bodies with corners cloth is laid on bodies before each sweep.
@@ -30,21 +30,21 @@ impl Stepped<'_> {
     /// longer.
     pub(super) fn tighten(&self, frame: &Frame, positions: &mut [Vec4], previous: &[Vec4], scratch: &mut Scratch) {
         let Self { rest, fabric, input, .. } = *self;
-        let Scratch { tight, springs, contacts, faces, coupling, laid, .. } = scratch;
+        let Scratch { tight, springs, contacts, faces, coupling, provisional, .. } = scratch;
         let mut grounds = Grounds { bodies: input.bodies, span: frame.span(), touch: Touch::of(fabric), rubs: false, coupling };
         let hangs = faces.candidates() > 0;
-        let sweeps = match (frame.calm, hangs) {
-            (true, _) => CALM_SWEEPS,
+        let sweeps = match (frame.settling, hangs) {
+            (true, _) => SETTLING_SWEEPS,
             (false, true) => HUNG_SWEEPS,
             (false, false) => TAUT_SWEEPS,
         };
         for _ in 0..sweeps {
             if hangs {
-                contacts.lay(&mut grounds, positions, previous, laid);
-                faces.lay(&mut grounds, positions, previous, laid);
+                contacts.project_provisionally(&mut grounds, positions, previous, provisional);
+                faces.project_provisionally(&mut grounds, positions, previous, provisional);
             }
             tight.solve(&rest.springs, springs, fabric.strain_limit, positions);
         }
-        laid.take_back(positions);
+        provisional.restore(positions);
     }
 }

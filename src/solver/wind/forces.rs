@@ -24,7 +24,7 @@ impl Default for Aerodynamics {
 }
 
 /// Forces of the wind on one cloth. Buffers are reused: nothing is allocated once they are warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct WindForces {
     modes: Option<Modes>,

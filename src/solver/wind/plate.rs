@@ -5,7 +5,7 @@ use glam::{Mat4, Vec4};
 use crate::solver::rest::LANES;
 
 /// What a triangle does with the wind.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plate {
     /// `ρ / 12`: ½ of the dynamic pressure, ½ of the cross product, ⅓ for each corner `[kg/m³]`.

@@ -11,7 +11,7 @@ use crate::solver::body::respond::Plane;
 use crate::solver::body::{Body, geometry};
 
 /// What a frame may bring: the bound on how far a particle can get.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Approach {
     /// Length of the frame `[s]`.
@@ -91,7 +91,7 @@ impl BodyContacts {
                 }
             });
         }
-        self.rooms.begin(self.parts.len(), positions.len());
+        self.squeezes.begin(self.parts.len(), positions.len());
     }
 
     fn gather_box(&mut self, swept: &Aabb, reach: f32, positions: &[Vec4]) {

@@ -6,7 +6,7 @@ use super::Candidate;
 use super::part::{Particles, Setting};
 use crate::solver::body::distance::Sample;
 use crate::solver::body::respond::{BAND, Friction, Plane, respond};
-use crate::solver::body::room::Rooms;
+use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::sweep::{Swept, plane_at, sweep};
 
 /// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance kept
@@ -39,7 +39,7 @@ impl Setting<'_> {
         let path_bound = way + self.motion.way;
         let q1 = to_body1 * (x1 - self.motion.translation1);
         let place = if COSTLY { particles.places.get_mut(k) } else { None };
-        let last = place.as_ref().map_or(Vec3A::NAN, |place| Vec3A::from(**place));
+        let last = place.as_ref().map_or(Vec3A::INFINITY, |place| Vec3A::from(**place));
         if let Some(place) = place {
             *place = q1.into();
         }
@@ -69,7 +69,7 @@ impl Setting<'_> {
             return false;
         }
         let keep =
-            if gap1 < band && s1.normal != Vec3A::ZERO { self.room_for(candidate, s1, particles.rooms) } else { self.keep };
+            if gap1 < band && s1.normal != Vec3A::ZERO { self.room_for(candidate, s1, particles.squeezes) } else { self.keep };
         let gap1 = s1.distance - keep;
         let q0 = to_body0 * (x0 - self.motion.translation0);
         if COSTLY && let Some(Swept { end, plane }) = self.strayed(sample, last, q0, q1) {
@@ -134,9 +134,9 @@ impl Setting<'_> {
 
     /// Distance to keep, less where another part leaves no room for all of it.
     #[inline]
-    fn room_for(&self, candidate: &mut Candidate, s1: Sample, rooms: &mut Rooms) -> f32 {
+    fn room_for(&self, candidate: &mut Candidate, s1: Sample, squeezes: &mut Squeezes) -> f32 {
         let normal = self.motion.rotation1 * s1.normal;
-        let keep = rooms.keep(candidate.particle, self.number, normal, s1.distance, self.keep);
+        let keep = squeezes.keep(candidate.particle, self.number, normal, s1.distance, self.keep);
         if keep < self.keep {
             // Squeezed, which is a load.
             candidate.load = candidate.load.max(0.25 * (self.keep - keep));
@@ -186,7 +186,7 @@ impl Setting<'_> {
     /// takes tangles apart.
     fn strayed(&self, sample: &impl Fn(Vec3A, f32) -> Sample, last: Vec3A, q0: Vec3A, q1: Vec3A) -> Option<Swept> {
         let off = last.distance(q0);
-        // False for a place that is not known.
+        // False for a place that is not known: infinity.
         if !(off > MOVED * self.keep && off < TELEPORTED * self.keep) {
             return None;
         }

@@ -23,7 +23,7 @@ impl BodyContacts {
         }
         let places = is_surface.then(|| {
             let first = self.places.len();
-            self.places.resize(first + (candidates.1 - candidates.0) as usize, Vec3::NAN);
+            self.places.resize(first + (candidates.1 - candidates.0) as usize, Vec3::INFINITY);
             first as u32
         });
         if let (Some(now), Some(before)) = (places, before)

@@ -14,10 +14,10 @@ pub use gather::Approach;
 use super::pierce::{Pair, Pierced};
 use super::renumber;
 use super::respond::Plane;
-use super::room::Rooms;
+use super::squeeze::Squeezes;
 
 /// One particle that may meet one part of a body in this frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Candidate {
     particle: u32,
@@ -35,7 +35,7 @@ struct Candidate {
 }
 
 /// One simple shape of a body, with its candidates.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Part {
     body: u32,
@@ -50,7 +50,7 @@ struct Part {
 }
 
 /// Contacts of one cloth with all bodies. Buffers are reused: nothing is allocated once they are warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyContacts {
     parts: Vec<Part>,
@@ -62,7 +62,7 @@ pub struct BodyContacts {
     /// Where candidates of surfaces were when last projected, in the surface's own space `[m]`; not a number: not known.
     places: Vec<Vec3>,
     places_before: Vec<Vec3>,
-    rooms: Rooms,
+    squeezes: Squeezes,
     /// Length of the frame `[s]`.
     dt: f32,
     /// How far a particle can get in it by itself `[m]`.

@@ -4,9 +4,9 @@ use glam::{Mat3A, Vec3, Vec3A, Vec4};
 
 use super::Candidate;
 use crate::solver::body::distance::Sample;
-use crate::solver::body::motion::{Motion, Yielding};
+use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::respond::{BAND, Friction};
-use crate::solver::body::room::Rooms;
+use crate::solver::body::squeeze::Squeezes;
 
 /// Positions at both ends of the substep.
 pub(super) struct Particles<'a> {
@@ -14,14 +14,14 @@ pub(super) struct Particles<'a> {
     pub(super) previous: &'a mut [Vec4],
     /// Last known places, by candidate; empty but for surfaces.
     pub(super) places: &'a mut [Vec3],
-    pub(super) rooms: &'a mut Rooms,
+    pub(super) squeezes: &'a mut Squeezes,
 }
 
 /// Everything that is the same for all candidates of one part in one substep.
 pub(super) struct Setting<'a> {
     pub(super) motion: Motion,
     /// The body, if it takes what it does to the cloth.
-    pub(super) rigid: Option<Yielding<'a>>,
+    pub(super) rigid: Option<RigidProxy<'a>>,
     /// Whether no time passes.
     pub(super) timeless: bool,
     /// Distance kept `[m]`.
@@ -51,7 +51,7 @@ impl Setting<'_> {
     ) -> u32 {
         let to_body = [self.motion.rotation0, self.motion.rotation1].map(|rotation| rotation.transpose());
         let mut contacts = 0;
-        if self.rigid.as_ref().is_some_and(Yielding::is_movable) {
+        if self.rigid.as_ref().is_some_and(RigidProxy::is_movable) {
             let touches = self.touches::<COSTLY>(candidates, particles.positions, to_body[1], &sample);
             if let Some(rigid) = &mut self.rigid {
                 rigid.several = touches.max(1) as f32;

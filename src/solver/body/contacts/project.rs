@@ -6,16 +6,22 @@ use super::part::{Particles, Setting};
 use super::{BodyContacts, Candidate};
 use crate::solver::body::distance;
 use crate::solver::body::geometry::{self, Geometry};
-use crate::solver::body::laid::{Grounds, Laid};
-use crate::solver::body::motion::{Motion, Yielding};
+use crate::solver::body::motion::{Motion, RigidProxy};
+use crate::solver::body::provisional::{Grounds, Provisional};
 use crate::solver::body::respond::{IMPACT_SPEED, RECOVERY_SPEED};
 use crate::solver::body::{Body, Touch};
 use crate::solver::couple::Coupling;
 
 impl BodyContacts {
-    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Laid::take_back`] must come
+    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Provisional::take_back`] must come
     /// before [`Self::project`].
-    pub fn lay(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4], laid: &mut Laid) {
+    pub fn project_provisionally(
+        &self,
+        grounds: &mut Grounds<'_>,
+        positions: &mut [Vec4],
+        previous: &[Vec4],
+        provisional: &mut Provisional,
+    ) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
@@ -25,7 +31,7 @@ impl BodyContacts {
                     continue;
                 };
                 if let Some(way) = ground.way_out(plane, load, [old, x].map(Vec3A::from_vec4), ground.keep) {
-                    laid.put(particle, way, positions);
+                    provisional.put(particle, way, positions);
                 }
             }
         }
@@ -52,7 +58,7 @@ impl BodyContacts {
         let h = (s1 - s0).max(0.0) * self.dt;
         let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
-        self.rooms.advance();
+        self.squeezes.advance();
         for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
@@ -73,7 +79,7 @@ impl BodyContacts {
             let keep = touch.kept(body);
             let setting = Setting {
                 motion,
-                rigid: slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h)),
+                rigid: slot.filter(|_| h > 0.0).map(|slot| RigidProxy::new(slot, s1, h)),
                 timeless: h == 0.0,
                 keep,
                 number,
@@ -85,7 +91,7 @@ impl BodyContacts {
                 inbound,
             };
             let places = part.places.and_then(|first| self.places.get_mut(first as usize..)).unwrap_or_default();
-            let mut state = Particles { positions, previous, places, rooms: &mut self.rooms };
+            let mut state = Particles { positions, previous, places, squeezes: &mut self.squeezes };
             contacts += match geometry {
                 Geometry::Ball { radius } => setting.project::<false>(candidates, &mut state, |q, _| distance::ball(q, radius)),
                 Geometry::Capsule { a, ab, inverse_length2, radius } => {

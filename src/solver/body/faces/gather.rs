@@ -6,7 +6,7 @@ use super::list::Sheet;
 use super::memory::remember;
 use super::piece::PIECES;
 use super::{FaceContacts, Part, SHARE};
-use crate::solver::body::creases::Crease;
+use crate::solver::body::feature_edges::Crease;
 use crate::solver::body::motion::{farthest_push, finite_or_zero, swept_box, valid};
 use crate::solver::body::{Body, geometry};
 
@@ -16,15 +16,15 @@ impl FaceContacts {
     pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
         core::mem::swap(&mut self.parts, &mut self.parts_before);
         core::mem::swap(&mut self.candidates, &mut self.candidates_before);
-        core::mem::swap(&mut self.creases, &mut self.creases_before);
+        core::mem::swap(&mut self.feature_edges, &mut self.creases_before);
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
         self.is_listed = false;
         self.blocks.clear();
-        self.creases.clear();
-        self.creases.push(Crease::default());
-        self.finder.begin();
+        self.feature_edges.clear();
+        self.feature_edges.push(Crease::default());
+        self.edge_cache.begin();
         self.dt = dt;
         let passes = dt > 0.0;
         if !passes {
@@ -68,7 +68,7 @@ impl FaceContacts {
                 }
                 if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
                     let was = (&self.candidates_before[..], &self.creases_before[..]);
-                    remember(was, before.candidates, &mut self.candidates[first as usize..], &self.creases);
+                    remember(was, before.candidates, &mut self.candidates[first as usize..], &self.feature_edges);
                 }
                 if body.snug.is_some() {
                     // Where cloth is that close its particles tell all there is to know.
@@ -87,7 +87,7 @@ impl FaceContacts {
                 self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
             });
         }
-        self.rooms.begin(self.parts.len(), PIECES as usize * sheet.topology.faces.len());
+        self.squeezes.begin(self.parts.len(), PIECES as usize * sheet.topology.faces.len());
     }
 }
 

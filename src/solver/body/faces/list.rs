@@ -7,7 +7,7 @@ use parry3d::shape::{Shape, SharedShape};
 
 use super::piece::Piece;
 use super::{Candidate, FaceContacts, SHARE};
-use crate::solver::body::creases::{self, Crease};
+use crate::solver::body::feature_edges::{self, Crease};
 use crate::solver::body::respond::Plane;
 use crate::solver::topology::Topology;
 
@@ -59,11 +59,11 @@ impl FaceContacts {
         }
         let cloth = Aabb::new(all.0 - reach, all.1 + reach);
         let near = cloth.transform_by(&from.inverse()).merged(&cloth.transform_by(&to.inverse()));
-        let flat = creases::flat(sheet.longest_edge, (1.0 - SHARE) * keep);
-        let first = self.creases.len();
-        self.finder.near(part, &near, flat, &mut self.creases);
-        for k in first..self.creases.len() {
-            let Crease { a, b } = self.creases[k];
+        let flat = feature_edges::flat(sheet.longest_edge, (1.0 - SHARE) * keep);
+        let first = self.feature_edges.len();
+        self.edge_cache.near(part, &near, flat, &mut self.feature_edges);
+        for k in first..self.feature_edges.len() {
+            let Crease { a, b } = self.feature_edges[k];
             let ends = [*from * a, *from * b, *to * a, *to * b];
             let low = ends.into_iter().fold(Vec3::INFINITY, Vec3::min);
             let high = ends.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);

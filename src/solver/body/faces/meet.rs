@@ -9,12 +9,12 @@ use super::setting::{Setting, State};
 use crate::solver::body::geometry::Geometry;
 use crate::solver::body::nearest::{Face, Near};
 use crate::solver::body::respond::BAND;
-use crate::solver::body::room::Rooms;
+use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::sweep::plane_at;
 
 impl Setting<'_> {
     /// Whether the face touched.
-    pub(super) fn meet(&self, state: &mut State<'_, '_>, rooms: &mut Rooms) -> bool {
+    pub(super) fn meet(&self, state: &mut State<'_, '_>, squeezes: &mut Squeezes) -> bool {
         let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
         let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
             Pass::By(normal, height) => {
@@ -32,7 +32,7 @@ impl Setting<'_> {
         });
         let keep = end.map_or(self.keep, |Near { sample, .. }| {
             let normal = self.motion.rotation1 * sample.normal;
-            rooms.keep(state.candidate.piece.place(state.candidate.face), self.number, normal, sample.distance, self.keep)
+            squeezes.keep(state.candidate.piece.place(state.candidate.face), self.number, normal, sample.distance, self.keep)
         });
         if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
             if let Some(touched) = self.stop(&nearest, keep, &mut way, state) {

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec3A};
 
 use super::Candidate;
 use super::piece::{Piece, is_within};
-use crate::solver::body::creases::Crease;
+use crate::solver::body::feature_edges::Crease;
 use crate::solver::body::nearest::{Face, Near};
 
 impl Candidate {
@@ -26,19 +26,19 @@ impl Candidate {
     }
 }
 
-/// Passes on what is known of faces that stay; both lists are in the order of creases, edges before what is between them, and faces.
+/// Passes on what is known of faces that stay; both lists are in the order of feature_edges, edges before what is between them, and faces.
 pub(super) fn remember(
     (before, creases_before): (&[Candidate], &[Crease]),
     (first, end): (u32, u32),
     now: &mut [Candidate],
-    creases: &[Crease],
+    feature_edges: &[Crease],
 ) {
-    let key = |c: &Candidate, creases: &[Crease]| {
-        (creases.get(c.crease as usize).map(Crease::key), c.piece >= Piece::Within, c.face, c.piece)
+    let key = |c: &Candidate, feature_edges: &[Crease]| {
+        (feature_edges.get(c.crease as usize).map(Crease::key), c.piece >= Piece::Within, c.face, c.piece)
     };
     let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().peekable();
     for candidate in now {
-        let wanted = key(candidate, creases);
+        let wanted = key(candidate, feature_edges);
         while before.next_if(|old| key(old, creases_before) < wanted).is_some() {}
         if let Some(old) = before.next_if(|old| key(old, creases_before) == wanted) {
             // The part may have become another one, or grown.

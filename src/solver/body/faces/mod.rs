@@ -10,7 +10,7 @@
 //!
 //! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
 //! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
-//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and creases meet whole faces, where it is no
+//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and feature_edges meet whole faces, where it is no
 //! better, and so does what is thinner than an edge of cloth: it might slip between them **`[measured: needles did]`**.
 //!
 //! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
@@ -23,7 +23,7 @@
 //! is brought back along that, at the speed of particles that start inside. The shortest way out of a needle is sideways, and cloth with a
 //! needle in it cannot go there.
 //!
-//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`Creases`]), each as a convex
+//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`FeatureEdges`]), each as a convex
 //! part of its own.
 //!
 //! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
@@ -46,11 +46,13 @@ use parry3d::math::Pose;
 
 pub use list::Sheet;
 
-use super::creases::{Crease, Creases};
+use crate::solver::buffer::Buffer;
+
+use super::feature_edges::{Crease, FeatureEdges};
 use super::pierce::{Pair, Pierced};
 use super::renumber;
 use super::respond::Plane;
-use super::room::Rooms;
+use super::squeeze::Squeezes;
 use piece::Piece;
 
 /// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more
@@ -58,12 +60,12 @@ use piece::Piece;
 const SHARE: f32 = 0.5;
 
 /// A face, or a piece of one, that may meet a part of a body in this frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Candidate {
     face: u32,
     piece: Piece,
-    /// Which of the creases of a surface; of no meaning for a convex part.
+    /// Which of the feature_edges of a surface; of no meaning for a convex part.
     crease: u32,
     /// Corner nearest to the touch.
     corner: u32,
@@ -87,7 +89,7 @@ struct Candidate {
 }
 
 /// One convex shape or surface of a body, with the faces near it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Part {
     body: u32,
@@ -101,7 +103,7 @@ struct Part {
 }
 
 /// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct FaceContacts {
     parts: Vec<Part>,
@@ -111,14 +113,14 @@ pub struct FaceContacts {
     touching: Vec<u32>,
     is_listed: bool,
     /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.
-    creases: Vec<Crease>,
-    finder: Creases,
+    feature_edges: Vec<Crease>,
+    edge_cache: Buffer<FeatureEdges>,
     parts_before: Vec<Part>,
     candidates_before: Vec<Candidate>,
     creases_before: Vec<Crease>,
     /// Boxes around faces, [`list::BLOCK`] at a time.
     blocks: Vec<(Vec3, Vec3)>,
-    rooms: Rooms,
+    squeezes: Squeezes,
     dt: f32,
 }
 

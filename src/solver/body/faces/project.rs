@@ -6,16 +6,22 @@ use super::push::mobility;
 use super::setting::{Setting, State};
 use super::{Candidate, FaceContacts, SHARE};
 use crate::solver::body::geometry::{self, Geometry};
-use crate::solver::body::laid::{Grounds, Laid};
-use crate::solver::body::motion::{Motion, Yielding};
+use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::Convex;
+use crate::solver::body::provisional::{Grounds, Provisional};
 use crate::solver::body::respond::RECOVERY_SPEED;
 use crate::solver::body::{Body, Touch};
 use crate::solver::couple::Coupling;
 
 impl FaceContacts {
-    /// The same for faces as [`BodyContacts::lay`](crate::solver::body::BodyContacts::lay), after it.
-    pub fn lay(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4], laid: &mut Laid) {
+    /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::lay), after it.
+    pub fn project_provisionally(
+        &mut self,
+        grounds: &mut Grounds<'_>,
+        positions: &mut [Vec4],
+        previous: &[Vec4],
+        provisional: &mut Provisional,
+    ) {
         if !self.is_listed {
             let touches = |c: &Candidate| c.load > 0.0 && !c.left_out;
             self.touching.clear();
@@ -36,7 +42,7 @@ impl FaceContacts {
                 let Some(way) = ground.way_out(*plane, *load, ways, SHARE * ground.keep) else { continue };
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
                 for ((&p, weight), x) in candidate.piece.of(particles).iter().zip(weights).zip(corners) {
-                    laid.put(p, way * (weight * x.w / mobility), positions);
+                    provisional.put(p, way * (weight * x.w / mobility), positions);
                 }
             }
         }
@@ -58,7 +64,7 @@ impl FaceContacts {
         let h = (s1 - s0).max(0.0) * self.dt;
         let mut touches = 0;
         self.is_listed = false;
-        self.rooms.advance();
+        self.squeezes.advance();
         for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
@@ -86,17 +92,17 @@ impl FaceContacts {
                 recovery: RECOVERY_SPEED * h,
                 friction: touch.friction(body),
             };
-            let mut rigid = slot.filter(|_| h > 0.0).map(|slot| Yielding::new(slot, s1, h));
+            let mut rigid = slot.filter(|_| h > 0.0).map(|slot| RigidProxy::new(slot, s1, h));
             for candidate in candidates.iter_mut().filter(|candidate| !candidate.left_out) {
                 if support.is_none() {
-                    setting.take(self.creases.get(candidate.crease as usize));
+                    setting.take(self.feature_edges.get(candidate.crease as usize));
                 }
                 if setting.is_clear(candidate, positions) {
                     continue;
                 }
                 let load = candidate.load;
                 let mut state = State { candidate, positions, previous, rigid: &mut rigid };
-                let touched = setting.meet(&mut state, &mut self.rooms);
+                let touched = setting.meet(&mut state, &mut self.squeezes);
                 touches += u32::from(touched);
                 if h == 0.0 {
                     // While no time passes loads stay.

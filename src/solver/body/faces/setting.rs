@@ -3,9 +3,9 @@
 use glam::{Vec3A, Vec4};
 
 use super::Candidate;
-use crate::solver::body::creases::Crease;
+use crate::solver::body::feature_edges::Crease;
 use crate::solver::body::geometry::Geometry;
-use crate::solver::body::motion::{Motion, Yielding};
+use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::{Convex, Face};
 use crate::solver::body::respond::Friction;
 
@@ -39,7 +39,7 @@ pub(super) struct State<'a, 'b> {
     pub(super) candidate: &'a mut Candidate,
     pub(super) positions: &'a mut [Vec4],
     pub(super) previous: &'a mut [Vec4],
-    pub(super) rigid: &'a mut Option<Yielding<'b>>,
+    pub(super) rigid: &'a mut Option<RigidProxy<'b>>,
 }
 
 impl Setting<'_> {

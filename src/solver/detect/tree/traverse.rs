@@ -12,7 +12,7 @@ use crate::solver::topology::NONE;
 const JOINT: u32 = NONE;
 
 /// Two leaves with faces whose boxes come close, or a leaf and itself.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Meeting {
     /// The leaves.

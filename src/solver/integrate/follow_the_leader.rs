@@ -12,11 +12,11 @@ use crate::solver::rest::{RestShape, geodesic};
 /// Edges from a particle to one farther from the pins, in the order of the second.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Leash {
+pub struct FollowTheLeader {
     ends: Vec<[u32; 2]>,
 }
 
-impl Leash {
+impl FollowTheLeader {
     /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {

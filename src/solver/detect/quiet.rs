@@ -17,9 +17,9 @@ use super::crossing::are_apart;
 const SLACK: f32 = 0.1;
 
 /// The faces that can cross while cloth hardly moves. See the module.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Calm {
+pub struct QuietPairs {
     /// Where each particle was at the last look at everything `[m]`.
     noted: Vec<Vec3A>,
     /// Square of how far each may go, while [`Self::close`] is known `[m²]`.
@@ -32,11 +32,11 @@ pub struct Calm {
     used: Option<u32>,
 }
 
-impl Calm {
+impl QuietPairs {
     pub fn new(surface: &Surface) -> Self {
         let most = SLACK * surface.mean_edge;
         Self {
-            noted: vec![Vec3A::NAN; surface.len()],
+            noted: vec![Vec3A::INFINITY; surface.len()],
             slack: vec![most * most; surface.len()],
             reach: 2.0 * most,
             // Room for what folded cloth has.
@@ -90,7 +90,7 @@ impl Calm {
     /// Forgets what was close, of a surface whose edges have another length.
     pub fn rescale(&mut self, surface: &Surface) {
         self.reach = 2.0 * SLACK * surface.mean_edge;
-        self.noted.fill(Vec3A::NAN);
+        self.noted.fill(Vec3A::INFINITY);
         self.forget();
     }
 
@@ -101,7 +101,7 @@ impl Calm {
 
     fn is_near(&self, positions: &[Vec4]) -> bool {
         let places = self.noted.iter().zip(&self.slack);
-        // NaN is not near.
+        // What is not known is infinitely far.
         positions.iter().zip(places).all(|(&x, (noted, slack))| Vec3A::from_vec4(x).distance_squared(*noted) <= *slack)
     }
 }
@@ -134,7 +134,7 @@ mod tests {
         let mut look = |by: f32| {
             let positions: Vec<Vec4> = surface.rest.iter().map(|x| (*x + by).extend(1.0)).collect();
             assert!(detector.detect_again(&surface, &positions).is_empty());
-            detector.calm.used
+            detector.quiet.used
         };
         let edge = surface.mean_edge;
         let used: Vec<_> = [0.0, 0.0, 0.01, 0.01, 0.02, 0.5, 0.51, 0.52].into_iter().map(|by| look(by * edge)).collect();
@@ -159,12 +159,12 @@ mod tests {
                 continue;
             }
             clean += 1;
-            let slack = detector.calm.slack.clone();
+            let slack = detector.quiet.slack.clone();
             for _ in 0..20 {
                 let moved =
                     base.iter().zip(&slack).map(|(x, slack)| *x + (0.99 * slack.sqrt() * jitter().normalize()).extend(0.0));
                 let moved: Vec<Vec4> = moved.collect();
-                assert!(detector.calm.is_near(&moved));
+                assert!(detector.quiet.is_near(&moved));
                 let expected = Detector::new(&surface).detect(&surface, &moved).to_vec();
                 assert_eq!(detector.detect_again(&surface, &moved), expected, "squeezed to {squeeze}");
                 crossing += u32::from(!expected.is_empty());

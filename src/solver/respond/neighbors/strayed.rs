@@ -4,7 +4,7 @@ use glam::{Vec3, Vec3A, Vec4};
 
 use super::foresee::{FARTHEST_EDGES, FARTHEST_THICKNESSES, foreseen, limited};
 use super::looked::Looked;
-use super::{Contacts, Finder, MARGIN, Moment};
+use super::{Contacts, MARGIN, Moment, NeighborList};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 
@@ -12,7 +12,7 @@ use crate::solver::detect::tree::Tree;
 /// that both stray by less than half of it cannot meet.
 const STRAY: f32 = 0.45;
 
-impl Finder {
+impl NeighborList {
     /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found before. It is
     /// for the next substep, at whose end `share` (0 to 1) of the time looked ahead will have passed. `positions` and
     /// `previous` and `offset` `[m]` as gathered, `thickness` `[m]` of the cloth. Whether there are any.
@@ -52,7 +52,7 @@ impl Finder {
     /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` `[s]` of the time looked ahead, of which `share`
     /// has passed.
     #[expect(clippy::too_many_arguments, reason = "arrays of an island, which it keeps apart")]
-    pub fn find_strayed(
+    pub fn update_strayed(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,
@@ -63,17 +63,17 @@ impl Finder {
         contacts: &mut Contacts,
     ) {
         self.mark(surface, moment, share);
-        contacts.forget_all_but(|pair| pair.behind || pair.faces.iter().all(|&f| !self.marked[f as usize]));
+        contacts.forget_all_but(|pair| pair.inverted || pair.faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
-        contacts.note_behind();
+        contacts.note_inverted();
         self.foresee_astray(surface, moment, share, dt);
         self.flatness.forget();
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let marked = core::mem::take(&mut self.marked);
         let meter = moment.most.meter();
-        let mut ask = self.ask(surface, moment, tangled, contacts, true, &meter);
-        tree.meetings_with(surface, Self::reach(moment), &marked, &meter, |tree, met| ask.leaves(tree, met, |_, _| false));
-        ask.finish();
+        let mut narrow = self.narrow_phase(surface, moment, tangled, contacts, true, &meter);
+        tree.meetings_with(surface, Self::reach(moment), &marked, &meter, |tree, met| narrow.leaves(tree, met, |_, _| false));
+        narrow.finish();
         self.note_cost(&meter);
         self.marked = marked;
     }

@@ -1,4 +1,4 @@
-//! A coarse net over the cloth: hubs some edges apart, and links that are as long as the way between two hubs along the cloth.
+//! A coarse level over the cloth: hubs some edges apart, and links that are as long as the way between two hubs along the cloth.
 //!
 //! ```text
 //!      o---------o        o   hub, a particle like any other
@@ -19,18 +19,18 @@ const SPACING: f32 = 5.0;
 /// Reach of links and weights, in distances between hubs (dimensionless).
 const REACH: f32 = 1.6;
 
-/// Hubs that move a particle, at most.
+/// CoarseLevel that move a particle, at most.
 pub const PER_PARTICLE: usize = 4;
 
-/// Hubs and links of a mesh at rest.
+/// CoarseLevel and links of a mesh at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Net {
+pub struct CoarseMesh {
     /// Least distance between hubs `[m]`.
     pub spacing: f32,
     /// Particle of each hub.
     pub hubs: Vec<u32>,
-    /// Hubs that each particle moves with; a hub without weight repeats the first.
+    /// CoarseLevel that each particle moves with; a hub without weight repeats the first.
     pub around: Vec<[u32; PER_PARTICLE]>,
     /// Weights of these hubs, which sum to 1 (dimensionless).
     pub weights: Vec<[f32; PER_PARTICLE]>,
@@ -40,8 +40,8 @@ pub struct Net {
     pub lengths: Vec<f32>,
 }
 
-impl Net {
-    /// Hubs spread over `topology`, at rest at `positions` `[m]` with edges of `mean_edge` `[m]`.
+impl CoarseMesh {
+    /// CoarseLevel spread over `topology`, at rest at `positions` `[m]` with edges of `mean_edge` `[m]`.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], mean_edge: f32) -> Self {
         let n = positions.len();
@@ -109,7 +109,7 @@ mod tests {
             }
         }
         let Ok((rest, _)) = RestShape::build(&mesh) else { panic!("a valid mesh") };
-        let net = &rest.net;
+        let net = &rest.coarse;
         for (p, weights) in net.weights.iter().enumerate() {
             let sum: f32 = weights.iter().sum();
             assert!((sum - 1.0).abs() < 1.0e-5, "particle {p}: weights sum to {sum}");

@@ -2,17 +2,16 @@
 
 use glam::Vec3A;
 
-use super::Finder;
-use super::ask::MOST_NEAR;
-use super::batch::Batch;
+use super::NeighborList;
 use super::flat::Flatness;
 use super::looked::Looked;
 use super::patch::Patches;
+use crate::solver::buffer::Buffer;
 use crate::solver::detect::Surface;
 use crate::solver::detect::seams::{loose, seams};
 use crate::solver::detect::tree::Tree;
 
-impl Finder {
+impl NeighborList {
     /// Prepares finding on a surface.
     #[must_use]
     pub fn new(surface: &Surface, tree: &Tree) -> Self {
@@ -32,10 +31,10 @@ impl Finder {
         let start = vec![Vec3A::ZERO; surface.len()];
         let (astray, marked) = (vec![false; surface.len()], vec![false; topology.faces.len()]);
         let shifted = astray.clone();
-        let mut finder = Self {
+        let mut neighbors = Self {
             patches: Patches::new(tree, &topology.faces, &owns),
             ahead: start.clone(),
-            before: vec![Vec3A::NAN; surface.len()],
+            before: vec![Vec3A::INFINITY; surface.len()],
             there: start.clone(),
             start,
             astray,
@@ -48,12 +47,12 @@ impl Finder {
             drift: vec![0.0; surface.len()],
             longest: Vec::new(),
             loose: loose(surface, &seams(surface)),
-            batch: Batch::new(MOST_NEAR),
+            batch: Buffer::default(),
             visits: 0,
             is_cut: false,
         };
-        finder.measure(surface);
-        finder
+        neighbors.measure(surface);
+        neighbors
     }
 
     /// Measures the longest edges of a surface, which is new or some times as large as before.

@@ -1,44 +1,44 @@
-//! Whether a cloth is calm, and what moves less than it seems to.
+//! Whether a cloth is settling, and what moves less than it seems to.
 
 use glam::Vec4;
 
 use super::Scratch;
 use crate::solver::state::ClothState;
 
-/// Root mean square of the speeds over a frame below which a cloth becomes calm `[m/s]`; at twice that it no longer is.
-const CALM_SPEED: f32 = 0.03;
+/// Root mean square of the speeds over a frame below which a cloth becomes settling `[m/s]`; at twice that it no longer is.
+const SETTLING_SPEED: f32 = 0.03;
 
 /// Time for which it has to be that slow `[s]`.
-const CALM_AFTER: f32 = 0.25;
+const SETTLING_AFTER: f32 = 0.25;
 
-/// What a calm cloth loses of its velocities on top of drag `[1/s]`. What one sweep over constraints in a row leaves over keeps
+/// What a settling cloth loses of its velocities on top of drag `[1/s]`. What one sweep over constraints in a row leaves over keeps
 /// going around for ever otherwise.
-pub(super) const CALM_DRAG: f32 = 6.0;
+pub(super) const SETTLING_DRAG: f32 = 6.0;
 
 /// What got less far within a frame than this share of the way its speed would take it is stuck (dimensionless). Constraints
-/// pull it to and fro between them. In a calm cloth it has the speed of its mean motion.
-pub(crate) const STUCK: f32 = 0.25;
+/// pull it to and fro between them. In a settling cloth it has the speed of its mean motion.
+pub(crate) const OSCILLATING: f32 = 0.25;
 
 impl Scratch {
     /// Whether the cloth has been slow for a while.
     #[must_use]
-    pub fn is_calm(&self) -> bool {
-        self.slow_for >= CALM_AFTER
+    pub fn is_settling(&self) -> bool {
+        self.slow_for >= SETTLING_AFTER
     }
 
     /// Notes for how long the cloth has been slow, after a frame of `dt` `[s]` in which its mean square of speeds was `speed2` `[m²/s²]`.
     pub(super) fn note_speed(&mut self, speed2: f32, dt: f32) {
-        let bound = if self.is_calm() { 2.0 * CALM_SPEED } else { CALM_SPEED };
+        let bound = if self.is_settling() { 2.0 * SETTLING_SPEED } else { SETTLING_SPEED };
         // False for what is not a number.
         self.slow_for = if speed2 <= bound * bound { (self.slow_for + dt).min(1.0) } else { 0.0 };
     }
 }
 
-/// Gives particles that hardly moved [`STUCK`] since they were `before`, a substep being the `share` of that time, the speed with which they did.
-pub(super) fn slow_what_is_stuck(before: &[Vec4], share: f32, state: &mut ClothState) {
+/// Gives particles that hardly moved [`OSCILLATING`] since they were `before`, a substep being the `share` of that time, the speed with which they did.
+pub(super) fn damp_oscillation(before: &[Vec4], share: f32, state: &mut ClothState) {
     for ((x, old), before) in state.positions.iter().zip(&mut state.previous).zip(before) {
         let (motion, mean) = (*x - *old, (*x - *before) * share);
-        if mean.length_squared() < STUCK * STUCK * motion.length_squared() {
+        if mean.length_squared() < OSCILLATING * OSCILLATING * motion.length_squared() {
             *old = *x - mean;
         }
     }

@@ -27,13 +27,13 @@ const LET_BE: f32 = 0.6;
 const DEEPEST: f32 = 2.0;
 
 /// Where particles were before they were laid, and where to `[m]`.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Laid {
+pub struct Provisional {
     moved: Vec<(u32, Vec4, Vec4)>,
 }
 
-impl Laid {
+impl Provisional {
     /// Begins a frame in which at most so many are moved in a substep.
     pub fn begin(&mut self, most: usize) {
         self.moved.clear();
@@ -50,7 +50,7 @@ impl Laid {
     }
 
     /// Takes all of it back; what nothing else moved has the same bits as before.
-    pub fn take_back(&mut self, positions: &mut [Vec4]) {
+    pub fn restore(&mut self, positions: &mut [Vec4]) {
         for (particle, from, to) in self.moved.drain(..).rev() {
             if let Some(x) = positions.get_mut(particle as usize) {
                 *x = if *x == to { from } else { *x - (to - from) };

@@ -14,7 +14,7 @@ pub(super) const OPPOSED: f32 = -0.5;
 const CLOSEST: f32 = 0.02;
 
 /// What something is close to.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Close {
     /// Number of the substep, from 1; 0: nothing.
@@ -27,14 +27,14 @@ struct Close {
 }
 
 /// Which part each particle, or each face, was last close to.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Rooms {
+pub(super) struct Squeezes {
     close: Vec<Close>,
     substep: u32,
 }
 
-impl Rooms {
+impl Squeezes {
     /// Begins a frame with `parts` parts, numbered anew; with less than two nothing is between them.
     pub(super) fn begin(&mut self, parts: usize, count: usize) {
         self.substep = 0;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   look     no more pairs of faces and crossings than there may be visits   ─► the next look goes on with the part that follows
-//!   within   no more looks for what strayed, once they were as much          ─► what slips by is taken back at the end of the frame
+//!   within   no more looks for what strayed, once they were as much          ─► what slips by is rolled back at the end of the frame
 //!   resolve  contours in their order, until it was as much                   ─► the next iteration goes on with the one that follows
 //! ```
 
@@ -12,7 +12,7 @@ use crate::solver::effort::Effort;
 /// What a frame put off, since it would have been too much work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct PutOff {
+pub struct Deferred {
     /// Contours about which nothing was done in the last iteration.
     pub contours: u32,
     /// Whether only a part of the cloth was looked at for crossings.
@@ -23,7 +23,7 @@ pub struct PutOff {
     pub load: bool,
 }
 
-impl PutOff {
+impl Deferred {
     /// Whether the frame did all that there was to do.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
@@ -40,11 +40,11 @@ impl Island {
 
     /// What the last frame put off.
     #[must_use]
-    pub fn put_off(&self) -> PutOff {
-        PutOff {
-            contours: self.untangler.resolver.put_off(),
+    pub fn deferred(&self) -> Deferred {
+        Deferred {
+            contours: self.untangler.resolver.deferred(),
             crossings: !self.untangler.detector.is_whole(),
-            pairs: self.finder.is_cut() || self.within.is_spent(),
+            pairs: self.neighbors.is_cut() || self.within.is_spent(),
             load: self.loading.is_some(),
         }
     }
@@ -62,7 +62,7 @@ mod tests {
 
     use glam::{Vec3, vec3};
 
-    use super::PutOff;
+    use super::Deferred;
     use crate::solver::evaluate::EvaluateSettings;
     use crate::solver::island::{LoadReport, UntangleSettings};
     use crate::solver::rest::{RestShape, SourceMesh};
@@ -86,15 +86,15 @@ mod tests {
     }
 
     /// What frames put off until nothing crosses, at most so many, and the most work of one of them.
-    fn frames(scene: &mut Scene, most: usize) -> (Vec<PutOff>, f32) {
-        let (mut put_off, mut work) = (Vec::new(), 0.0f32);
-        while put_off.len() < most && (put_off.is_empty() || scene.crossings() > 0) {
+    fn frames(scene: &mut Scene, most: usize) -> (Vec<Deferred>, f32) {
+        let (mut deferred, mut work) = (Vec::new(), 0.0f32);
+        while deferred.len() < most && (deferred.is_empty() || scene.crossings() > 0) {
             scene.step(1.0 / 60.0);
             let island = &scene.untangle.as_ref().expect("untangling").island;
-            put_off.push(island.put_off());
+            deferred.push(island.deferred());
             work = work.max(island.work());
         }
-        (put_off, work)
+        (deferred, work)
     }
 
     #[test]
@@ -103,14 +103,14 @@ mod tests {
             // Twice the triangles cross four times as much.
             for n in [60, 120] {
                 let mut scene = heap(n, effort);
-                let (put_off, work) = frames(&mut scene, 200);
-                let what = format!("{n} triangles, {effort} visits: {work} in {} frames", put_off.len());
+                let (deferred, work) = frames(&mut scene, 200);
+                let what = format!("{n} triangles, {effort} visits: {work} in {} frames", deferred.len());
                 // A look may take all of it by itself, and comes on top.
                 assert!(work < 4.0 * effort as f32, "{what}");
-                assert!(put_off[0].contours > 0, "{what}: nothing was put off");
+                assert!(deferred[0].contours > 0, "{what}: nothing was put off");
                 assert!(scene.crossings() == 0, "{what}: {} left", scene.crossings());
                 scene.step(1.0 / 60.0);
-                let left = scene.untangle.as_ref().expect("untangling").island.put_off();
+                let left = scene.untangle.as_ref().expect("untangling").island.deferred();
                 assert!(left.contours == 0 && !left.load, "{what}: {left:?}");
             }
         }
@@ -120,17 +120,17 @@ mod tests {
     fn at_load_a_heap_comes_apart_over_frames_too() {
         let mut scene = heap(60, 64);
         scene.untangle.as_mut().expect("untangling").island.loading = Some(LoadReport::default());
-        let (put_off, work) = frames(&mut scene, 100);
-        assert!(put_off[0].load && work < 4.0 * 64.0, "{work} visits, {put_off:?}");
-        assert!(put_off.len() > 1 && scene.crossings() == 0, "{} left after {put_off:?}", scene.crossings());
+        let (deferred, work) = frames(&mut scene, 100);
+        assert!(deferred[0].load && work < 4.0 * 64.0, "{work} visits, {deferred:?}");
+        assert!(deferred.len() > 1 && scene.crossings() == 0, "{} left after {deferred:?}", scene.crossings());
     }
 
     #[test]
     fn what_is_put_off_is_the_same_each_time() {
         let run = || {
             let mut scene = heap(80, 64);
-            let (put_off, _) = frames(&mut scene, 10);
-            (put_off, scene.cloths.remove(0).state)
+            let (deferred, _) = frames(&mut scene, 10);
+            (deferred, scene.cloths.remove(0).state)
         };
         assert!(run() == run(), "other bits");
     }

@@ -6,12 +6,12 @@ use crate::solver::detect::Surface;
 use crate::solver::detect::tree::FLAT;
 use crate::solver::topology::NONE;
 
-/// Asked for more than one in this many particles, it is cheaper to find out about all.
+/// NarrowPhase for more than one in this many particles, it is cheaper to find out about all.
 const ONE_IN: usize = 64;
 
 /// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 60° of their sum. Distances
 /// across a crease are at least half of those at rest there.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Flatness {
     /// Normals of faces as long as twice their area `[m²]`, and their sums around particles.

@@ -33,12 +33,12 @@ const FLOOR: f32 = 0.02;
 
 impl Contacts {
     /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`]; whether any.
-    pub fn guard(&mut self) -> bool {
-        self.guard_all_but(|_, _| false)
+    pub fn clamp_motion(&mut self) -> bool {
+        self.clamp_motion_except(|_, _| false)
     }
 
-    /// As [`Self::guard`], but for pairs of which both sides are `free`: particles of the first and of the second.
-    pub fn guard_all_but(&mut self, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
+    /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
+    pub fn clamp_motion_except(&mut self, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
         let Self { pairs, start, now, cut, particles, .. } = self;
         let is_free = |pair: &Contact| {
             let ids = pair.slots.map(|s| particles[s as usize]);
@@ -46,7 +46,7 @@ impl Contacts {
         };
         cut.clear();
         cut.resize(now.len(), 0);
-        let (mut shared, mut behind) = (Vec3::ZERO, false);
+        let (mut shared, mut inverted) = (Vec3::ZERO, false);
         for pass in 1..=MOST_PASSES {
             if pass == MEAN_PASSES + 1 {
                 shared = shared_motion(start, now);
@@ -54,25 +54,25 @@ impl Contacts {
             let mut ways = Ways { start, now, cut, shared, pass };
             let mut any = false;
             for pair in &*pairs {
-                behind |= pair.behind && !pair.was_behind;
+                inverted |= pair.inverted && !pair.was_inverted;
                 // Only what was cut since a pair was asked can change its answer.
                 if pass == 1 || ways.is_new(pair) {
-                    any |= ways.guard(pair, &is_free);
+                    any |= ways.clamp(pair, &is_free);
                 }
             }
             if !any {
                 // None passed.
-                if behind {
-                    pairs.iter_mut().for_each(|pair| pair.behind &= pair.was_behind);
+                if inverted {
+                    pairs.iter_mut().for_each(|pair| pair.inverted &= pair.was_inverted);
                 }
                 return pass > 1;
             }
         }
         // Some may have passed all the same; the others did not.
-        for pair in pairs.iter_mut().filter(|pair| pair.behind && !pair.was_behind) {
+        for pair in pairs.iter_mut().filter(|pair| pair.inverted && !pair.was_inverted) {
             let from = pair.slots.map(|s| start[s as usize]);
             let to = pair.slots.map(|s| now[s as usize]);
-            pair.behind = !divides(dividing(pair, &from), pair.first(), &from, &to);
+            pair.inverted = !divides(dividing(pair, &from), pair.first(), &from, &to);
         }
         true
     }
@@ -86,7 +86,7 @@ impl Contacts {
     }
 
     /// Gives back those that were stopped: `write` takes the position of the `i`-th `[m]`.
-    pub fn scatter_cut(&self, part: usize, mut write: impl FnMut(usize, Vec4)) {
+    pub fn scatter_clamped(&self, part: usize, mut write: impl FnMut(usize, Vec4)) {
         let first = self.firsts.get(part).copied().unwrap_or_default();
         for &s in self.slots_of(part) {
             if self.cut[s as usize] > 0 {
@@ -114,8 +114,8 @@ impl Ways<'_> {
 
     /// Whether something had to be cut.
     #[inline]
-    fn guard(&mut self, pair: &Contact, is_free: &impl Fn(&Contact) -> bool) -> bool {
-        if pair.was_behind {
+    fn clamp(&mut self, pair: &Contact, is_free: &impl Fn(&Contact) -> bool) -> bool {
+        if pair.was_inverted {
             return false;
         }
         let [a, b, c, d] = pair.slots.map(|s| s as usize);
@@ -272,7 +272,7 @@ mod tests {
         let pairs = [(9, 0), (0, 3), (1, 3), (2, 3), (3, 6), (4, 6), (5, 6)].map(|(particle, face)| on(particle, face));
         let particles = (0..10).collect();
         let mut contacts = Contacts { pairs: pairs.to_vec(), particles, start, now, ..Contacts::default() };
-        assert!(contacts.guard());
+        assert!(contacts.clamp_motion());
         let height = |i: usize| contacts.now[i].z;
         assert_eq!(height(9), -1.9, "a pin goes where it is told");
         for (below, above) in [(0..3, 9..10), (3..6, 0..3), (6..9, 3..6)] {
@@ -301,7 +301,7 @@ mod tests {
             let particles = vec![0, 1, 2, 3];
             let mut contacts =
                 Contacts { pairs: vec![pair], particles, start: start.clone(), now: end.clone(), ..Contacts::default() };
-            contacts.guard();
+            contacts.clamp_motion();
             assert!(!passes(&contacts.now), "{n} {kind:?}");
             cut += u32::from(contacts.now != end);
             let momentum = |x: &[Vec4]| x.iter().map(|x| x.truncate()).sum::<Vec3>();

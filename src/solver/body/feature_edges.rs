@@ -48,7 +48,7 @@ fn bits(p: Vec3) -> [u32; 3] {
 }
 
 /// One side of an edge.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Half {
     crease: Crease,
@@ -67,26 +67,28 @@ struct Known {
     /// Cosine below which an edge is sharp (dimensionless), and the box in which all that are were found `[m]`.
     flat: f32,
     within: Aabb,
-    creases: Vec<Crease>,
+    feature_edges: Vec<Crease>,
     /// Whether it was asked for in this frame.
     used: bool,
 }
 
 impl core::fmt::Debug for Known {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Known").field("part", &self.part).field("creases", &self.creases.len()).finish_non_exhaustive()
+        f.debug_struct("Known")
+            .field("part", &self.part)
+            .field("feature_edges", &self.feature_edges.len())
+            .finish_non_exhaustive()
     }
 }
 
 /// Finds sharp edges, and knows those of shapes that stay. Buffers are reused.
 #[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Creases {
+pub(super) struct FeatureEdges {
     halves: Vec<Half>,
     known: Vec<Known>,
 }
 
-impl Creases {
+impl FeatureEdges {
     /// Begins a frame: what nobody asked for in the last is forgotten.
     pub(super) fn begin(&mut self) {
         self.known.retain_mut(|known| core::mem::take(&mut known.used));
@@ -102,27 +104,27 @@ impl Creases {
     ) {
         let of = |known: &Known| Arc::ptr_eq(&known.shape.0, &shape.0) && known.part == part;
         let place = self.known.iter().position(of).unwrap_or_else(|| {
-            let (within, creases) = (Aabb::new_invalid(), Vec::new());
-            self.known.push(Known { shape: shape.clone(), part, flat, within, creases, used: false });
+            let (within, feature_edges) = (Aabb::new_invalid(), Vec::new());
+            self.known.push(Known { shape: shape.clone(), part, flat, within, feature_edges, used: false });
             self.known.len() - 1
         });
         let known = &self.known[place];
         if known.flat != flat || !known.within.contains(near) {
-            let mut creases = core::mem::take(&mut self.known[place].creases);
+            let mut feature_edges = core::mem::take(&mut self.known[place].feature_edges);
             let within = near.loosened(WIDER * near.extents().max_element());
-            creases.clear();
+            feature_edges.clear();
             match surface.as_typed_shape() {
-                TypedShape::TriMesh(mesh) => self.of_mesh(mesh, &within, flat, &mut creases),
-                TypedShape::HeightField(field) => self.of_heights(field, &within, flat, &mut creases),
+                TypedShape::TriMesh(mesh) => self.of_mesh(mesh, &within, flat, &mut feature_edges),
+                TypedShape::HeightField(field) => self.of_heights(field, &within, flat, &mut feature_edges),
                 _ => {}
             }
             let known = &mut self.known[place];
-            (known.flat, known.within, known.creases) = (flat, within, creases);
+            (known.flat, known.within, known.feature_edges) = (flat, within, feature_edges);
         }
         let known = &mut self.known[place];
         known.used = true;
         let meets = |c: &&Crease| (c.a.min(c.b).cmple(near.maxs) & c.a.max(c.b).cmpge(near.mins)).all();
-        found.extend(known.creases.iter().filter(meets).take(MOST));
+        found.extend(known.feature_edges.iter().filter(meets).take(MOST));
     }
 
     /// As [`Self::near`], of a mesh.
@@ -191,7 +193,7 @@ mod tests {
         for shape in [shape::trimesh(vertices.clone(), triangles.clone()), shape::solid_trimesh(vertices, triangles)] {
             let shape = shape.unwrap();
             let mut found = Vec::new();
-            Creases::default().of_mesh(shape.as_trimesh().unwrap(), &everything(), 0.9, &mut found);
+            FeatureEdges::default().of_mesh(shape.as_trimesh().unwrap(), &everything(), 0.9, &mut found);
             assert_eq!(found.len(), 12, "{found:?}");
         }
     }
@@ -200,14 +202,14 @@ mod tests {
     fn what_is_known_of_a_shape_is_what_is_found_anew_wherever_it_is_asked_for() {
         let heights: Vec<f32> = (0..400).map(|i| 0.3 * fastrand::Rng::with_seed(i).f32()).collect();
         let shape = shape::heightfield(20, 20, &heights, Vec3::splat(4.0)).unwrap();
-        let mut kept = Creases::default();
+        let mut kept = FeatureEdges::default();
         for k in 0..40 {
             let centre = Vec3::new(-1.5 + 0.08 * k as f32, 0.5, 0.3);
             let near = Aabb::from_half_extents(centre, Vec3::splat(0.6));
             let (mut known, mut anew) = (Vec::new(), Vec::new());
             kept.begin();
             kept.near((&shape, [0, 0], &*shape.0), &near, 0.9, &mut known);
-            Creases::default().near((&shape, [0, 0], &*shape.0), &near, 0.9, &mut anew);
+            FeatureEdges::default().near((&shape, [0, 0], &*shape.0), &near, 0.9, &mut anew);
             assert!(known == anew && !known.is_empty(), "box {k}: {} known, {} anew", known.len(), anew.len());
         }
         assert_eq!(kept.known.len(), 1);
@@ -222,7 +224,7 @@ mod tests {
             let heights: Vec<f32> = (0..25).map(|i| if i / 5 == 2 { height } else { 0.0 }).collect();
             let field = shape::heightfield(5, 5, &heights, Vec3::ONE).unwrap();
             let mut found = Vec::new();
-            Creases::default().of_heights(field.as_heightfield().unwrap(), &everything(), 0.2, &mut found);
+            FeatureEdges::default().of_heights(field.as_heightfield().unwrap(), &everything(), 0.2, &mut found);
             assert_eq!(found.len(), sharp, "height {height}: {found:?}");
         }
     }

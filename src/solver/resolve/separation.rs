@@ -34,7 +34,7 @@ const LONGER: f32 = 2.0;
 const WALK: usize = 64;
 
 /// A contour that is looked at together with others; `flip` where its sides are the other way round than theirs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Member {
     pub contour: usize,
@@ -42,7 +42,7 @@ pub(super) struct Member {
 }
 
 /// A particle of a side that may be behind a face of the other.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Stray {
     pub side: usize,
@@ -94,7 +94,7 @@ pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
 }
 
 /// What is known of a particle on one side.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Seen {
     pub stamp: u32,
@@ -105,9 +105,9 @@ pub(super) struct Seen {
 }
 
 /// What is found out about a way apart. Buffers are reused.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Probe {
+pub(super) struct Separation {
     pub seen: Vec<[Seen; 2]>,
     pub stamp: u32,
     queue: Vec<(u32, u32, f32)>,
@@ -134,7 +134,7 @@ pub(super) struct Probe {
     pub visits: usize,
 }
 
-impl Probe {
+impl Separation {
     /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost of `most`.
     /// Returns whether the ways undo the contours.
     pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], course: Course, most: f32) -> bool {

@@ -1,11 +1,11 @@
-//! The coarse net: hubs are no farther from each other than along the cloth, and the cloth between them moves with them.
+//! The coarse level: hubs are no farther from each other than along the cloth, and the cloth between them moves with them.
 //!
 //! A link is an upper bound, `|d| <= (1 + limit / 2) L`, solved as a rigid constraint between hubs of the mass `M_i = Σ_p w_pi m_p`, so that
 //! `Δx_p = Σ_i w_pi Δ_i` keeps the momentum of the cloth. Slack links do nothing: folds and wrinkles are the cloth's own.
 
 use glam::Vec4;
 
-use crate::solver::rest::{Net, RestShape, geodesic};
+use crate::solver::rest::{CoarseMesh, RestShape, geodesic};
 
 /// Passes over all links in a substep.
 const PASSES: u32 = 2;
@@ -13,7 +13,7 @@ const PASSES: u32 = 2;
 /// Masses and corrections of hubs.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Hubs {
+pub struct CoarseLevel {
     /// Inverse mass of each hub `[1/kg]`; 0: pinned.
     inverse_mass: Vec<f32>,
     /// How much of its hubs' moves each particle takes: 0 at a pin, 1 from one distance between hubs on (dimensionless).
@@ -22,7 +22,7 @@ pub struct Hubs {
     moves: Vec<Vec4>,
 }
 
-impl Hubs {
+impl CoarseLevel {
     /// Memory held `[B]`.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -33,14 +33,14 @@ impl Hubs {
     pub fn hold(&mut self, rest: &RestShape, pinned: &[u32]) {
         self.freedom.clear();
         self.freedom.resize(rest.positions.len(), 1.0);
-        let near = rest.net.spacing;
+        let near = rest.coarse.spacing;
         for &(p, distance) in geodesic::Front::new(rest.positions.len()).run(&rest.topology, &rest.positions, pinned, near) {
             self.freedom[p as usize] = distance / near;
         }
     }
 
     /// Recomputes masses from the inverse masses in `w` of `positions`.
-    pub fn update(&mut self, net: &Net, positions: &[Vec4]) {
+    pub fn update(&mut self, net: &CoarseMesh, positions: &[Vec4]) {
         self.inverse_mass.clear();
         self.inverse_mass.resize(net.hubs.len(), 0.0);
         self.moves.clear();
@@ -57,7 +57,7 @@ impl Hubs {
     }
 
     /// Draws hubs together that are farther apart than the strain limit allows, and the cloth with them.
-    pub fn solve(&mut self, net: &Net, strain_limit: f32, positions: &mut [Vec4]) {
+    pub fn solve(&mut self, net: &CoarseMesh, strain_limit: f32, positions: &mut [Vec4]) {
         let slack = (1.0 + 0.5 * strain_limit).powi(2);
         let mut moved = false;
         for _ in 0..PASSES {

@@ -9,7 +9,7 @@ const DRIFT_OF_HEIGHT: [f32; 2] = [0.1, 0.5];
 const TURNED: f32 = 0.98;
 
 /// A face when it was last looked at.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Looked {
     /// Twice its area along its normal `[m²]`.

@@ -25,7 +25,7 @@ const ROUNDS: u32 = 3;
 const LEAST_TURN: f32 = 1.0e-4;
 
 /// How pins that are joined went in the frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Ride {
     from: Vec3,
@@ -34,7 +34,7 @@ struct Ride {
 }
 
 /// Rides of pins that cross something, and what rides along.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pins {
     rides: Vec<Ride>,

@@ -3,7 +3,7 @@
 use glam::{Vec3A, Vec4};
 
 use super::foresee::foreseen;
-use super::{Contacts, Finder, MARGIN, Moment};
+use super::{Contacts, MARGIN, Moment, NeighborList};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 
@@ -15,7 +15,7 @@ pub(super) const DRIFT: f32 = 1.0;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
-impl Finder {
+impl NeighborList {
     /// Brings the last look at all pairs up to date, if particles have drifted so little that it still holds except for a few.
     /// Those are looked at anew. False, and nothing is done, where more have drifted.
     pub fn refresh(
@@ -53,7 +53,7 @@ impl Finder {
         }
         self.is_cut = false;
         if drifted > 0 {
-            self.find_strayed(surface, tree, moment, 0.0, dt, tangled, contacts);
+            self.update_strayed(surface, tree, moment, 0.0, dt, tangled, contacts);
         }
         true
     }

@@ -20,7 +20,7 @@ pub const SLEW_TIME: f32 = 0.25;
 const LONG: f32 = 2.0;
 
 /// Speed at which a bound of elongation moves the far end of a cloth `[m/s]`.
-pub const SLEW_SPEED: f32 = 0.12;
+pub const RAMP_SPEED: f32 = 0.12;
 
 /// Time `τ` in which a bound that is lowered comes closer to its end by a factor of e `[s]`.
 const SETTLE: f32 = 0.5;
@@ -44,7 +44,7 @@ const THIN: f32 = 1.0e-4;
 /// On the way to a fabric.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Slew {
+pub struct Ramp {
     /// Length of the cloth `[m]`.
     length: f32,
     /// None before the first fabric, which is taken as it is.
@@ -53,13 +53,13 @@ pub struct Slew {
     left: f32,
 }
 
-impl Default for Slew {
+impl Default for Ramp {
     fn default() -> Self {
         Self::of_length(1.0)
     }
 }
 
-impl Slew {
+impl Ramp {
     /// Of a cloth of that length `[m]`, from one end to the other.
     #[must_use]
     pub fn of_length(length: f32) -> Self {
@@ -88,7 +88,7 @@ impl Slew {
         }
         let share = if self.left > 0.0 { dt / self.left } else { 1.0 };
         self.left = (self.left - dt).max(0.0);
-        let way = Way { step: (dt * SLEW_SPEED / self.length).max(0.0), dt };
+        let way = Way { step: (dt * RAMP_SPEED / self.length).max(0.0), dt };
         let reach = REACH * (worst_edge - 1.0) + MARGIN;
         let tether_scale = way.bound(fabric.tether_scale, wanted.tether_scale, 1.0 + reach);
         // Tethers take the load off the edges: their limit follows, and forces nothing until tethers are where they are wanted.
@@ -151,10 +151,10 @@ mod tests {
 
     const FRAME: f32 = 1.0 / 60.0;
 
-    fn run(slew: &mut Slew, fabric: &mut Fabric, wanted: &Fabric, frames: usize) -> Vec<f32> {
+    fn run(ramp: &mut Ramp, fabric: &mut Fabric, wanted: &Fabric, frames: usize) -> Vec<f32> {
         (0..frames)
             .map(|_| {
-                slew.advance(fabric, wanted, FRAME, 1.02);
+                ramp.advance(fabric, wanted, FRAME, 1.02);
                 fabric.stretch_stiffness
             })
             .collect()
@@ -162,20 +162,20 @@ mod tests {
 
     #[test]
     fn the_first_fabric_is_taken_as_it_is_and_then_nothing_changes() {
-        let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
+        let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
         let wanted = Fabric { density: 3.0, ..Fabric::default() };
-        assert!(slew.advance(&mut fabric, &wanted, FRAME, 0.0));
+        assert!(ramp.advance(&mut fabric, &wanted, FRAME, 0.0));
         assert_eq!(fabric, wanted);
-        assert!(!slew.advance(&mut fabric, &wanted, FRAME, 1.0));
+        assert!(!ramp.advance(&mut fabric, &wanted, FRAME, 1.0));
     }
 
     #[test]
     fn a_hundred_times_stiffer_or_softer_takes_a_quarter_of_a_second_in_even_steps() {
         for factor in [100.0, 0.01] {
-            let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
-            slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+            let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
+            ramp.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
             let wanted = Fabric { stretch_stiffness: 2000.0 * factor, ..Fabric::default() };
-            let way = run(&mut slew, &mut fabric, &wanted, 15);
+            let way = run(&mut ramp, &mut fabric, &wanted, 15);
             assert_eq!(fabric, wanted, "after {way:?}");
             let step = factor.powf(1.0 / 15.0);
             for pair in way.windows(2) {
@@ -186,32 +186,32 @@ mod tests {
 
     #[test]
     fn stiffness_goes_to_nothing_and_comes_back() {
-        let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
-        slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+        let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
+        ramp.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
         let none = Fabric { stretch_stiffness: 0.0, bend_stiffness: 0.0, ..Fabric::default() };
-        let way = run(&mut slew, &mut fabric, &none, 16);
+        let way = run(&mut ramp, &mut fabric, &none, 16);
         assert!(way.is_sorted_by(|a, b| a >= b) && way.iter().all(|k| k.is_finite()), "{way:?}");
         assert_eq!(fabric, none);
-        let way = run(&mut slew, &mut fabric, &Fabric::default(), 16);
+        let way = run(&mut ramp, &mut fabric, &Fabric::default(), 16);
         assert!(way[0] < 1.0 && way.is_sorted(), "{way:?}");
         assert_eq!(fabric, Fabric::default());
     }
 
     #[test]
     fn a_limit_that_is_lowered_starts_at_the_elongation_there_is() {
-        let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
+        let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
         let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
-        slew.advance(&mut fabric, &free, FRAME, 0.0);
-        slew.advance(&mut fabric, &Fabric::default(), FRAME, 1.5);
+        ramp.advance(&mut fabric, &free, FRAME, 0.0);
+        ramp.advance(&mut fabric, &Fabric::default(), FRAME, 1.5);
         assert!(fabric.strain_limit > 0.4 && fabric.strain_limit <= 0.5, "{}", fabric.strain_limit);
         assert!(fabric.tether_scale > 1.4 && fabric.tether_scale <= 1.5, "{}", fabric.tether_scale);
     }
 
     /// The limit and the scale of tethers, frame by frame, until they are where they are wanted.
-    fn bounds(slew: &mut Slew, fabric: &mut Fabric, wanted: &Fabric, worst_edge: impl Fn(&Fabric) -> f32) -> Vec<[f32; 2]> {
+    fn bounds(ramp: &mut Ramp, fabric: &mut Fabric, wanted: &Fabric, worst_edge: impl Fn(&Fabric) -> f32) -> Vec<[f32; 2]> {
         let mut way = Vec::new();
         while fabric != wanted {
-            slew.advance(fabric, wanted, FRAME, worst_edge(fabric));
+            ramp.advance(fabric, wanted, FRAME, worst_edge(fabric));
             way.push([fabric.strain_limit, fabric.tether_scale]);
             assert!(way.len() < 10_000, "never there: {fabric:?}");
         }
@@ -220,12 +220,12 @@ mod tests {
 
     #[test]
     fn a_bound_that_holds_something_is_raised_at_a_speed_until_it_is_out_of_reach() {
-        let (mut slew, mut fabric) = (Slew::of_length(2.0), Fabric::default());
-        slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+        let (mut ramp, mut fabric) = (Ramp::of_length(2.0), Fabric::default());
+        ramp.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
         let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
         // It stretches as far as it may, up to 20 %.
-        let way = bounds(&mut slew, &mut fabric, &free, |fabric| 1.0 + fabric.strain_limit.min(0.2));
-        let most = 1.01 * FRAME * SLEW_SPEED / 2.0;
+        let way = bounds(&mut ramp, &mut fabric, &free, |fabric| 1.0 + fabric.strain_limit.min(0.2));
+        let most = 1.01 * FRAME * RAMP_SPEED / 2.0;
         for pair in way.windows(2) {
             for (a, b, held) in [(pair[0][0], pair[1][0], 0.2), (pair[0][1] - 1.0, pair[1][1] - 1.0, 0.2)] {
                 assert!(b == f32::INFINITY && a > held || b - a <= most, "from {a} to {b}");
@@ -235,13 +235,13 @@ mod tests {
 
     #[test]
     fn one_that_is_lowered_goes_ever_slower_and_arrives() {
-        let (mut slew, mut fabric) = (Slew::of_length(2.0), Fabric::default());
+        let (mut ramp, mut fabric) = (Ramp::of_length(2.0), Fabric::default());
         let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
-        slew.advance(&mut fabric, &free, FRAME, 0.0);
+        ramp.advance(&mut fabric, &free, FRAME, 0.0);
         // Edges bear less the more tethers hold.
         let wanted = Fabric::default();
-        let way = bounds(&mut slew, &mut fabric, &wanted, |fabric| fabric.tether_scale.min(1.2));
-        let most = 1.01 * FRAME * SLEW_SPEED / 2.0;
+        let way = bounds(&mut ramp, &mut fabric, &wanted, |fabric| fabric.tether_scale.min(1.2));
+        let most = 1.01 * FRAME * RAMP_SPEED / 2.0;
         for pair in way.windows(2) {
             let steps = [0, 1].map(|k| pair[0][k] - pair[1][k]);
             assert!(steps.iter().all(|step| (0.0..=most).contains(step)), "{pair:?}");
@@ -253,22 +253,22 @@ mod tests {
 
     #[test]
     fn a_limit_that_holds_nothing_is_raised_at_once() {
-        let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
-        slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+        let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
+        ramp.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
         let free = Fabric { strain_limit: f32::INFINITY, ..Fabric::default() };
-        slew.advance(&mut fabric, &free, FRAME, 1.02);
+        ramp.advance(&mut fabric, &free, FRAME, 1.02);
         assert_eq!(fabric.strain_limit, f32::INFINITY);
     }
 
     #[test]
     fn numbers_that_are_none_leave_nothing_half_way() {
         for worst in [f32::INFINITY, f32::NAN] {
-            let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
+            let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
             let free = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..Fabric::default() };
-            slew.advance(&mut fabric, &free, FRAME, 0.0);
+            ramp.advance(&mut fabric, &free, FRAME, 0.0);
             let mut frames = 0;
             while fabric != Fabric::default() && frames < 1000 {
-                slew.advance(&mut fabric, &Fabric::default(), FRAME, worst);
+                ramp.advance(&mut fabric, &Fabric::default(), FRAME, worst);
                 frames += 1;
             }
             assert!(frames < 1000, "{fabric:?} at a worst edge of {worst}");
@@ -277,10 +277,10 @@ mod tests {
 
     #[test]
     fn no_time_no_change() {
-        let (mut slew, mut fabric) = (Slew::default(), Fabric::default());
-        slew.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
+        let (mut ramp, mut fabric) = (Ramp::default(), Fabric::default());
+        ramp.advance(&mut fabric, &Fabric::default(), FRAME, 0.0);
         let wanted = Fabric { density: 2.0, ..Fabric::default() };
-        slew.advance(&mut fabric, &wanted, 0.0, 1.0);
+        ramp.advance(&mut fabric, &wanted, 0.0, 1.0);
         assert_eq!(fabric.density, 0.2);
     }
 }

@@ -6,7 +6,7 @@
 //! ```text
 //! begin ─► foresee: boxes swept to where each particle will be
 //! find  ─► for pairs of leaves whose boxes meet: ask ─► gap of their faces ─► boxes of the particles and edges they own ─► closest ─► list
-//! until the next look: strayed ─► find_strayed, within a frame; refresh, at its end
+//! until the next look: strayed ─► update_strayed, within a frame; refresh, at its end
 //! ```
 
 mod own;
@@ -18,7 +18,7 @@ mod strayed;
 mod flat;
 mod patch;
 mod gap;
-mod ask;
+mod narrow_phase;
 mod batch;
 mod closest;
 mod list;
@@ -28,6 +28,7 @@ use glam::{Vec3, Vec3A, Vec4};
 pub use moment::Moment;
 
 use super::{Contacts, Touch};
+use crate::solver::buffer::Buffer;
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 use crate::solver::effort::Meter;
@@ -43,9 +44,9 @@ const MARGIN: f32 = 0.25;
 const FLUTTER: f32 = 2.0;
 
 /// Which face asks for which particle and edge, and how far each particle goes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Finder {
+pub struct NeighborList {
     /// The faces of each leaf, with what they own.
     patches: Patches,
     /// Where each particle is foreseen to be in the next frame `[m]`, less the motion that all cloths share.
@@ -74,14 +75,14 @@ pub struct Finder {
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
     /// Pairs whose closest points are to be found next.
-    batch: Batch,
+    batch: Buffer<Batch>,
     /// What the last look cost, and whether there was too much of it.
     visits: usize,
     is_cut: bool,
 }
 
-impl Finder {
-    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: with [`Self::ask`], in whatever order
+impl NeighborList {
+    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: with [`Self::narrow_phase`], in whatever order
     /// [`Tree::pairs`] finds faces. The tree is fitted to where particles are and [will be](Self::ahead), and finds faces
     /// within [`Self::reach`].
     pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
@@ -105,9 +106,9 @@ impl Finder {
         self.begin(surface, moment, dt, contacts);
         tree.refit(surface, moment.positions, Some(&self.ahead));
         let meter = moment.most.meter();
-        let mut ask = self.ask(surface, moment, tangled, contacts, false, &meter);
-        tree.meetings(surface, Self::reach(moment), &meter, |tree, met| ask.leaves(tree, met, |_, _| false));
-        ask.finish();
+        let mut narrow = self.narrow_phase(surface, moment, tangled, contacts, false, &meter);
+        tree.meetings(surface, Self::reach(moment), &meter, |tree, met| narrow.leaves(tree, met, |_, _| false));
+        narrow.finish();
         self.note_cost(&meter);
     }
 

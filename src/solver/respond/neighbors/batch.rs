@@ -3,11 +3,12 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::closest::{edges, find_four, vertex_faces};
+use super::narrow_phase::MOST_NEAR;
 use crate::solver::detect::four::{Four, WIDE, each};
 use crate::solver::detect::{Proximity, ProximityKind};
 
 /// A particle and a face, or two edges, whose boxes meet.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Near {
     pub(super) kind: ProximityKind,
@@ -22,7 +23,7 @@ pub(super) struct Near {
 }
 
 /// What a pair came to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Found {
     pub(super) pair: Proximity,
@@ -56,8 +57,7 @@ impl Found {
 }
 
 /// What is near and what of it may touch, in the order in which it was asked for.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug)]
 pub(super) struct Batch {
     near: Vec<Near>,
     /// Of each; more than there are.
@@ -66,13 +66,15 @@ pub(super) struct Batch {
     kinds: [Vec<u32>; 2],
 }
 
-impl Batch {
-    /// Room for so many pairs.
-    pub(super) fn new(most: usize) -> Self {
-        let kinds = [Vec::with_capacity(most), Vec::with_capacity(most)];
-        Self { near: Vec::with_capacity(most), found: vec![Found::NOTHING; most], kinds }
+impl Default for Batch {
+    /// Room for as many pairs as two leaves can have.
+    fn default() -> Self {
+        let kinds = [Vec::with_capacity(MOST_NEAR), Vec::with_capacity(MOST_NEAR)];
+        Self { near: Vec::with_capacity(MOST_NEAR), found: vec![Found::NOTHING; MOST_NEAR], kinds }
     }
+}
 
+impl Batch {
     pub(super) fn clear(&mut self) {
         self.near.clear();
         self.kinds.iter_mut().for_each(Vec::clear);

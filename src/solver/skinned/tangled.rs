@@ -1,4 +1,4 @@
-//! Reins: a tangle is drawn to its skin, until nothing crosses or what crosses is the skin itself.
+//! TangledLimits: a tangle is drawn to its skin, until nothing crosses or what crosses is the skin itself.
 //!
 //! ```text
 //!   tangled   r ← max(0, min(r, d) - v Δt)     d: maximum distance, v: 2 m/s
@@ -17,12 +17,12 @@ const RELEASE: f32 = 0.25;
 /// How far from their targets particles may be for now.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Reins {
+pub struct TangledLimits {
     /// By particle `[m]`; infinite: as far as its maximum distance lets it. Empty while none is reined in.
     most: Vec<f32>,
 }
 
-impl Reins {
+impl TangledLimits {
     /// Farthest distance of particle `i` from its target `[m]`; infinite where there is no limit.
     #[inline]
     #[must_use]
@@ -68,17 +68,17 @@ mod tests {
     fn a_tangle_is_at_its_skin_in_time_and_gets_its_limits_back() {
         let skinned =
             Skinned { to: vec![Vec3::ZERO; 3], max_distance: vec![0.04, 0.04, f32::INFINITY], ..Skinned::of_radius(1.0) };
-        let distances = |reins: &Reins| [0, 1, 2].map(|i| reins.distance(&skinned, i));
+        let distances = |tangled_limits: &TangledLimits| [0, 1, 2].map(|i| tangled_limits.distance(&skinned, i));
         for rate in [30.0f32, 60.0, 144.0] {
-            let mut reins = Reins::default();
-            (0..(0.02 * rate).ceil() as u32).for_each(|_| reins.advance(&skinned, &[1.0, 0.0, 1.0], 1.0 / rate));
-            assert_eq!(distances(&reins), [0.0, 0.04, f32::INFINITY], "{rate}");
+            let mut tangled_limits = TangledLimits::default();
+            (0..(0.02 * rate).ceil() as u32).for_each(|_| tangled_limits.advance(&skinned, &[1.0, 0.0, 1.0], 1.0 / rate));
+            assert_eq!(distances(&tangled_limits), [0.0, 0.04, f32::INFINITY], "{rate}");
             let frames = (0.125 * rate) as u32;
-            (0..frames).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
-            let ([half, ..], expected) = (distances(&reins), 0.04 * frames as f32 / rate / RELEASE);
+            (0..frames).for_each(|_| tangled_limits.advance(&skinned, &[], 1.0 / rate));
+            let ([half, ..], expected) = (distances(&tangled_limits), 0.04 * frames as f32 / rate / RELEASE);
             assert!((half - expected).abs() < 1.0e-6, "{half} at {rate}");
-            (0..(0.2 * rate) as u32).for_each(|_| reins.advance(&skinned, &[], 1.0 / rate));
-            assert_eq!(reins, Reins::default(), "{rate}");
+            (0..(0.2 * rate) as u32).for_each(|_| tangled_limits.advance(&skinned, &[], 1.0 / rate));
+            assert_eq!(tangled_limits, TangledLimits::default(), "{rate}");
         }
     }
 }

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::solver::detect::Crossing;
 use crate::solver::topology::NONE;
-use crate::solver::verdict::Resort;
+use crate::solver::verdict::Escalation;
 
 use super::contour::{ContourGraph, ContourKind};
 use super::nearest::Nearest;
@@ -29,9 +29,9 @@ pub enum Strategy {
 }
 
 /// One contour's memory.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Latch {
+pub struct TrackedContour {
     /// How the contour ends now.
     pub kind: ContourKind,
     /// The choice.
@@ -49,7 +49,7 @@ pub struct Latch {
     /// Iterations without progress.
     pub stale: u32,
     /// The means for which the strategy was chosen.
-    pub resort: Resort,
+    pub escalation: Escalation,
     /// How often the strategy was given up.
     pub turns: u32,
     /// Smallest measure of progress so far: length `[m]`, or area of the region that is pushed `[m²]`.
@@ -65,7 +65,7 @@ pub struct Latch {
     centre: Vec3,
 }
 
-impl Latch {
+impl TrackedContour {
     fn new() -> Self {
         Self { seed: NONE, side: 2, best: f32::INFINITY, pace: 1.0, ..Self::default() }
     }
@@ -81,8 +81,8 @@ impl Latch {
 
     /// Takes up another strategy.
     pub fn turn_to(&mut self, strategy: Strategy) {
-        let Self { age, longest, centre, resort, .. } = *self;
-        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, resort, ..Self::new() };
+        let Self { age, longest, centre, escalation, .. } = *self;
+        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, escalation, ..Self::new() };
     }
 
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when it turns.
@@ -109,18 +109,18 @@ const REACH: f32 = 2.0;
 pub const INERTIA: f32 = 0.8;
 
 /// Memories of all contours, in their order.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Latches {
+pub struct TrackedContours {
     /// Parallel to [`ContourGraph::contours`].
-    pub now: Vec<Latch>,
-    before: Vec<Latch>,
+    pub now: Vec<TrackedContour>,
+    before: Vec<TrackedContour>,
     votes: Votes,
     /// Centres of contours of the time before.
     nearest: Nearest,
 }
 
-impl Latches {
+impl TrackedContours {
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.now.clear();
@@ -158,16 +158,16 @@ impl Latches {
                     old.side = 1 - old.side;
                 }
             }
-            let mut latch = old.unwrap_or_else(|| Latch { strategy: fresh(k), ..Latch::new() });
-            latch.age += 1;
-            if !matches!(latch.strategy, Strategy::Push | Strategy::Separate) && !latch.waits {
-                latch.progress(contour.length);
+            let mut tracked = old.unwrap_or_else(|| TrackedContour { strategy: fresh(k), ..TrackedContour::new() });
+            tracked.age += 1;
+            if !matches!(tracked.strategy, Strategy::Push | Strategy::Separate) && !tracked.waits {
+                tracked.progress(contour.length);
             }
-            latch.waits = false;
-            latch.longest = latch.longest.max(contour.length);
-            latch.centre = contour.centre;
-            latch.kind = contour.kind;
-            self.now.push(latch);
+            tracked.waits = false;
+            tracked.longest = tracked.longest.max(contour.length);
+            tracked.centre = contour.centre;
+            tracked.kind = contour.kind;
+            self.now.push(tracked);
         }
         self.votes.take_in(crossings, graph);
     }

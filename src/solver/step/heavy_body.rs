@@ -13,9 +13,9 @@ impl Stepped<'_> {
     /// presses it too far they are as the root of what it is heavier by. Those that the speed of one took stay. Both last until
     /// none is near. Not by how hard it is pressed: more substeps in cloth that is drawn out already throw it up. What the
     /// cloth lies on, and presses down, is none of them.
-    pub(super) fn bear(&self, scratch: &mut Scratch) {
+    pub(super) fn count_for_heavy_bodies(&self, scratch: &mut Scratch) {
         let (own, bound) = (self.mass(), self.most_pressed());
-        let mut borne = 1;
+        let mut for_heavy_body = 1;
         for (index, body) in self.input.bodies.iter().enumerate() {
             let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
             let heavier = mass / own;
@@ -25,14 +25,14 @@ impl Stepped<'_> {
             let pushes = scratch.touches().filter(|(body, ..)| *body == index);
             let (push, count) = pushes.fold((0.0, 0.0), |(push, count), (_, _, load)| (push + load, count + 1.0));
             if count > 0.0 || scratch.contacts.is_near(index) {
-                borne = borne.max(scratch.borne);
+                for_heavy_body = for_heavy_body.max(scratch.for_heavy_body);
             }
             let given = body.rigid.map_or(Vec3::ZERO, |slot| scratch.coupling.given(slot).linear);
             let lies_on_it = given.dot(self.input.gravity) > LIES * given.length() * self.input.gravity.length();
             if push > bound * count && !lies_on_it {
-                borne = borne.max(heavier.sqrt().min(MOST_DRIVEN).ceil() as u32);
+                for_heavy_body = for_heavy_body.max(heavier.sqrt().min(MOST_DRIVEN).ceil() as u32);
             }
         }
-        scratch.borne = borne;
+        scratch.for_heavy_body = for_heavy_body;
     }
 }

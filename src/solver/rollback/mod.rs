@@ -1,4 +1,4 @@
-//! A tangle that came up within one frame is taken back: its particles go where they were when nothing crossed.
+//! A tangle that came up within one frame is rolled back: its particles go where they were when nothing crossed.
 //!
 //! ```text
 //!   x ─► x0 + u     x0: where it was when the last frame ended clean; velocity is kept
@@ -21,7 +21,7 @@ use super::detect::{Crossing, Part, Surface};
 use pins::Pins;
 
 /// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved
-/// farther, by a teleport, is not taken back.
+/// farther, by a teleport, is not rolled back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// How far all together may have moved, in mean edges, for single particles to be left where they were.
@@ -34,14 +34,14 @@ const MOVED_EDGES: f32 = 0.01;
 const MOST_STAYS: u32 = 8;
 
 /// Where everything was when nothing crossed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Retreat {
+pub struct Rollback {
     /// Positions `[m]` at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
     clean: Vec<Vec4>,
-    /// Which particles were taken back in this frame, and in the one before.
-    taken: Vec<bool>,
-    took: Vec<bool>,
+    /// Which particles were rolled back in this frame, and in the one before.
+    restored: Vec<bool>,
+    was_restored: Vec<bool>,
     /// Mean motion since then of the cloth that crosses and moved least `[m]`: what rests is not put where what fell on it went.
     shared: Vec3A,
     /// Substeps of the frame.
@@ -50,8 +50,8 @@ pub struct Retreat {
     fastest: Vec<f32>,
     /// How far particles of each cloth may be put back in this frame `[m]`.
     farthest: Vec<f32>,
-    /// Whether something was taken back in this frame, and whether whole cloths stayed.
-    retreats: bool,
+    /// Whether something was rolled back in this frame, and whether whole cloths stayed.
+    rolled_back: bool,
     stayed: bool,
     /// Frames in a row in which they did.
     stays: u32,
@@ -60,10 +60,10 @@ pub struct Retreat {
     pins: Pins,
 }
 
-impl Retreat {
-    /// Whether a particle was taken back in the frame that ended last.
-    pub fn took(&self, particle: u32) -> bool {
-        self.took.get(particle as usize).is_some_and(|&took| took)
+impl Rollback {
+    /// Whether a particle was rolled back in the frame that ended last.
+    pub fn was_restored(&self, particle: u32) -> bool {
+        self.was_restored.get(particle as usize).is_some_and(|&was_restored| was_restored)
     }
 
     /// Whether it is known where everything was when nothing crossed.
@@ -74,16 +74,16 @@ impl Retreat {
     /// Notes how a frame ended, whose last substep lies between `previous` and `positions` `[m]`; nothing is known of one that was not clean.
     pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
-        self.taken.resize(positions.len(), false);
-        self.took.clone_from(&self.taken);
-        self.taken.fill(false);
+        self.restored.resize(positions.len(), false);
+        self.was_restored.clone_from(&self.restored);
+        self.restored.fill(false);
         if is_clean {
             self.clean.extend_from_slice(positions);
             self.fastest.clear();
             self.fastest.extend(surface.parts.iter().map(|part| fastest(range(part), positions, previous)));
         }
         self.stays = if self.stayed { self.stays + 1 } else { 0 };
-        (self.retreats, self.stayed) = (false, false);
+        (self.rolled_back, self.stayed) = (false, false);
     }
 
     /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to begin the next one at
@@ -104,7 +104,7 @@ impl Retreat {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
-    /// Begins with nothing taken back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`,
+    /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame was_restored as many `substeps`,
     /// the last of which lies between `previous` and `positions` `[m]`.
     pub fn begin(
         &mut self,
@@ -127,7 +127,7 @@ impl Retreat {
             // What was stopped on its way flew before.
             let flown = fastest(range(part), positions, previous).max(before) * self.substeps;
             let farthest = FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 };
-            // What no contact keeps apart would have to be taken back for ever.
+            // What no contact keeps apart would have to be rolled back for ever.
             self.farthest.push(if takes_part.get(i) == Some(&true) { farthest } else { 0.0 });
             if !self.crossed[i] {
                 continue;
@@ -149,28 +149,34 @@ impl Retreat {
     }
 
     /// Takes the particles that cross back; whether there were any that had not been.
-    pub fn take(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+    pub fn restore_relative(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+    ) -> bool {
         let mut any = false;
         self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
-            if !std::mem::replace(&mut this.taken[v], true) {
+            if !std::mem::replace(&mut this.restored[v], true) {
                 let by = (this.clean[v] - *x).truncate() + Vec3::from(this.shared);
                 *x += by.extend(0.0);
                 previous[v] += by.extend(0.0);
                 any = true;
             }
         });
-        self.retreats |= any;
+        self.rolled_back |= any;
         any
     }
 
-    /// Whether something was taken back in this frame.
-    pub fn retreats(&self) -> bool {
-        self.retreats
+    /// Whether something was rolled back in this frame.
+    pub fn rolled_back(&self) -> bool {
+        self.rolled_back
     }
 
     /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was taken along
     /// with all, or rounding made it cross what it touched. They go on as all together did. Whether any was elsewhere.
-    pub fn take_there(
+    pub fn restore_exactly(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
@@ -189,7 +195,7 @@ impl Retreat {
 
     /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins cannot be taken
     /// back. Whether any was elsewhere.
-    pub fn take_along(
+    pub fn follow_pins(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
@@ -204,7 +210,7 @@ impl Retreat {
             pins.destination(v, clean).map(|to| [to, to.lerp(clean, 1.0 / substeps)])
         });
         self.pins = pins;
-        self.retreats |= any;
+        self.rolled_back |= any;
         any
     }
 
@@ -220,7 +226,7 @@ impl Retreat {
         let mut any = false;
         self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
             let Some([now, before]) = place(this, v).filter(|[now, _]| x.truncate() != *now) else { return };
-            this.taken[v] = true;
+            this.restored[v] = true;
             *x = now.extend(x.w);
             previous[v] = before.extend(previous[v].w);
             any = true;
@@ -255,10 +261,16 @@ impl Retreat {
         Vec3::from(self.shared / self.substeps.max(1.0))
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was taken back, and
-    /// nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was taken back goes on as all
+    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was rolled back, and
+    /// nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was rolled back goes on as all
     /// together did: it would do the same again. What came from far does not stay.
-    pub fn stay(&mut self, surface: &Surface, crossings: &[Crossing], positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+    pub fn restore_cloths(
+        &mut self,
+        surface: &Surface,
+        crossings: &[Crossing],
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+    ) -> bool {
         if self.stays >= MOST_STAYS {
             return false;
         }
@@ -278,7 +290,7 @@ impl Retreat {
                     any |= by != Vec4::ZERO;
                     positions[v] += by;
                     previous[v] += by;
-                    if self.taken[v] {
+                    if self.restored[v] {
                         previous[v] = (positions[v].truncate() - mean).extend(previous[v].w);
                     }
                 }
@@ -325,35 +337,37 @@ mod tests {
         (surface, lower.into_iter().chain(upper).map(|x| x.extend(1.0)).collect())
     }
 
-    /// A retreat that knows where all was before it went 0.04 m in 4 substeps, the corner through the other triangle.
-    fn after_a_frame(takes_part: bool) -> (Surface, Vec<Vec4>, Retreat, Detector, Vec<Vec4>, Vec<Vec4>) {
+    /// A rollback that knows where all was before it went 0.04 m in 4 substeps, the corner through the other triangle.
+    fn after_a_frame(takes_part: bool) -> (Surface, Vec<Vec4>, Rollback, Detector, Vec<Vec4>, Vec<Vec4>) {
         let (surface, clean) = surface();
-        let mut retreat = Retreat::default();
-        retreat.note(&surface, &clean, &clean, true);
+        let mut rollback = Rollback::default();
+        rollback.note(&surface, &clean, &clean, true);
         let mut positions: Vec<Vec4> = clean.iter().map(|x| *x + Vec4::X * 0.04).collect();
         positions[3].z = -0.1;
         let previous: Vec<Vec4> = positions.iter().map(|x| *x - Vec4::X * 0.01).collect();
         let mut detector = Detector::new(&surface);
         let crossings = detector.detect(&surface, &positions);
         assert_eq!(crossings.len(), 2);
-        assert!(retreat.begin(&surface, crossings, &positions, &previous, &[takes_part; 2], 4));
-        (surface, clean, retreat, detector, positions, previous)
+        assert!(rollback.begin(&surface, crossings, &positions, &previous, &[takes_part; 2], 4));
+        (surface, clean, rollback, detector, positions, previous)
     }
 
     #[test]
     fn what_crosses_goes_back_with_all_and_then_to_its_very_place() {
-        let (surface, clean, mut retreat, mut detector, mut positions, mut previous) = after_a_frame(true);
-        assert!(retreat.take(&surface, detector.crossings(), &mut positions, &mut previous) && retreat.retreats());
+        let (surface, clean, mut rollback, mut detector, mut positions, mut previous) = after_a_frame(true);
+        assert!(
+            rollback.restore_relative(&surface, detector.crossings(), &mut positions, &mut previous) && rollback.rolled_back()
+        );
         assert!(positions[3].distance(clean[3] + Vec4::X * 0.04) < 1e-6, "{}", positions[3]);
         assert!(detector.detect(&surface, &positions).is_empty());
         // Pushed through again, it was taken already.
         positions[3].z = -0.1;
         detector.detect(&surface, &positions);
-        assert!(!retreat.take(&surface, detector.crossings(), &mut positions, &mut previous));
-        assert!(retreat.take_there(&surface, detector.crossings(), &mut positions, &mut previous));
+        assert!(!rollback.restore_relative(&surface, detector.crossings(), &mut positions, &mut previous));
+        assert!(rollback.restore_exactly(&surface, detector.crossings(), &mut positions, &mut previous));
         assert_eq!(positions[3], clean[3]);
         assert!((positions[3] - previous[3]).distance(Vec4::X * 0.01) < 1e-6, "goes on as all did");
-        assert!(!retreat.take_there(&surface, detector.crossings(), &mut positions, &mut previous), "is there");
+        assert!(!rollback.restore_exactly(&surface, detector.crossings(), &mut positions, &mut previous), "is there");
     }
 
     #[test]
@@ -361,8 +375,8 @@ mod tests {
         let (surface, mut clean) = surface();
         clean[..3].iter_mut().for_each(|x| x.w = 0.0);
         clean[3].z = 0.02;
-        let mut retreat = Retreat::default();
-        retreat.note(&surface, &clean, &clean, true);
+        let mut rollback = Rollback::default();
+        rollback.note(&surface, &clean, &clean, true);
         // Its pins turn the lower triangle by 0.2 radians, through the corner.
         let turn = glam::Quat::from_rotation_x(0.2);
         let mut positions = clean.clone();
@@ -370,9 +384,9 @@ mod tests {
         let mut previous = positions.clone();
         let mut detector = Detector::new(&surface);
         let crossings = detector.detect(&surface, &positions).to_vec();
-        assert!(!crossings.is_empty() && retreat.begin(&surface, &crossings, &positions, &previous, &[true; 2], 4));
-        assert!(!retreat.take_there(&surface, &crossings, &mut positions, &mut previous), "it is where it was");
-        assert!(retreat.take_along(&surface, &crossings, &mut positions, &mut previous) && retreat.retreats());
+        assert!(!crossings.is_empty() && rollback.begin(&surface, &crossings, &positions, &previous, &[true; 2], 4));
+        assert!(!rollback.restore_exactly(&surface, &crossings, &mut positions, &mut previous), "it is where it was");
+        assert!(rollback.follow_pins(&surface, &crossings, &mut positions, &mut previous) && rollback.rolled_back());
         assert!(detector.detect(&surface, &positions).is_empty());
         for v in 3..6 {
             let (expected, way) = (turn * clean[v].truncate(), (positions[v] - previous[v]).truncate());
@@ -383,23 +397,23 @@ mod tests {
 
     #[test]
     fn whole_cloths_stay_for_a_few_frames_at_most() {
-        let (surface, clean, mut retreat, mut detector, mut positions, mut previous) = after_a_frame(true);
+        let (surface, clean, mut rollback, mut detector, mut positions, mut previous) = after_a_frame(true);
         let crossing = positions.clone();
         for frame in 0..=MOST_STAYS {
             positions.clone_from(&crossing);
-            let stayed = retreat.stay(&surface, detector.crossings(), &mut positions, &mut previous);
+            let stayed = rollback.restore_cloths(&surface, detector.crossings(), &mut positions, &mut previous);
             assert_eq!(stayed, frame < MOST_STAYS, "frame {frame}");
             assert_eq!(positions, if stayed { clean.clone() } else { crossing.clone() });
-            retreat.note(&surface, &clean, &clean, true);
+            rollback.note(&surface, &clean, &clean, true);
             let crossings = detector.detect(&surface, &crossing);
-            assert!(retreat.begin(&surface, crossings, &crossing, &previous, &[true; 2], 4));
+            assert!(rollback.begin(&surface, crossings, &crossing, &previous, &[true; 2], 4));
         }
     }
 
     #[test]
     fn cloth_that_no_contact_keeps_apart_is_not_taken_back() {
-        let (surface, _, mut retreat, detector, mut positions, mut previous) = after_a_frame(false);
-        assert!(!retreat.take(&surface, detector.crossings(), &mut positions, &mut previous));
-        assert!(!retreat.retreats());
+        let (surface, _, mut rollback, detector, mut positions, mut previous) = after_a_frame(false);
+        assert!(!rollback.restore_relative(&surface, detector.crossings(), &mut positions, &mut previous));
+        assert!(!rollback.rolled_back());
     }
 }

@@ -1,7 +1,7 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
-use super::ask::Asked;
 use super::batch::Found;
+use super::narrow_phase::NarrowPhase;
 use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::{ProximityKind, Surface};
@@ -22,7 +22,7 @@ const LEAST_KEPT: f32 = 0.1;
 /// thickness, would buckle and cross more.
 const WITHIN_TANGLE: f32 = 0.9;
 
-impl<T: Fn(u32) -> f32> Asked<'_, T> {
+impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     /// Lists a pair that was `found`, if it may touch.
     #[inline]
     pub(super) fn list(&mut self, found: &Found) {
@@ -54,7 +54,7 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
                 return;
             }
         }
-        if self.contacts.is_behind(pair.kind, ids) {
+        if self.contacts.is_inverted(pair.kind, ids) {
             return;
         }
         // Looked for as far as any other, so that nothing meets unseen.
@@ -80,8 +80,8 @@ impl<T: Fn(u32) -> f32> Asked<'_, T> {
             load,
             drive,
             sticks: false,
-            behind: false,
-            was_behind: false,
+            inverted: false,
+            was_inverted: false,
         });
     }
 

@@ -17,7 +17,7 @@ use crate::solver::detect::four::{Four, WIDE, each};
 use crate::solver::detect::tree::{Bounds, LEAF, Tree};
 
 /// Corners of the faces of a leaf, by corner and half of the lanes `[m]`; lanes without a face repeat the last one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Lanes {
     pub(super) now: [[Four; LEAF / WIDE]; 3],
@@ -41,7 +41,7 @@ impl Lanes {
 }
 
 /// Four boxes `[m]`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Boxes {
     min: Four,
@@ -64,7 +64,7 @@ impl Boxes {
 }
 
 /// The particles or the edges that the faces of each leaf own, with their boxes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Owned {
     /// First of a leaf, a multiple of the lanes; and where those of each face begin after it, and end.
@@ -147,7 +147,7 @@ impl Owns<'_> {
 }
 
 /// All leaves.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Patches {
     lanes: Vec<Lanes>,

@@ -10,7 +10,7 @@ use super::gap::{near, way};
 use super::list::rest_matters;
 use super::patch::Patches;
 use super::refresh::DRIFT;
-use super::{Contacts, Finder, MARGIN, Moment, Touch};
+use super::{Contacts, MARGIN, Moment, NeighborList, Touch};
 use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
 use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::effort::Meter;
@@ -27,10 +27,10 @@ const BATCH: usize = 64;
 /// With what a row of faces adds: of each pair of faces three corners of either, and three times three edges.
 pub(super) const MOST_NEAR: usize = BATCH + LEAF * (3 + 3 + 3 * 3);
 
-impl Finder {
+impl NeighborList {
     /// What to ask leaves with whose boxes meet. Whether it is asked `anew`, of faces nobody has looked for crossings at since
     /// they were elsewhere. More than the `meter` allows are not asked, and may cross.
-    pub fn ask<'a, T: Fn(u32) -> f32>(
+    pub fn narrow_phase<'a, T: Fn(u32) -> f32>(
         &'a mut self,
         surface: &'a Surface,
         moment: &Moment<'a>,
@@ -38,14 +38,14 @@ impl Finder {
         contacts: &'a mut Contacts,
         anew: bool,
         meter: &'a Meter,
-    ) -> Asked<'a, T> {
+    ) -> NarrowPhase<'a, T> {
         let &Moment { positions, touch, takes_part, pinned, .. } = moment;
         let (reach, thickest) = (Self::reach(moment), moment.thickest());
         let Self { ahead, longest, flatness, loose, patches, batch, .. } = self;
         patches.forget();
         batch.clear();
         let most = MOST_PAIRS * surface.len();
-        Asked {
+        NarrowPhase {
             surface,
             positions,
             ahead,
@@ -69,7 +69,7 @@ impl Finder {
 }
 
 /// What leaves are asked with.
-pub struct Asked<'a, T> {
+pub struct NarrowPhase<'a, T> {
     pub(super) surface: &'a Surface,
     /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle, and where it is foreseen to be `[m]`.
     pub(super) positions: &'a [Vec4],
@@ -100,7 +100,7 @@ pub struct Asked<'a, T> {
     meter: &'a Meter,
 }
 
-impl<T: Fn(u32) -> f32> Asked<'_, T> {
+impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     /// Asks for what may touch of the faces of two leaves. `cross` is told of faces that may cross now, and says whether
     /// something does: then nothing more is asked, but it is told of all that is left.
     pub fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
@@ -227,8 +227,8 @@ impl Pair<'_> {
     /// Notes what is near of face `i` of the first leaf and the `faces` of the second, a bit for each. Of two faces first the corners that each
     /// owns with the other face, then the edges that both own. What shares a particle is not.
     #[inline]
-    fn take<T>(&self, asked: &mut Asked<'_, T>, i: usize, faces: u32) {
-        let Asked { patches, positions, ahead, batch, .. } = asked;
+    fn take<T>(&self, asked: &mut NarrowPhase<'_, T>, i: usize, faces: u32) {
+        let NarrowPhase { patches, positions, ahead, batch, .. } = asked;
         let &Self { leaves: [a, b], numbers, reach, across, joined } = self;
         let [[corners, edges], [their_corners, their_edges]] = [patches.owned(numbers[0]), patches.owned(numbers[1])];
         let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);

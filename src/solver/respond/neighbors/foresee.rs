@@ -3,22 +3,22 @@
 use glam::Vec3A;
 
 use super::looked::Looked;
-use super::{Finder, Moment};
+use super::{Moment, NeighborList};
 use crate::solver::detect::Surface;
 use crate::solver::detect::surface::FARTHEST;
-use crate::solver::step::STUCK;
+use crate::solver::step::OSCILLATING;
 
 /// Mean way of the cloth until the next look that is not worth knowing, in thicknesses (dimensionless).
 const HARDLY: f32 = 1.0 / 24.0;
 
-/// What is [stuck](STUCK) went less than this since the last look at everything, too, in thicknesses (dimensionless).
+/// What is [stuck](OSCILLATING) went less than this since the last look at everything, too, in thicknesses (dimensionless).
 const STILL: f32 = 0.05;
 
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
 pub(super) const FARTHEST_EDGES: f32 = 4.0;
 pub(super) const FARTHEST_THICKNESSES: f32 = 4.0;
 
-impl Finder {
+impl NeighborList {
     /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
     pub(super) fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
         let substep = moment.substep;
@@ -62,8 +62,8 @@ impl Finder {
 pub(super) fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
     let way = Vec3A::from_vec4(moment.positions[v]) - before;
-    let still = (STILL * thickness).powi(2).min(STUCK * STUCK * motion.length_squared());
-    // Not a number where nothing is known.
+    let still = (STILL * thickness).powi(2).min(OSCILLATING * OSCILLATING * motion.length_squared());
+    // Infinite where nothing is known.
     if way.length_squared() < still { way * ahead } else { motion }
 }
 
