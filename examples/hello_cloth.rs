@@ -6,17 +6,28 @@ use bevy_drape::prelude::*;
 fn main() {
     App::new()
         .add_plugins((DefaultPlugins, ClothPlugin::default()))
-        .insert_resource(ClothGlobalWind::new(Vec3::new(2.0, 0.0, 0.0))) // [m/s]
+        .insert_resource(ClothGlobalWind::new(Vec3::new(0.5, 0.0, -1.0))) // [m/s]
         .add_systems(Startup, setup)
         .run();
 }
 
-/// A camera, a light, a sheet and a ball.
+/// A camera, a light, a ground, a ball and a sheet.
 pub fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
-    commands.spawn((Camera3d::default(), Transform::from_xyz(2.5, 2.2, 3.5).looking_at(Vec3::Y, Vec3::Y)));
+    commands.spawn((Camera3d::default(), Transform::from_xyz(3.0, 2.2, 3.8).looking_at(Vec3::Y * 0.9, Vec3::Y)));
     commands.spawn((
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Plane3d::default().mesh().size(8.0, 8.0))),
+        MeshMaterial3d(materials.add(Color::srgb(0.3, 0.35, 0.4))),
+        ClothCollider::ground(),
+    ));
+    commands.spawn((
+        Mesh3d(meshes.add(Sphere::new(0.5))),
+        MeshMaterial3d(materials.add(Color::WHITE)),
+        Transform::from_xyz(0.0, 0.9, -0.1),
+        ClothCollider::ball(0.5),
     ));
     let red = Color::srgb(0.75, 0.12, 0.1);
     commands.spawn((
@@ -26,11 +37,5 @@ pub fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut mater
         Cloth, // every other setting has a default
         ClothMaterial::COTTON,
         ClothPins::where_position(|p| p.z < -0.99), // in the space of the mesh [m]
-    ));
-    commands.spawn((
-        Mesh3d(meshes.add(Sphere::new(0.5))),
-        MeshMaterial3d(materials.add(Color::WHITE)),
-        Transform::from_xyz(0.0, 0.9, -0.1),
-        ClothCollider::ball(0.5),
     ));
 }

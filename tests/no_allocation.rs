@@ -44,7 +44,7 @@ fn a_warm_and_clean_step_with_untangling_allocates_nothing() {
     over_a_box.bodies.push(Body::at_rest(cuboid, Pose::IDENTITY));
     let bodies = [("needles", scenes::needles(20)), ("funnel", scenes::funnel(20)), ("box", over_a_box)];
     let scenes = [("hang", scenes::hang(32)), ("waves", scenes::tangle(Tangle::Waves, 20))].into_iter().chain(bodies);
-    let untangled = |scene: Scene| scene.untangled(Default::default(), Default::default(), true).expect("a few cloths");
+    let untangled = |scene: Scene| scenes::untangled(scene, true);
     let without = ("hang without contacts", untangled(scenes::hang(32)).without_contact());
     for (name, mut scene) in scenes.map(|(name, scene)| (name, untangled(scene))).chain([without]) {
         // A funnel takes a while to swallow a sheet; lists of what is near its wall grow until then.

@@ -28,7 +28,7 @@
 
 mod arguments;
 mod character;
-#[path = "../../tests/detection/checker.rs"]
+#[path = "../../tests/untangling/checker.rs"]
 mod checker;
 #[path = "../cli/mod.rs"]
 mod cli;

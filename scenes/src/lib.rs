@@ -18,6 +18,8 @@ mod units;
 use std::sync::Arc;
 
 use bevy_drape::solver::body::{Body, Pose, shape};
+use bevy_drape::solver::evaluate::EvaluateSettings;
+use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 pub use bevy_drape::solver::scene::{GRAVITY, Scene, SceneCloth, StageTimes, Untangling, grid};
 use bevy_drape::solver::settings::Fabric;
@@ -38,6 +40,15 @@ pub use stack::stack;
 pub use tangles::Tangle;
 pub use twist::twist;
 pub use units::Unit;
+
+/// The scene with default untangling from now on: each cloth with the others and, if `self_collision`, with itself.
+///
+/// # Panics
+/// With more cloths or particles than an island takes.
+#[must_use]
+pub fn untangled(scene: Scene, self_collision: bool) -> Scene {
+    scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), self_collision).expect("a few cloths")
+}
 
 /// Areal density of the cloths in these scenes `[kg/m²]`.
 pub const DENSITY: f32 = 0.3;

@@ -5,7 +5,7 @@ use core::ops::{Deref, DerefMut};
 /// Reused memory, beside what decides the next frame: nobody reads what an earlier frame left in it. So any two are equal, a clone is empty, and nothing of it
 /// is recorded.
 #[derive(Debug, Default)]
-pub struct Buffer<T>(T);
+pub struct Buffer<T>(pub T);
 
 impl<T> Deref for Buffer<T> {
     type Target = T;

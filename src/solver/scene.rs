@@ -63,7 +63,7 @@ pub struct SceneCloth {
     /// The last frame.
     pub report: StepReport,
     /// The frame under way, where it is stepped with others.
-    done: Option<StepReport>,
+    pub done: Option<StepReport>,
     /// What is shown while it is tangled.
     pub display: Display,
     /// Order of layers: larger numbers are worn outside; set it before [`Scene::untangled`].

@@ -1,7 +1,5 @@
 //! How tangled cloth is, and how strong the means are that are used against it.
 
-use super::resolve::Contour;
-
 /// How tangled a surface is; of what is not held as it is, by pins or by the skin.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -19,14 +17,6 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Takes in a contour.
-    pub(super) fn add(&mut self, contour: &Contour) {
-        self.crossings += contour.count;
-        self.contours += 1;
-        self.contour_length += contour.length;
-        self.regions += u32::from(contour.kind.separates());
-    }
-
     /// Edges that cross faces, where they were looked at last.
     #[must_use]
     pub fn all_crossings(&self) -> u32 {

@@ -5,6 +5,7 @@ mod common;
 
 mod actions;
 mod cost;
+mod drag;
 mod files;
 mod live;
 mod numbers;

@@ -12,7 +12,7 @@ mod hello_cloth;
 #[test]
 fn the_first_example_has_a_cloth_that_lies_over_its_ball() {
     let mut app = app();
-    app.init_asset::<StandardMaterial>().insert_resource(ClothGlobalWind::new(Vec3::X * 2.0));
+    app.init_asset::<StandardMaterial>().insert_resource(ClothGlobalWind::new(Vec3::new(0.5, 0.0, -1.0)));
     app.add_systems(Startup, hello_cloth::setup);
     // What starts up was over before it was added.
     app.world_mut().run_schedule(Startup);

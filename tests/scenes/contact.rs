@@ -81,7 +81,7 @@ fn a_ball_at_30_m_per_s_does_not_pass_a_held_cloth() {
         let path = |time: f32| at(time.min(0.4 / speed));
         let ball = shape::ball(radius).expect("a ball");
         scene.bodies.push(Body::at_rest(ball, path(0.0)));
-        let mut scene = untangled(scene);
+        let mut scene = untangled(scene, true);
         for frame in 1..=60 {
             let body = &mut scene.bodies[0];
             (body.from, body.to) = (body.to, path(frame as f32 * FRAME));
@@ -107,7 +107,7 @@ fn a_cloth_at_30_m_per_s_does_not_pass_a_wall_or_another_cloth() {
     let wall = shape::cuboid(vec3(2.0, 0.01, 2.0)).expect("a wall");
     scene.bodies.push(Body::at_rest(wall, Pose::IDENTITY));
     throw(&mut scene.cloths[0], vec3(0.0, -30.0, 0.0));
-    let mut scene = untangled(scene);
+    let mut scene = untangled(scene, true);
     for frame in 1..=30 {
         scene.step(FRAME);
         assert!(scene.cloths[0].lowest() > 0.01, "frame {frame}: lowest particle at {} m", scene.cloths[0].lowest());
@@ -119,7 +119,7 @@ fn a_cloth_at_30_m_per_s_does_not_pass_a_wall_or_another_cloth() {
         let thrown = sheet(24, 0.8, turn, vec3(0.01, 0.6, 0.02), false);
         let mut scene = Scene::new(vec![held, thrown]);
         throw(&mut scene.cloths[1], vec3(0.0, -30.0, 0.0));
-        let mut scene = untangled(scene);
+        let mut scene = untangled(scene, true);
         for frame in 1..=30 {
             scene.step(FRAME);
             let shown = crate::Picture::of(&scene).crossings();
@@ -153,7 +153,7 @@ fn slides(degrees: f32, friction: f32) -> f32 {
     scene.cloths.iter_mut().for_each(SceneCloth::prepare);
     let along = turn * Vec3::X;
     let middle = |scene: &Scene| scene.cloths[1].state.positions.iter().map(|x| along.dot(x.truncate())).sum::<f32>() / 144.0;
-    let mut scene = untangled(scene);
+    let mut scene = untangled(scene, true);
     let start = middle(&scene);
     (0..60).for_each(|_| scene.step(FRAME));
     middle(&scene) - start
@@ -180,7 +180,7 @@ fn two_free_cloths_that_collide_keep_their_momentum() {
     // Air would take some.
     scene.wind.density = 0.0;
     scene.cloths.iter_mut().for_each(|cloth| cloth.fabric.drag = 0.0);
-    let mut scene = untangled(scene);
+    let mut scene = untangled(scene, true);
     let size = scene.cloths.iter().map(|c| c.rest.areas.iter().sum::<f32>() * c.fabric.density * 3.0).sum::<f32>();
     let start = momentum(&scene);
     let mut touched = 0;
@@ -200,7 +200,7 @@ fn borne() -> (f32, f32) {
     let weight = upper.rest.areas.iter().sum::<f32>() * upper.fabric.density * -GRAVITY.y;
     let mut scene = Scene::new(vec![lower, upper]);
     scene.bodies.push(Body::at_rest(shape::half_space(Vec3::Y).expect("a floor"), Pose::IDENTITY));
-    let mut scene = untangled(scene);
+    let mut scene = untangled(scene, true);
     (0..240).for_each(|_| scene.step(FRAME));
     let mut sum = 0.0;
     for _ in 0..60 {
@@ -234,7 +234,7 @@ fn part(n: u32, turn: f32, masses: [f32; 2], restitution: [f32; 2]) -> (f64, f32
         cloth.prepare();
     }
     throw(&mut scene.cloths[1], vec3(0.0, -1.0, 0.0));
-    let mut scene = untangled(scene);
+    let mut scene = untangled(scene, true);
     let mean = |cloth: &SceneCloth| {
         let sum: DVec3 =
             cloth.rest.areas.iter().enumerate().map(|(i, a)| f64::from(*a) * cloth.state.velocity(i).as_dvec3()).sum();
@@ -272,7 +272,7 @@ fn calm_cloths_part_as_their_restitution_says() {
             cloth.fabric.restitution = restitution;
             cloth.prepare();
         }
-        let mut scene = untangled(scene);
+        let mut scene = untangled(scene, true);
         (0..60).for_each(|_| scene.step(FRAME));
         assert!(scene.cloths.iter().all(|c| c.scratch.is_settling()));
         let above = &mut scene.cloths[1];
@@ -340,7 +340,7 @@ fn cloth_on_a_body_that_touches_no_cloth_keeps_every_bit() {
         scene.bodies.push(Body::at_rest(shape::half_space(turn * Vec3::Y).expect("a slope"), Pose::IDENTITY));
         scene
     };
-    let (mut alone, mut together) = (sheets(), untangled(sheets()));
+    let (mut alone, mut together) = (sheets(), untangled(sheets(), true));
     let mut pairs = 0;
     for frame in 1..=120 {
         alone.step(FRAME);
@@ -359,7 +359,7 @@ fn cloth_on_a_body_that_touches_no_cloth_keeps_every_bit() {
 fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
     // Of 12² lies on its faces, of 20² on its particles.
     for n in [12, 20] {
-        let mut scene = untangled(sheets(n));
+        let mut scene = untangled(sheets(n), true);
         (0..300).for_each(|_| scene.step(FRAME));
         for cloth in &scene.cloths {
             let speed = mean_speed(cloth);
@@ -371,7 +371,7 @@ fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
 /// Friction of 0.5 holds them.
 #[test]
 fn sheets_on_a_ball_do_not_slide_off_each_other() {
-    let mut scene = untangled(pile(3, 24, 0.4, shape::ball(0.4).expect("a ball")));
+    let mut scene = untangled(pile(3, 24, 0.4, shape::ball(0.4).expect("a ball")), true);
     (0..180).for_each(|_| scene.step(FRAME));
     let slid = slides_by(&mut scene, 300);
     assert_eq!(scene.crossings(), 0);
@@ -382,7 +382,7 @@ fn sheets_on_a_ball_do_not_slide_off_each_other() {
 #[test]
 fn two_sheets_over_a_box_stay() {
     for seed in [0, 1] {
-        let mut scene = untangled(pile(2, 20, 0.3, shape::cuboid(Vec3::splat(0.3)).expect("a box")).jittered(seed));
+        let mut scene = untangled(pile(2, 20, 0.3, shape::cuboid(Vec3::splat(0.3)).expect("a box")).jittered(seed), true);
         (0..300).for_each(|_| scene.step(FRAME));
         let slid = slides_by(&mut scene, 300);
         assert_eq!(scene.crossings(), 0);
@@ -403,7 +403,7 @@ fn a_fold_on_a_slope_stays() {
         cloth.state.positions[i] = x.extend(cloth.state.positions[i].w);
     }
     cloth.state.previous.clone_from(&cloth.state.positions);
-    let mut scene = untangled(Scene::new(vec![cloth]));
+    let mut scene = untangled(Scene::new(vec![cloth]), true);
     scene.bodies.push(Body::at_rest(shape::half_space(Vec3::Y).expect("a plane"), Pose::IDENTITY));
     (0..300).for_each(|_| scene.step(FRAME));
     for tilt in 1..=10u8 {
@@ -423,7 +423,7 @@ fn curtains_whose_folds_touch_come_to_rest() {
     let (rest, _) = RestShape::build(&mesh).expect("a curtain");
     let rest = Arc::new(rest);
     let curtain = |z: f32| SceneCloth::new(Arc::clone(&rest), fabric(), vec3(0.0, 0.0, z), &top);
-    let mut scene = untangled(Scene::new(vec![curtain(0.0), curtain(0.002)]));
+    let mut scene = untangled(Scene::new(vec![curtain(0.0), curtain(0.002)]), true);
     let wide: Vec<f32> = scene.cloths[0].anchors.to.iter().map(|to| to.x).collect();
     for frame in 1..=360 {
         // Drawn together to four fifths of their width in two seconds.

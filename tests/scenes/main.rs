@@ -1,21 +1,17 @@
 //! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a thousandth
 //! of an edge. What is shown is checked with code that shares nothing with the detector.
 
-#[path = "../detection/checker.rs"]
+#[path = "../untangling/checker.rs"]
 mod checker;
 mod contact;
 mod shown;
 
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
-use drape_scenes::{self as scenes, Scene};
+use drape_scenes::{self as scenes, Scene, untangled};
 use shown::Picture;
 
 const FRAME: f32 = 1.0 / 60.0;
-
-fn untangled(scene: Scene) -> Scene {
-    scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true).expect("a few cloths")
-}
 
 /// Runs a scene from three starts and asserts that no shown frame crosses, that at most 0.5 % of all frames are held, and that no edge is
 /// ever longer than `longest` times its rest length.
@@ -28,7 +24,7 @@ fn shows_no_crossing_from<const N: usize>(seeds: [u64; N], name: &str, frames: u
     let (mut held, mut worst) = (0, 0.0f32);
     let all = frames * N as u32;
     for seed in seeds {
-        let mut scene = untangled(scene().jittered(seed));
+        let mut scene = untangled(scene().jittered(seed), true);
         for frame in 1..=frames {
             scene.step(FRAME);
             let crossings = Picture::of(&scene).crossings();

@@ -1,8 +1,8 @@
 //! The contours between each two cloths, sorted, so that nobody has to look through all of them for those of a pair.
 
-use super::View;
 use super::contour::ContourGraph;
 use super::separation::Member;
+use super::view::View;
 
 /// The cloths on the two sides of a contour.
 pub(super) fn cloths(view: View<'_>, graph: &ContourGraph, contour: usize) -> Option<[u16; 2]> {

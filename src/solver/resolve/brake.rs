@@ -2,9 +2,10 @@
 
 use glam::{Vec3, Vec4};
 
+use super::Resolver;
 use super::share::{load, shares};
 use super::tracked::Strategy;
-use super::{Resolver, View};
+use super::view::View;
 
 impl Resolver {
     /// Removes the velocity with which the two sides of a contour run deeper into each other, and no other. The exchange is that of a

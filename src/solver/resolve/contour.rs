@@ -474,3 +474,12 @@ impl Tally {
         }
     }
 }
+impl Verdict {
+    /// Takes in a contour.
+    pub(in crate::solver) fn add(&mut self, contour: &Contour) {
+        self.crossings += contour.count;
+        self.contours += 1;
+        self.contour_length += contour.length;
+        self.regions += u32::from(contour.kind.separates());
+    }
+}

@@ -12,12 +12,9 @@
 
 use glam::{Vec3, Vec4};
 
-use super::between::cloths;
-use super::contour::ContourGraph;
+use super::facing::AGREE;
 use super::plan::Plans;
-use super::separate::{AGREE, ONE_WAY, agreement, facing, facing_at, mean};
-use super::separation::{Course, Member, Stray};
-use super::{Resolver, View};
+use super::separation::Stray;
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 use crate::solver::topology::NONE;
@@ -30,25 +27,16 @@ const MANY: f32 = 0.1;
 /// How far is looked for a cloth on the wrong side, in thicknesses and in edges; the larger counts.
 const REACH: [f32; 2] = [10.0, 4.0];
 
-/// Which side of a contour the inner cloth is on: pairs are named the outer one first.
-const INNER: usize = 1;
-
-/// Share of the pins met on the way that must hold both cloths in another order for it to be theirs.
-const HELD: f32 = 0.5;
-
-/// Share of the crossings that moving one way must undo.
-const UNDONE: f32 = 0.8;
-
 /// Two cloths whose order is being restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-struct Pair {
+pub(super) struct Pair {
     /// The outer and the inner cloth.
-    cloths: [u16; 2],
+    pub cloths: [u16; 2],
     /// What is being done; 0: nothing.
-    plan: u32,
+    pub plan: u32,
     /// Whether pins hold them in another order.
-    held: bool,
+    pub held: bool,
 }
 
 /// What is being done about the order of layers. Buffers are reused.
@@ -56,10 +44,10 @@ struct Pair {
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Layers {
     pub plans: Plans,
-    pairs: Vec<Pair>,
+    pub pairs: Vec<Pair>,
     /// Particles found on the wrong side, with their outer and inner cloths.
-    strays: Vec<([u16; 2], Stray)>,
-    of_pair: Vec<Stray>,
+    pub strays: Vec<([u16; 2], Stray)>,
+    pub of_pair: Vec<Stray>,
     counts: Vec<u32>,
     turn: u32,
     /// Whether to look at all particles at once.
@@ -171,63 +159,11 @@ fn hit(surface: &Surface, positions: &[Vec4], from: Vec3, path: Vec3, face: u32)
 }
 
 /// The outer and the inner one of two cloths; none if they have no order.
-fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
+pub(super) fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
     let [x, y] = [a, b].map(|p| surface.parts[usize::from(p)].layer);
     match x.cmp(&y) {
         core::cmp::Ordering::Greater => Some([a, b]),
         core::cmp::Ordering::Less => Some([b, a]),
         core::cmp::Ordering::Equal => None,
-    }
-}
-
-/// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own. None where the cloths
-/// face opposite ways: what one goes by would drive the other out, too.
-fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray]) -> Option<Course> {
-    // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
-    let mean = mean(facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| facing(view, s.face))));
-    if mean.length() > ONE_WAY {
-        return Some(Course::Along(mean.normalize_or_zero()));
-    }
-    (agreement(view, graph, set) > -AGREE).then_some(Course::Facing([1.0, -1.0]))
-}
-
-impl Resolver {
-    /// Plans how cloths get into the order of their layers, in steps of at most `step` `[m]`.
-    pub(super) fn order(&mut self, view: View<'_>, step: f32) {
-        let Self { graph, between, layers: Layers { plans, pairs, strays, of_pair, .. }, separation, set, .. } = self;
-        pairs.retain(|p| plans.is_live(p.plan));
-        let at_contours = (0..graph.contours.len()).filter_map(|k| ordered(view.surface, cloths(view, graph, k)?));
-        for cloths in at_contours.chain(strays.iter().map(|s| s.0)) {
-            if pairs.iter().any(|p| p.cloths == cloths) {
-                continue;
-            }
-            set.clear();
-            set.extend(between.of(cloths));
-            of_pair.clear();
-            of_pair.extend(strays.iter().filter(|s| s.0 == cloths).map(|s| s.1));
-            let (mut plan, mut held) = (0, false);
-            if let Some(course) = outward(view, graph, set, of_pair) {
-                separation.look_from(view, graph, set, of_pair, course);
-                held = separation.pins[1] as f32 >= HELD * (separation.pins[0].max(1)) as f32;
-                if !held && separation.cost > 0.0 && (set.is_empty() || separation.undone >= UNDONE) {
-                    plan = plans.carry_out(view, graph, set, separation, step);
-                }
-            }
-            pairs.push(Pair { cloths, plan, held });
-        }
-        // What nothing is done about is as good as in order.
-        strays.retain(|s| pairs.iter().any(|p| p.cloths == s.0 && p.plan != 0));
-    }
-
-    /// Cloths whose order of layers is not that of their pins, and is let be: the one that is to be outside first.
-    pub fn overruled_layers(&self) -> impl Iterator<Item = [u16; 2]> + '_ {
-        self.layers.pairs.iter().filter(|p| p.held).map(|p| p.cloths)
-    }
-
-    /// Whether the order of layers takes care of a contour.
-    pub(super) fn is_ordered(&self, view: View<'_>, contour: usize) -> bool {
-        let pairs = &self.layers.pairs;
-        let pair = cloths(view, &self.graph, contour).and_then(|c| ordered(view.surface, c));
-        pair.is_some_and(|c| pairs.iter().any(|p| p.cloths == c && p.plan != 0))
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::Vec4;
 
-use super::{Resolver, View};
+use super::Resolver;
+use super::view::View;
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::topology::NONE;
 

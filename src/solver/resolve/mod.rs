@@ -24,7 +24,9 @@ pub mod tracked;
 pub mod region;
 mod between;
 mod brake;
+mod facing;
 mod layers;
+mod order;
 mod mark;
 mod nearest;
 mod patch;
@@ -37,6 +39,7 @@ mod share;
 mod shift;
 mod shrink;
 mod turns;
+mod view;
 mod votes;
 
 pub use contour::{Contour, ContourGraph, ContourKind};
@@ -60,6 +63,7 @@ use region::Flood;
 use separation::{Member, Separation};
 use shift::Shift;
 use tracked::TrackedContours;
+use view::View;
 
 /// Crossings of a contour between two loop vertices from which on its sides are sheets, not feature_edges.
 const LONG: u32 = 32;
@@ -117,14 +121,6 @@ impl Default for ResolveSettings {
     fn default() -> Self {
         Self { method: Method::default(), step: 0.1, patience: 10, pace: 5.0, spread: 0.5 }
     }
-}
-
-/// What an iteration looks at.
-#[derive(Clone, Copy)]
-struct View<'a> {
-    surface: &'a Surface,
-    crossings: &'a [Crossing],
-    positions: &'a [Vec4],
 }
 
 /// Takes tangles apart, one iteration per call. Buffers are reused; nothing is allocated once warm.

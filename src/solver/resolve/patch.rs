@@ -2,8 +2,8 @@
 
 use crate::solver::detect::Surface;
 
-use super::View;
 use super::contour::ContourGraph;
+use super::view::View;
 
 /// The particles of the two sides of a contour.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use super::share::{load, shares};
 use super::shrink::saturate;
-use super::{ResolveSettings, Resolver, View};
+use super::view::View;
+use super::{ResolveSettings, Resolver};
 
 /// Passes of smoothing along the contour.
 const PASSES: usize = 16;

@@ -6,11 +6,11 @@ use glam::Vec3;
 
 use crate::solver::buffer::Buffer;
 
-use super::View;
 use super::contour::ContourGraph;
 use super::separation::{Member, Seen, Separation, nodes};
 use super::share::{load, shares};
 use super::shift::Shift;
+use super::view::View;
 
 /// Strain of an edge along the way that the displacements may leave (dimensionless): a strip that was stabbed through a sheet is drawn out whole.
 const STRAIN: f32 = 0.1;

@@ -6,7 +6,8 @@ use super::contour::{ContourGraph, ContourKind};
 use super::region::{Flood, Region};
 use super::separation::largest_area;
 use super::share::{Load, load, shares};
-use super::{ResolveSettings, Resolver, View, tracked};
+use super::view::View;
+use super::{ResolveSettings, Resolver, tracked};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::topology::NONE;
 

@@ -15,9 +15,8 @@
 
 use glam::Vec3;
 
-use super::View;
 use super::contour::ContourGraph;
-use super::separate::facing;
+use super::view::View;
 use crate::solver::topology::NONE;
 
 /// Share of the crossings that a direction must undo.
@@ -300,6 +299,12 @@ fn pass([p, q]: [Vec3; 2], [r, s]: [Vec3; 2], along: Vec3) -> Option<f32> {
     let (x, y) = (w.dot(v.cross(along)) / slope, w.dot(u.cross(along)) / slope);
     let meets = |x: f32| (0.0..=1.0).contains(&x);
     (slope.abs() > GRAZING * across.length() && meets(x) && meets(y)).then(|| w.dot(across) / slope)
+}
+
+/// Unit normal of a face, or zero.
+pub(super) fn facing(view: View<'_>, face: u32) -> Vec3 {
+    let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
+    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go `[m]`, and the face.

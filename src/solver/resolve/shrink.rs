@@ -10,7 +10,8 @@
 use glam::{DVec3, Vec3};
 
 use super::share::{load, shares};
-use super::{ResolveSettings, Resolver, View, tracked};
+use super::view::View;
+use super::{ResolveSettings, Resolver, tracked};
 
 /// Most rings that shrinking moves.
 const MOST_RINGS: usize = 1000;

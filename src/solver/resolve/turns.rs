@@ -7,7 +7,8 @@
 use glam::Vec4;
 
 use super::contour::ContourGraph;
-use super::{Method, ResolveSettings, Resolver, View};
+use super::view::View;
+use super::{Method, ResolveSettings, Resolver};
 
 impl Resolver {
     /// One iteration on every contour, or on as many as there may be work for: the next one goes on where this one stopped.

@@ -229,6 +229,7 @@ mod tests {
     use glam::vec3;
 
     use super::*;
+    use crate::solver::buffer::Buffer;
 
     /// A particle over or beside a face, or two edges, at random, and where they would go.
     fn pair(rng: &mut fastrand::Rng, kind: ProximityKind) -> (Contact, Vec<Vec4>, Vec<Vec4>) {
@@ -271,7 +272,8 @@ mod tests {
         };
         let pairs = [(9, 0), (0, 3), (1, 3), (2, 3), (3, 6), (4, 6), (5, 6)].map(|(particle, face)| on(particle, face));
         let particles = (0..10).collect();
-        let mut contacts = Contacts { pairs: pairs.to_vec(), particles, start, now, ..Contacts::default() };
+        let mut contacts =
+            Contacts { pairs: pairs.to_vec(), particles, start: Buffer(start), now: Buffer(now), ..Contacts::default() };
         assert!(contacts.clamp_motion());
         let height = |i: usize| contacts.now[i].z;
         assert_eq!(height(9), -1.9, "a pin goes where it is told");
@@ -299,11 +301,16 @@ mod tests {
             };
             met += u32::from(passes(&end));
             let particles = vec![0, 1, 2, 3];
-            let mut contacts =
-                Contacts { pairs: vec![pair], particles, start: start.clone(), now: end.clone(), ..Contacts::default() };
+            let mut contacts = Contacts {
+                pairs: vec![pair],
+                particles,
+                start: Buffer(start.clone()),
+                now: Buffer(end.clone()),
+                ..Contacts::default()
+            };
             contacts.clamp_motion();
             assert!(!passes(&contacts.now), "{n} {kind:?}");
-            cut += u32::from(contacts.now != end);
+            cut += u32::from(*contacts.now != end);
             let momentum = |x: &[Vec4]| x.iter().map(|x| x.truncate()).sum::<Vec3>();
             assert!(momentum(&contacts.now).distance(momentum(&end)) < 1e-4);
         }

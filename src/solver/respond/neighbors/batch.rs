@@ -3,58 +3,15 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::closest::{edges, find_four, vertex_faces};
-use super::narrow_phase::MOST_NEAR;
+use super::near::{Found, Near};
+use crate::solver::detect::ProximityKind;
 use crate::solver::detect::four::{Four, WIDE, each};
-use crate::solver::detect::{Proximity, ProximityKind};
+use crate::solver::detect::tree::LEAF;
 
-/// A particle and a face, or two edges, whose boxes meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Near {
-    pub(super) kind: ProximityKind,
-    /// As [`Proximity::particles`].
-    pub(super) particles: [u32; 4],
-    /// The faces whose boxes met.
-    pub(super) faces: [u32; 2],
-    /// What is, and stays, farther apart does not matter `[m]`.
-    pub(super) reach: f32,
-    /// Whether it is of two cloths.
-    pub(super) across: bool,
-}
-
-/// What a pair came to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Found {
-    pub(super) pair: Proximity,
-    /// The faces whose boxes met.
-    pub(super) faces: [u32; 2],
-    /// Unit vector towards the first primitive; not a number where nobody can tell.
-    pub(super) normal: Vec3,
-    /// How far apart it will be along it `[m]`.
-    pub(super) apart: f32,
-    /// How far apart it is at rest `[m]`, where that matters.
-    pub(super) at_rest: f32,
-    /// Whether it may touch; nothing else is known of one that does not.
-    pub(super) may_touch: bool,
-}
-
-impl Found {
-    const NOTHING: Self = Self {
-        pair: Proximity { kind: ProximityKind::VertexFace, particles: [0; 4], weights: [0.0; 4], distance: 0.0 },
-        faces: [0; 2],
-        normal: Vec3::NAN,
-        apart: 0.0,
-        at_rest: f32::INFINITY,
-        may_touch: false,
-    };
-
-    /// Whether the pair is, and stays, farther apart along its normal than `reach` `[m]`.
-    #[inline]
-    pub(super) fn is_far(&self, reach: f32) -> bool {
-        self.pair.distance >= reach && self.apart >= reach
-    }
-}
+/// Pairs whose closest points are found at once, at least: enough to fill all lanes, and few enough for the fastest cache.
+pub(super) const BATCH: usize = 64;
+/// With what a row of faces adds: of each pair of faces three corners of either, and three times three edges.
+const MOST_NEAR: usize = BATCH + LEAF * (3 + 3 + 3 * 3);
 
 /// What is near and what of it may touch, in the order in which it was asked for.
 #[derive(Debug)]

@@ -5,7 +5,7 @@
 
 use glam::{BVec4A, Mat4, Vec3, Vec3A, Vec4};
 
-use super::batch::{Found, Near};
+use super::near::{Found, Near};
 use crate::solver::detect::Proximity;
 use crate::solver::detect::four::{Four, WIDE, each, saturate};
 

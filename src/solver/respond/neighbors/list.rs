@@ -1,16 +1,11 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
-use super::batch::Found;
 use super::narrow_phase::NarrowPhase;
+use super::near::{Found, REST_SHARE};
 use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
-use crate::solver::detect::{ProximityKind, Surface};
+use crate::solver::detect::ProximityKind;
 use crate::solver::respond::contact::Contact;
-
-/// Pairs of one cloth are kept no farther apart than this share of their distance at rest (dimensionless). In folds of less
-/// than 60°, which are taken for [flat](crate::solver::detect::tree::FLAT), they may get to half of it. Yet 0.5 here took twice
-/// as long to untangle a garment of many layers **`[measured]`**.
-const REST_SHARE: f32 = 0.7;
 
 /// Share of their thickness at which pairs are kept apart where how far they are is not up to them (dimensionless). That is
 /// where both sides are pinned somewhere, as cloth beside pins that are closer would have to stretch. It is around a tangle,
@@ -96,15 +91,4 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     fn is_pinned(&self, ids: &[u32]) -> bool {
         ids.iter().any(|&v| self.pinned[v as usize])
     }
-}
-
-/// Whether it matters how far apart a pair is at rest: one cloth is kept no farther apart there, but for what is far away in it.
-#[inline]
-pub(super) fn rest_matters(surface: &Surface, touch: &[Touch], longest: &[f32], found: &Found) -> bool {
-    let [a, .., d] = found.pair.particles;
-    let part = surface.part(a);
-    let thickness = touch[usize::from(part)].thickness;
-    let near = 0.5 * (thickness + thickness) / REST_SHARE + 2.0 * longest[usize::from(part)];
-    let is_near = surface.rest[a as usize].distance_squared(surface.rest[d as usize]) < near * near;
-    part == surface.part(d) && is_near
 }

@@ -19,6 +19,7 @@ mod flat;
 mod patch;
 mod gap;
 mod narrow_phase;
+mod near;
 mod batch;
 mod closest;
 mod list;

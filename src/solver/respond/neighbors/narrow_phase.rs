@@ -4,10 +4,10 @@ use core::ops::Range;
 
 use glam::{Vec3A, Vec4};
 
-use super::batch::{Batch, Near};
+use super::batch::{BATCH, Batch};
 use super::flat::Flatness;
 use super::gap::{near, way};
-use super::list::rest_matters;
+use super::near::{Near, rest_matters};
 use super::patch::Patches;
 use super::refresh::DRIFT;
 use super::{Contacts, MARGIN, Moment, NeighborList, Touch};
@@ -21,11 +21,6 @@ const PRIMITIVES: usize = 2;
 
 /// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
 const MOST_PAIRS: usize = 32;
-
-/// Pairs whose closest points are found at once, at least: enough to fill all lanes, and few enough for the fastest cache.
-const BATCH: usize = 64;
-/// With what a row of faces adds: of each pair of faces three corners of either, and three times three edges.
-pub(super) const MOST_NEAR: usize = BATCH + LEAF * (3 + 3 + 3 * 3);
 
 impl NeighborList {
     /// What to ask leaves with whose boxes meet. Whether it is asked `anew`, of faces nobody has looked for crossings at since

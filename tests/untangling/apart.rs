@@ -9,7 +9,7 @@ use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::rest::{RestShape, SourceMesh};
 use bevy_drape::solver::verdict::Escalation;
-use drape_scenes::{self as scenes, Scene, SceneCloth, Seed, Tangle, fabric, grid};
+use drape_scenes::{self as scenes, Scene, SceneCloth, Seed, Tangle, fabric, grid, untangled};
 use glam::{Vec3, Vec4, vec3};
 
 const FRAME: f32 = 1.0 / 60.0;
@@ -31,22 +31,6 @@ fn depth(tangle: Tangle) -> f32 {
         Tangle::DeepDent => 0.4,
         Tangle::BorderOverlap => 0.45,
         Tangle::Corner | Tangle::StripStab | Tangle::TiltedStrip | Tangle::FullCut => 0.33,
-    }
-}
-
-fn untangled(scene: Scene, self_collision: bool) -> Scene {
-    scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), self_collision).expect("a few cloths")
-}
-
-fn jitter(scene: &mut Scene, seed: u64) {
-    let mut rng = fastrand::Rng::with_seed(seed);
-    for cloth in &mut scene.cloths {
-        let size = 1.0e-3 * cloth.rest.mean_edge;
-        for position in &mut cloth.state.positions {
-            let mut one = || size * (2.0 * rng.f32() - 1.0);
-            *position += Vec4::new(one(), one(), one(), 0.0);
-        }
-        cloth.state.previous.clone_from(&cloth.state.positions);
     }
 }
 
@@ -89,7 +73,7 @@ fn come_apart(n: u32, jitters: u64, self_collision: bool) {
         for masses in MASSES {
             for seed in 1..=jitters {
                 let mut scene = scenes::tangle(tangle, n);
-                jitter(&mut scene, seed);
+                scene = scene.jittered(seed);
                 weigh(&mut scene, masses);
                 let start = positions(&scene);
                 let mut scene = untangled(scene, self_collision);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bevy_drape::solver::body::{Body, Pose, SharedShape};
-use bevy_drape::solver::couple::{Given, Rigid};
+use bevy_drape::solver::couple::{Reaction, Rigid};
 use bevy_drape::solver::rest::RestShape;
 use bevy_drape::solver::settings::Fabric;
 use bevy_drape::solver::step::{FrameInput, prepare, step};
@@ -24,13 +24,13 @@ struct Ball {
     mass: f32,
     radius: f32,
     gravity: f32,
-    given: Given,
+    given: Reaction,
 }
 
 impl Ball {
     fn new(mass: f32, radius: f32, at: Vec3) -> Self {
         let (velocity, spin) = (Vec3::ZERO, Vec3::ZERO);
-        Self { at, turn: Quat::IDENTITY, velocity, spin, mass, radius, gravity: G, given: Given::default() }
+        Self { at, turn: Quat::IDENTITY, velocity, spin, mass, radius, gravity: G, given: Reaction::default() }
     }
 
     fn inertia(&self) -> f32 {
@@ -53,7 +53,7 @@ impl Ball {
         (rigid, Body::new(SharedShape::ball(self.radius), from, Pose::from_parts(self.at, self.turn)))
     }
 
-    fn take(&mut self, given: Given) {
+    fn take(&mut self, given: Reaction) {
         self.velocity += given.linear / self.mass;
         self.spin += given.angular / self.inertia();
         self.at += given.shift;
@@ -63,7 +63,13 @@ impl Ball {
 }
 
 /// Steps a cloth and a ball by a frame. `hold`: places of pins in the anchors that hang on the ball. Returns what each of `masts` was given.
-fn frame(cloth: &mut SceneCloth, ball: Option<&mut Ball>, hold: &[u32], masts: &[(Vec3, &[u32])], gravity: Vec3) -> Vec<Given> {
+fn frame(
+    cloth: &mut SceneCloth,
+    ball: Option<&mut Ball>,
+    hold: &[u32],
+    masts: &[(Vec3, &[u32])],
+    gravity: Vec3,
+) -> Vec<Reaction> {
     let coupling = cloth.scratch.coupling_mut();
     coupling.clear();
     for (at, pins) in masts {
@@ -391,7 +397,7 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
         let mut fastest = 0.0_f32;
         for _ in 0..60 {
             let (rigid, body) = ball.advance();
-            let mut sum = Given::default();
+            let mut sum = Reaction::default();
             for cloth in &mut sheets {
                 let coupling = cloth.scratch.coupling_mut();
                 coupling.clear();

@@ -4,19 +4,13 @@
 use std::sync::Arc;
 
 use bevy_drape::solver::body::{Body, Pose, shape};
-use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::island::UntangleSettings;
 use bevy_drape::solver::rest::RestShape;
-use drape_scenes::{Scene, SceneCloth, fabric, funnel, grid, needles};
+use drape_scenes::{Scene, SceneCloth, fabric, funnel, grid, needles, untangled};
 use glam::{DVec3, Quat, Vec3, vec3};
 
 const FRAME: f32 = 1.0 / 60.0;
 /// How deep a midpoint of an edge or a middle of a face may lie in a body [m].
 const DEEPEST: f32 = 1.0e-3;
-
-fn untangled(scene: Scene) -> Scene {
-    scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true).expect("a few cloths")
-}
 
 /// A level sheet of 1 m and `n` x `n` vertices, held at the corners if `held`.
 fn sheet(n: u32, at: Vec3, held: bool) -> SceneCloth {
@@ -59,7 +53,7 @@ fn no_needle_comes_through_a_sheet_that_falls_on_twenty() {
     let axes: Vec<[DVec3; 2]> = needles::feet().map(Vec3::as_dvec3).map(|foot| [foot, foot + DVec3::Y * height]).collect();
     for n in [13, 20, 28] {
         for seed in 1..=2 {
-            let mut scene = untangled(needles(n).jittered(seed));
+            let mut scene = untangled(needles(n).jittered(seed), true);
             for frame in 1..=150 {
                 scene.step(FRAME);
                 let (x, faces) = shown(&scene);
@@ -94,7 +88,7 @@ fn a_ball_smaller_than_a_face_does_not_pass_a_held_sheet() {
             // It stops 0.1 m below, where the cloth can follow within its strain limit.
             let path = |time: f32| Pose::from_translation(off * edge + Vec3::Y * (0.1 - speed * time).max(-0.1));
             scene.bodies.push(Body::at_rest(shape::ball(radius).expect("a ball"), path(0.0)));
-            let mut scene = untangled(scene);
+            let mut scene = untangled(scene, true);
             for frame in 1..=60 {
                 let body = &mut scene.bodies[0];
                 (body.from, body.to) = (body.to, path(frame as f32 * FRAME));
@@ -120,7 +114,7 @@ fn a_sheet_on_a_corner_or_an_edge_of_a_box_does_not_sink_in() {
             let mut scene = Scene::new(vec![sheet(n, vec3(0.011, 0.5, 0.017), false)]);
             let pose = Pose::from_parts(Vec3::ZERO, turn);
             scene.bodies.push(Body::at_rest(shape::cuboid(half).expect("a box"), pose));
-            let mut scene = untangled(scene);
+            let mut scene = untangled(scene, true);
             let (back, half) = (turn.inverse().as_dquat(), half.as_dvec3());
             for frame in 1..=90 {
                 scene.step(FRAME);
@@ -135,7 +129,7 @@ fn a_sheet_on_a_corner_or_an_edge_of_a_box_does_not_sink_in() {
 fn a_sheet_over_the_corners_of_a_box_is_not_drawn_out() {
     let mut scene = Scene::new(vec![sheet(60, Vec3::Y * 0.32, false)]).jittered(1);
     scene.bodies.push(Body::at_rest(shape::cuboid(Vec3::splat(0.3)).expect("a box"), Pose::IDENTITY));
-    let mut scene = untangled(scene);
+    let mut scene = untangled(scene, true);
     for frame in 1..=120 {
         scene.step(FRAME);
         let edge = scene.cloths[0].report.worst_edge;
@@ -180,7 +174,7 @@ fn a_sheet_goes_through_a_funnel_and_not_through_its_wall() {
     let (vertices, triangles) = funnel::surface();
     let walls: Vec<[DVec3; 3]> = triangles.iter().map(|t| t.map(|v| vertices[v as usize].as_dvec3())).collect();
     for n in [13, 20, 28] {
-        let mut scene = untangled(funnel(n).jittered(1));
+        let mut scene = untangled(funnel(n).jittered(1), true);
         let (frames, mut through) = (300, 0);
         for _ in 0..frames {
             scene.step(FRAME);

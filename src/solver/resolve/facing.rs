@@ -1,0 +1,41 @@
+//! Where sheets face along contours.
+
+use glam::Vec3;
+
+use super::contour::ContourGraph;
+use super::separation::{Member, facing, nodes};
+use super::view::View;
+
+/// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of normals within 80° of
+/// it: all around a tube it is none, and what brings one flank of it in drives the other one out.
+pub(super) const ONE_WAY: f32 = 0.7;
+
+/// Smallest cosine between normals that face the same way (dimensionless): of layers that lie on each other, and on the mean, as [`agreement`], of
+/// sides that go apart each along the normals of the other.
+pub(super) const AGREE: f32 = 0.5;
+
+/// Where a side faces at each crossing of some contours.
+pub(super) fn facing_at<'a>(
+    view: View<'a>,
+    graph: &'a ContourGraph,
+    set: &'a [Member],
+    side: usize,
+) -> impl Iterator<Item = Vec3> + 'a {
+    nodes(graph, set).map(move |(i, of_edge)| {
+        let c = &view.crossings[i];
+        facing(view, if of_edge == side { view.surface.topology.edge_faces[c.edge as usize][0] } else { c.face })
+    })
+}
+
+/// Mean of unit normals, shorter the less they agree; zero of none.
+pub(super) fn mean(normals: impl Iterator<Item = Vec3>) -> Vec3 {
+    let (sum, count) = normals.fold((Vec3::ZERO, 0), |(sum, count), normal| (sum + normal, count + 1));
+    sum / f32::max(count as f32, 1.0)
+}
+
+/// How much the sides of some contours face the same way where they cross: 1, or the opposite way, -1 (dimensionless).
+pub(super) fn agreement(view: View<'_>, graph: &ContourGraph, set: &[Member]) -> f32 {
+    let [mine, theirs] = [0, 1].map(|side| facing_at(view, graph, set, side));
+    let (sum, count) = mine.zip(theirs).fold((0.0, 0), |(sum, count), (n, m)| (sum + n.dot(m), count + 1));
+    sum / f32::max(count as f32, 1.0)
+}

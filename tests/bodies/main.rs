@@ -1,0 +1,5 @@
+//! Cloth and bodies, without an engine.
+
+mod coupling;
+mod fine;
+mod whole_sheets;

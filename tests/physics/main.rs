@@ -1,0 +1,5 @@
+//! Cloth is physics, without an engine: laws, fabrics, skinned constraints.
+
+mod characters;
+mod cloth;
+mod fabrics;

@@ -1,0 +1,6 @@
+//! Untangling, without an engine: what crosses is found, and comes apart.
+
+mod apart;
+mod checker;
+mod detection;
+mod methods;
