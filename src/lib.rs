@@ -58,7 +58,7 @@ pub use query::ClothQuery;
 #[cfg(feature = "record")]
 pub use recorder::{ClothRecorder, ClothRecorderPlugin};
 pub use schedule::ClothSystems;
-pub use simulation::{ClothParticles, ClothRest};
+pub use simulation::{ClothParticles, ClothPose, ClothPoseError, ClothRest};
 pub use skin_query::ClothSkinQuery;
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 
@@ -70,11 +70,12 @@ pub mod prelude {
         ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError, ClothFailed,
         ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLoading, ClothLod,
         ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPiece,
-        ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPriority, ClothQuery, ClothReaction, ClothRecovered,
-        ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept,
-        ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode,
-        ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated,
-        ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
+        ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPose, ClothPriority, ClothQuery, ClothReaction,
+        ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
+        ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost,
+        ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
+        ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke,
+        NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -22,7 +22,7 @@ use crate::time::ClothTime;
 /// written. What cameras saw is not in it, so do without `ClothLod` where bits matter.
 ///
 /// Capture and restore between two updates, or in an exclusive system before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after
-/// [`ClothSystems::Sync`](crate::ClothSystems::Sync). A snapshot lives in memory, and only the world it is of can be restored from it.
+/// [`ClothSystems::Sync`](crate::ClothSystems::Sync). A snapshot lives in memory, and only the world it is of can be restored from it; for save games there is [`ClothPose`](crate::ClothPose).
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -96,11 +96,11 @@ fn a_cloth_that_comes_to_rest_allocates_nothing() {
     for _ in 0..60 {
         scene.step(1.0 / 60.0);
     }
-    // While it settles lists of contacts may still grow; when it becomes settling nothing does.
+    // While it settles lists of contacts may still grow; once it is settling nothing does.
     while !scene.cloths[0].scratch.is_settling() && scene.cloths[0].state.time < 60.0 {
         scene.step(1.0 / 60.0);
     }
-    assert!(scene.cloths[0].scratch.is_settling(), "not settling after 60 s");
+    assert!(scene.cloths[0].scratch.is_settling(), "does not settle in 60 s");
     let before = COUNT.with(Cell::get);
     for _ in 0..120 {
         scene.step(1.0 / 60.0);

@@ -7,20 +7,20 @@ use bevy::prelude::*;
 use super::paint::spread;
 use super::uniform_scale;
 use crate::components::{ClothDrive, ClothLimits, ClothMap};
-use crate::solver::ramp::SLEW_TIME;
+use crate::solver::ramp::RAMP_TIME;
 use crate::solver::rest::RestShape;
 use crate::solver::skinned::{PINNED, Skinned};
 use crate::solver::surface;
 
 /// The maps that are asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct NarrowPhase {
+pub(crate) struct Asked {
     pub max_distance: ClothMap,
     pub backstop_distance: ClothMap,
     pub frequency: ClothMap,
 }
 
-impl NarrowPhase {
+impl Asked {
     /// Those of the components of a cloth.
     pub fn of(limits: Option<&ClothLimits>, drive: Option<&ClothDrive>) -> Self {
         let of = |map: Option<&ClothMap>| map.cloned().unwrap_or_default();
@@ -43,7 +43,7 @@ impl NarrowPhase {
 /// What was asked of the skin, for particles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Followed {
-    pub asked: NarrowPhase,
+    pub asked: Asked,
     /// Maximum distances, backstop distances `[m]` and frequencies `[Hz]` that particles are to have; empty where there are none.
     wanted: [Vec<f32>; 3],
     /// Unit normals of the particles at rest; empty without a backstop.
@@ -59,7 +59,7 @@ pub(crate) struct Followed {
 impl Followed {
     /// Spreads maps over particles. What cannot be used is off, and told by name with the reason. `before`: what was asked of it until now.
     pub fn new(
-        asked: NarrowPhase,
+        asked: Asked,
         mesh: &Mesh,
         rest: &RestShape,
         bake: &Mat3,
@@ -82,7 +82,7 @@ impl Followed {
         let backstops = list("backstop_distance", &asked.backstop_distance, (-1.0, 1.0), scale);
         let frequencies = list("frequency", &asked.frequency, (0.0, ClothDrive::HIGHEST), 1.0);
         let normals = if backstops.is_empty() { Vec::new() } else { normals(mesh, rest, bake) };
-        let left = before.map(|_| SLEW_TIME);
+        let left = before.map(|_| RAMP_TIME);
         Self { asked, wanted: [distances, backstops, frequencies], normals, scale, bound, left }
     }
 

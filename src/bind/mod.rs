@@ -15,7 +15,7 @@ mod surface;
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve, slew_weights};
 pub(crate) use cache::{RestCache, Sources};
 pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
-pub(crate) use follow::{Followed, NarrowPhase};
+pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{corners, instance_of};
 pub(crate) use placement::{Placement, is_near, seen_from, uniform_scale};
 pub(crate) use read::{Authored, read, unreadable};

@@ -27,12 +27,12 @@ impl Coupled {
         self.pinned.clear();
     }
 
-    /// Whether the cloth gave a body something in this frame. NarrowPhase after `give`.
+    /// Whether the cloth gave a body something in this frame. Asked after `give`.
     pub fn gives(&self) -> bool {
         !self.gave.is_empty()
     }
 
-    /// Whether it is pinned to a body that takes what it gives. NarrowPhase before `couple`: as of the last frame.
+    /// Whether it is pinned to a body that takes what it gives. Asked before `couple`: as of the last frame.
     pub fn is_pinned(&self) -> bool {
         !self.pinned.is_empty()
     }

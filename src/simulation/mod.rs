@@ -10,6 +10,7 @@ mod coupling;
 mod inputs;
 mod motion;
 mod particles;
+mod pose;
 mod rest;
 mod scratch;
 mod share;
@@ -23,6 +24,7 @@ pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldB
 pub(crate) use inputs::{ClothInputs, FIRST_FRAMES};
 pub(crate) use motion::Motion;
 pub use particles::ClothParticles;
+pub use pose::{ClothPose, ClothPoseError};
 pub use rest::ClothRest;
 pub(crate) use scratch::ClothScratch;
 pub(crate) use share::Share;

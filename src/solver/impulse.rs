@@ -7,7 +7,7 @@ use super::state::ClothState;
 /// Largest change of a velocity `[m/s]`.
 pub const FASTEST: f32 = 100.0;
 /// Substep of a cloth that was not stepped yet `[s]`.
-const SUBSTEP: f32 = 1.0 / 360.0;
+pub const SUBSTEP: f32 = 1.0 / 360.0;
 
 /// Gives `impulse` `[N·s]` to the particles within `radius` `[m]` of `point` `[m]`, as one piece: each gets the velocity `J f / Σ m f`, `f = (1 - d²/r²)²`.
 /// Returns how many particles took part.

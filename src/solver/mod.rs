@@ -6,7 +6,7 @@
 
 pub mod settings;
 mod buffer;
-pub mod ramp;
+pub(crate) mod ramp;
 pub mod topology;
 pub mod rest;
 pub mod state;
@@ -15,21 +15,21 @@ pub mod skinned;
 pub mod body;
 pub mod couple;
 pub mod wind;
-pub mod integrate;
+pub(crate) mod integrate;
 pub mod step;
 pub mod detect;
-pub mod effort;
+pub(crate) mod effort;
 pub mod verdict;
 pub mod resolve;
 pub mod evaluate;
-pub mod respond;
-pub mod rollback;
+pub(crate) mod respond;
+pub(crate) mod rollback;
 pub mod island;
 #[cfg(feature = "record")]
 pub mod recording;
 pub mod scene;
-pub mod fit;
+pub(crate) mod fit;
 pub mod recover;
-pub mod surface;
-pub mod raycast;
-pub mod impulse;
+pub(crate) mod surface;
+pub(crate) mod raycast;
+pub(crate) mod impulse;

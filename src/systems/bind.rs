@@ -14,7 +14,7 @@ use bevy::prelude::*;
 
 use super::release::take_apart;
 use crate::bind::{
-    AnchorSet, AnchorSets, Authored, Continuing, Followed, NarrowPhase, Placement, Resolved, RestCache, Skin, Sources, Surface,
+    AnchorSet, AnchorSets, Asked, Authored, Continuing, Followed, Placement, Resolved, RestCache, Skin, Sources, Surface,
     Transforms, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
@@ -278,7 +278,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     let (mut sets, mut known): (Vec<AnchorSet>, Vec<Option<usize>>) = joined.into_iter().unzip();
     let mut resolved = resolve(&cloth.pins, |s| sets.get(s).is_some_and(|set| set.released), mesh, &authored, &rest)?;
     let mut unfollowed = Vec::new();
-    let asked = NarrowPhase::of(cloth.limits, cloth.drive);
+    let asked = Asked::of(cloth.limits, cloth.drive);
     let before = old.map(|old| &old.followed);
     let followed = Followed::new(asked, mesh, &rest, &placement.bake, before, |name, reason| unfollowed.push((name, reason)));
     if resolved.pin(followed.pinned(), sets.len()) {

@@ -1,7 +1,7 @@
 //! Every slider is dragged on a pile at rest: settings stay settings.
 
 use bevy::prelude::*;
-use bevy_drape::inspector::{ClothSettings, Setting, settings};
+use bevy_drape::inspector::{ClothSettings, Part, Setting, settings};
 use bevy_drape::prelude::*;
 use bevy_drape::{ClothIslands, ClothSnapshot};
 
@@ -52,7 +52,15 @@ fn every_slider_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_
             particles(&app, cloth).iter().zip(before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
         };
         let moved = cloths.iter().zip(&before).map(way).fold(0.0, f32::max);
-        eprintln!("{:40} {:8.2} mm contacts {fewest} of {contacts}", setting.label(), 1e3 * moved);
+        // Thickness and gravity ask for another place; wind blows the pile off.
+        let bound = match setting.part {
+            Part::Gravity => 0.012,
+            Part::Material if setting.name == "thickness" => 0.012,
+            Part::OwnWind if setting.name.starts_with("velocity") => f32::INFINITY,
+            _ => 0.002,
+        };
+        assert!(moved < bound, "{}: a particle moved by {moved} m", setting.label());
+        assert!(fewest > contacts / 2 || bound.is_infinite(), "{}: {fewest} contacts of {contacts}", setting.label());
         cloths.iter().for_each(|&cloth| untouched.write(setting.part, app.world_mut(), cloth));
         rest.restore(app.world_mut()).expect("the same cloths");
         dragged += 1;

@@ -1,8 +1,8 @@
 //! Cloth on cloth, and on itself.
 
 use bevy::prelude::*;
+use bevy_drape::ClothParticles;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothIslands, ClothParticles};
 
 use crate::common::*;
 
@@ -121,48 +121,4 @@ fn cloths_that_are_not_untangled_still_rest_on_each_other() {
         world_positions(&app, cloth).into_iter().filter(|p| p.xz().length() < 0.1).map(|p| p.y).fold(f32::INFINITY, f32::min)
     };
     assert!(cloths.iter().all(|&c| lowest_over_ball(c) > 0.25), "a sheet fell through");
-}
-
-/// Runs until the cloths of a pile lie, then changes a setting in every frame for two seconds: particles may move by what the setting asks for and no farther.
-#[test]
-fn a_setting_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_its_contacts() {
-    let drags: [(&str, f32, fn(&mut EntityWorldMut, f32)); 6] = [
-        ("thickness", 0.012, |cloth, share| cloth.get_mut::<ClothMaterial>().expect("one").thickness = 0.01 + 0.004 * share),
-        ("layer", 0.002, |cloth, share| cloth.get_mut::<ClothCollision>().expect("one").garment_layer = (8.0 * share) as i32),
-        ("friction", 0.002, |cloth, share| cloth.get_mut::<ClothMaterial>().expect("one").static_friction = 0.4 + 0.4 * share),
-        ("stretch", 0.01, |cloth, share| {
-            cloth.get_mut::<ClothMaterial>().expect("one").stretch_stiffness = 8000.0 + 4000.0 * share;
-        }),
-        ("iterations", 0.002, |cloth, share| {
-            cloth.get_mut::<ClothUntangling>().expect("one").iterations = 4 + (4.0 * share) as u32;
-        }),
-        ("patience", 0.002, |cloth, share| {
-            cloth.get_mut::<ClothUntangling>().expect("one").patience = 8 + (8.0 * share) as u32;
-        }),
-    ];
-    for (name, bound, drag) in drags {
-        let mut app = app();
-        app.world_mut().spawn(ClothCollider::ground());
-        let material = ClothMaterial { thickness: 0.01, ..default() };
-        let cloths = [0.01, 0.03]
-            .map(|y| spawn(&mut app, sheet(12), (material.clone(), Transform::from_xyz(0.0, y, 0.0), ClothSleepDisabled)));
-        run(&mut app, 180);
-        let builds = app.world().resource::<ClothIslands>().builds();
-        let contacts = report(&app, cloths[1]).contacts;
-        let before = cloths.map(|cloth| particles(&app, cloth));
-        assert!(contacts > 100, "{name}: {contacts}");
-        for frame in 0..120 {
-            for cloth in cloths {
-                drag(&mut app.world_mut().entity_mut(cloth), (0.1 * frame as f32).sin().abs());
-            }
-            app.update();
-            let now = report(&app, cloths[1]).contacts;
-            assert!(now > contacts / 2, "{name}, frame {frame}: {now} contacts of {contacts}");
-        }
-        assert_eq!(app.world().resource::<ClothIslands>().builds(), builds, "{name}");
-        for (cloth, before) in cloths.into_iter().zip(before) {
-            let moved = particles(&app, cloth).iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
-            assert!(moved < bound, "{name}: a particle moved by {moved} m");
-        }
-    }
 }

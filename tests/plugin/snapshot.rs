@@ -4,7 +4,7 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothParticles, ClothSnapshot};
+use bevy_drape::{ClothParticles, ClothPose, ClothPoseError, ClothSnapshot};
 use drape_scenes::Tangle;
 
 use crate::bits::{InApp, in_apps, ten_before};
@@ -317,4 +317,46 @@ fn pins_set_since_hold_the_cloth_as_it_was() {
     snapshot.restore(app.world_mut()).expect("it is there");
     run(&mut app, 1);
     assert!(report(&app, cloth).pinned > 0);
+}
+
+#[test]
+fn a_pose_goes_through_a_file_into_another_world_and_on_as_before() {
+    let start = || {
+        let mut app = app();
+        app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
+        let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.0, 0.4, 0.0));
+        (app, cloth)
+    };
+    let (mut app, cloth) = start();
+    run(&mut app, 40);
+    let pose = app.world().get::<ClothParticles>(cloth).expect("a cloth").pose();
+    let file = serde_json::to_string(&pose).expect("numbers");
+    let (mut other, loaded) = start();
+    run(&mut other, 1);
+    let read: ClothPose = serde_json::from_str(&file).expect("a pose");
+    assert_eq!(read, pose);
+    other.world_mut().get_mut::<ClothParticles>(loaded).expect("a cloth").set_pose(&read).expect("the same mesh");
+    run(&mut app, 20);
+    run(&mut other, 20);
+    let apart = particles(&app, cloth).iter().zip(particles(&other, loaded)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+    assert!(apart < 0.01, "{apart} m after a third of a second");
+}
+
+#[test]
+fn a_pose_that_does_not_fit_is_named_and_changes_nothing() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(8), border());
+    run(&mut app, 5);
+    let before = particles(&app, cloth);
+    let mut particles_of = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
+    let pose = particles_of.pose();
+    let fewer = ClothPose { positions: pose.positions[1..].to_vec(), ..pose.clone() };
+    let length = ClothPoseError::Length { positions: 63, velocities: 64, particles: 64 };
+    assert_eq!(particles_of.set_pose(&fewer), Err(length));
+    for (bad, velocity) in [(f64::NAN, 0.0), (1.0e9, 0.0), (0.0, f32::INFINITY), (0.0, 500.0)] {
+        let mut wrong = pose.clone();
+        (wrong.positions[30].x, wrong.velocities[30].y) = (bad, velocity);
+        assert_eq!(particles_of.set_pose(&wrong), Err(ClothPoseError::Number(30)), "{bad} m, {velocity} m/s");
+    }
+    assert_eq!(particles(&app, cloth), before);
 }

@@ -3,6 +3,7 @@
 
 #[path = "../untangling/checker.rs"]
 mod checker;
+mod apart;
 mod contact;
 mod shown;
 

@@ -1,6 +1,5 @@
 //! Untangling, without an engine: what crosses is found, and comes apart.
 
-mod apart;
 mod checker;
 mod detection;
 mod methods;

@@ -1,10 +1,10 @@
-//! Cloth on bodies, put where they will put it while pairs of cloth are looked at.
+//! Provisional projection: cloth on bodies is put where they will put it while pairs of cloth are looked at.
 //!
 //! ```text
 //!   constrain   x      springs and gravity draw what lies on a body into it
-//!   lay         x + u  out again, along the plane of its last touch,           ◄ what lies on it meets it here, and does not follow it in;
+//!   provisional x + u  out again, along the plane of its last touch,           ◄ what lies on it meets it here, and does not follow it in;
 //!                      and back as far as friction holds it                      once more when that has pushed it in
-//!   take back   x      with what was done to it meanwhile
+//!   restore     x      with what was done to it meanwhile
 //!   project            the body bears it, as if nothing had been
 //! ```
 //!

@@ -1,7 +1,7 @@
 //! Integrate: the cloths of an island side by side, substep by substep.
 //!
 //! ```text
-//! (constrain ─► (lay on bodies ─► keep apart), twice if settling ─► bodies ─► hold what sticks ─► apply_restitution ─► guard)* ─► finish ─► guard
+//! (constrain ─► (project provisionally ─► keep apart), twice if settling ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
 //! ```
 
 use glam::{Vec3, Vec3A, Vec4};

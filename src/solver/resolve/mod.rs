@@ -65,7 +65,7 @@ use shift::Shift;
 use tracked::TrackedContours;
 use view::View;
 
-/// Crossings of a contour between two loop vertices from which on its sides are sheets, not feature_edges.
+/// Crossings of a contour between two loop vertices from which on its sides are sheets, not creases.
 const LONG: u32 = 32;
 
 /// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.

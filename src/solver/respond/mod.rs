@@ -28,7 +28,6 @@ use crate::solver::topology::NONE;
 use contact::{Contact, Particles};
 use loads::Loads;
 pub use neighbors::{Moment, NeighborList};
-pub use touching::Touching;
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,7 +52,7 @@ pub struct Contacts {
     impacts: Vec<(u32, f32)>,
     /// Positions at the start of the substep, whatever was done to velocities since `[m]`.
     start: Buffer<Vec<Vec4>>,
-    /// Pass of the guard in which the particle was last stopped, by slot.
+    /// Pass of the CCD in which the particle was last stopped, by slot.
     cut: Buffer<Vec<u8>>,
     /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
     levels: Vec<u8>,

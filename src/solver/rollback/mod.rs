@@ -7,8 +7,8 @@
 //!   x ─► R x0 + c   where pins went on: along with those that it crosses ([`pins`])
 //! ```
 //!
-//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and their
-//! guard know the pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that started in
+//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and
+//! their CCD know the pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that started in
 //! the same place are left to [`resolve`](super::resolve).
 
 mod pins;
@@ -104,7 +104,7 @@ impl Rollback {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
-    /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame was_restored as many `substeps`,
+    /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`,
     /// the last of which lies between `previous` and `positions` `[m]`.
     pub fn begin(
         &mut self,

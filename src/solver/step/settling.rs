@@ -5,7 +5,7 @@ use glam::Vec4;
 use super::Scratch;
 use crate::solver::state::ClothState;
 
-/// Root mean square of the speeds over a frame below which a cloth becomes settling `[m/s]`; at twice that it no longer is.
+/// Root mean square of the speeds over a frame below which a cloth begins to settle `[m/s]`; at twice that it no longer does.
 const SETTLING_SPEED: f32 = 0.03;
 
 /// Time for which it has to be that slow `[s]`.

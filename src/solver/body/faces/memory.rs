@@ -26,7 +26,7 @@ impl Candidate {
     }
 }
 
-/// Passes on what is known of faces that stay; both lists are in the order of feature_edges, edges before what is between them, and faces.
+/// Passes on what is known of faces that stay; both lists are in the order of feature edges, edges before what is between them, and faces.
 pub(super) fn remember(
     (before, creases_before): (&[Candidate], &[Crease]),
     (first, end): (u32, u32),

@@ -10,7 +10,7 @@
 //!
 //! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
 //! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
-//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and feature_edges meet whole faces, where it is no
+//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and feature edges meet whole faces, where it is no
 //! better, and so does what is thinner than an edge of cloth: it might slip between them **`[measured: needles did]`**.
 //!
 //! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
@@ -65,7 +65,7 @@ const SHARE: f32 = 0.5;
 struct Candidate {
     face: u32,
     piece: Piece,
-    /// Which of the feature_edges of a surface; of no meaning for a convex part.
+    /// Which of the feature edges of a surface; of no meaning for a convex part.
     crease: u32,
     /// Corner nearest to the touch.
     corner: u32,

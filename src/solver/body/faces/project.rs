@@ -14,7 +14,7 @@ use crate::solver::body::{Body, Touch};
 use crate::solver::couple::Coupling;
 
 impl FaceContacts {
-    /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::lay), after it.
+    /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::project_provisionally), after it.
     pub fn project_provisionally(
         &mut self,
         grounds: &mut Grounds<'_>,
