@@ -51,7 +51,7 @@ impl ClothDiagnosticsPlugin {
     /// Intersection curves.
     pub const CONTOURS: DiagnosticPath = DiagnosticPath::const_new("cloth/contours");
     /// Cloths of which the last frame put work off.
-    pub const PUT_OFF: DiagnosticPath = DiagnosticPath::const_new("cloth/deferred");
+    pub const DEFERRED: DiagnosticPath = DiagnosticPath::const_new("cloth/deferred");
     /// Frames held in a row by the cloth that is held for longest.
     pub const HELD_FRAMES: DiagnosticPath = DiagnosticPath::const_new("cloth/held_frames");
     /// Cloths that [`ClothBudget`](crate::ClothBudget) leaves less than all detail.
@@ -69,7 +69,7 @@ impl ClothDiagnosticsPlugin {
         Self::CONTACTS,
         Self::CROSSINGS,
         Self::CONTOURS,
-        Self::PUT_OFF,
+        Self::DEFERRED,
         Self::HELD_FRAMES,
         Self::LOWERED,
         Self::SLEEPING,
@@ -113,7 +113,7 @@ fn measure(
     });
     diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().all_crossings())));
     diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|g| g.solver.total().contours)));
-    diagnostics.add_measurement(&Plugin::PUT_OFF, || sum(|(report, ..)| usize::from(report.deferred)));
+    diagnostics.add_measurement(&Plugin::DEFERRED, || sum(|(report, ..)| usize::from(report.deferred)));
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))
     });

@@ -139,6 +139,13 @@ impl ClothIslands {
         self.builds
     }
 
+    /// Forgets the contacts of an island: it is built anew from its cloths.
+    pub(crate) fn forget(&mut self, island: u32) {
+        if let Some(island) = self.list.get_mut(island as usize) {
+            island.members.clear();
+        }
+    }
+
     /// Forgets who could meet whom.
     pub(crate) fn begin(&mut self) {
         self.candidates.clear();

@@ -58,7 +58,7 @@ pub use query::ClothQuery;
 #[cfg(feature = "record")]
 pub use recorder::{ClothRecorder, ClothRecorderPlugin};
 pub use schedule::ClothSystems;
-pub use simulation::{ClothParticles, ClothPose, ClothPoseError, ClothRest};
+pub use simulation::{ClothParticles, ClothPose, ClothRest};
 pub use skin_query::ClothSkinQuery;
 pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 

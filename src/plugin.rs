@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, release,
-    resolve, respond, skin, sleep, sources, sync, touch,
+    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, poses,
+    release, resolve, respond, skin, sleep, sources, sync, touch,
 };
 use crate::time;
 
@@ -145,7 +145,7 @@ impl Plugin for ClothPlugin {
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
                         skin::change,
-                        (carriers::travel, carriers::inertia, carriers::aim).chain(),
+                        (carriers::travel, carriers::inertia, carriers::aim, poses::take).chain(),
                         grab::grabs,
                         sleep::watch,
                         inputs::surroundings,

@@ -178,6 +178,7 @@ fn record(
         carrier: Pose { translation, rotation: carrier.rotation },
         offsets: [offset; 2],
         tuned: (0, false, inputs.fabric.thickness),
+        written: particles.written,
         moves,
         clock: dt * inputs.time_scale,
         fixed: false,

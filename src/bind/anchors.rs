@@ -192,7 +192,7 @@ impl Resolved {
 }
 
 /// Moves weights towards those that anchors are to have, for `dt` `[s]`. Whether one moved, and whether one became rigid or ceased to be.
-pub(crate) fn slew_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [bool; 2] {
+pub(crate) fn ramp_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [bool; 2] {
     let step = (dt / RAMP_TIME).max(0.0);
     let (mut moved, mut turned) = (false, false);
     for (weight, &wanted) in anchors.weights.iter_mut().zip(wanted).filter(|(weight, wanted)| weight != wanted) {

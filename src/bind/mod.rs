@@ -12,7 +12,7 @@ mod shapes;
 mod skin;
 mod surface;
 
-pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, resolve, slew_weights};
+pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, ramp_weights, resolve};
 pub(crate) use cache::{RestCache, Sources};
 pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
 pub(crate) use follow::{Asked, Followed};

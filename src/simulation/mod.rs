@@ -24,7 +24,7 @@ pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldB
 pub(crate) use inputs::{ClothInputs, FIRST_FRAMES};
 pub(crate) use motion::Motion;
 pub use particles::ClothParticles;
-pub use pose::{ClothPose, ClothPoseError};
+pub use pose::ClothPose;
 pub use rest::ClothRest;
 pub(crate) use scratch::ClothScratch;
 pub(crate) use share::Share;

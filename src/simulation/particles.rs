@@ -26,6 +26,8 @@ pub struct ClothParticles {
     pub(crate) space: Option<(Entity, Isometry3d)>,
     /// Whether something other than a step moved it: it wakes.
     pub(crate) disturbed: bool,
+    /// Whether the app may have put particles elsewhere, which is judged before others meet them there.
+    pub(crate) written: bool,
 }
 
 impl ClothParticles {
@@ -64,7 +66,7 @@ impl ClothParticles {
     /// State of the solver, to be changed at your own risk: lengths must stay, and the next frame judges the numbers.
     #[must_use]
     pub fn state_mut(&mut self) -> &mut ClothState {
-        self.disturbed = true;
+        (self.disturbed, self.written) = (true, true);
         &mut self.state
     }
 

@@ -18,7 +18,7 @@ pub mod wind;
 pub(crate) mod integrate;
 pub mod step;
 pub mod detect;
-pub(crate) mod effort;
+pub mod effort;
 pub mod verdict;
 pub mod resolve;
 pub mod evaluate;

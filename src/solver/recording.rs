@@ -11,7 +11,7 @@ use super::body::Body;
 use super::evaluate::{EvaluateSettings, Outcome, Pose};
 use super::integrate::spring;
 use super::island::{Display, Island, Member, Stage, UntangleSettings};
-use super::recover::{Level, Limits, Recovery};
+use super::recover::{Level, Limits, Recovery, diagnose};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
 use super::skinned::Skinned;
@@ -20,7 +20,7 @@ use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 use super::wind::Wind;
 
 /// What files of this form begin with: the name and the number of the form. Another number is another form.
-const MAGIC: &[u8; 8] = b"drape\0\0\x02";
+const MAGIC: &[u8; 8] = b"drape\0\0\x03";
 /// The version that wrote a file stands in it: what is recorded is private, and changes.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -93,6 +93,8 @@ pub struct RecordedCloth {
     pub offsets: [Vec3; 2],
     /// Layer, whether it meets itself, and thickness `[m]` after it was stepped.
     pub tuned: (i32, bool, f32),
+    /// Whether the app wrote its state before the frame, which is judged then.
+    pub written: bool,
     /// See [`Member`].
     pub moves: bool,
     /// Time that passes by its clock `[s]`.
@@ -185,6 +187,15 @@ impl Recording {
     /// Steps the frame again.
     pub fn replay(&mut self) -> Replay {
         let Self { cloths, island, together, untangle, carried, dt, .. } = self;
+        let mut replay = Replay::default();
+        for cloth in cloths.iter_mut().filter(|cloth| cloth.written) {
+            let worst_edge = spring::strain(&cloth.rest.springs, &cloth.state.positions).0;
+            let limits = Limits { speed: f32::INFINITY, ..cloth.limits };
+            if diagnose(&cloth.state, worst_edge, &limits).is_some() {
+                cloth.take_back(worst_edge, &limits);
+                (cloth.unprepared, replay.recovered) = (true, true);
+            }
+        }
         for cloth in cloths.iter_mut().filter(|cloth| cloth.moves && cloth.unprepared) {
             prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
         }
@@ -198,17 +209,10 @@ impl Recording {
                 }
             }
         }
-        let mut replay = Replay::default();
         for (cloth, report) in cloths.iter_mut().zip(&done) {
             let Some(report) = report else { continue };
-            let RecordedCloth { state, scratch, display, recovery, limits, pose, .. } = cloth;
-            if let Some((level, _)) = recovery.judge(state, report.worst_edge, limits, |to| to.clone_from(pose)) {
-                *scratch = Scratch::default();
-                if level != Level::LastGood {
-                    display.reset();
-                }
-                replay.recovered = true;
-            }
+            let limits = cloth.limits;
+            replay.recovered |= cloth.take_back(report.worst_edge, &limits);
         }
         if let Some(island) = island {
             for (part, cloth) in cloths.iter().enumerate() {
@@ -250,6 +254,17 @@ fn members<'a>(cloths: &'a mut [RecordedCloth], reports: &'a mut [Option<StepRep
 }
 
 impl RecordedCloth {
+    /// Judges its state, and takes it back if it is bad; whether it was.
+    fn take_back(&mut self, worst_edge: f32, limits: &Limits) -> bool {
+        let Self { state, scratch, display, recovery, pose, .. } = self;
+        let Some((level, _)) = recovery.judge(state, worst_edge, limits, |to| to.clone_from(pose)) else { return false };
+        *scratch = Scratch::default();
+        if level != Level::LastGood {
+            display.reset();
+        }
+        true
+    }
+
     fn member<'a>(&'a mut self, report: &'a mut Option<StepReport>, when: usize) -> Member<'a> {
         let dt = if self.moves { self.clock } else { 0.0 };
         let Self { rest, fabric, stepping, anchors, gravity, bodies, wind, skinned, state, scratch, .. } = self;

@@ -463,6 +463,7 @@ fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticle
         carrier: Some(inputs.carrier()),
         space: None,
         disturbed: false,
+        written: false,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use crate::bind::{Placement, slew_weights};
+use crate::bind::{Placement, ramp_weights};
 use crate::components::{
     Cloth, ClothBlend, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia,
     ClothLimits, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind,
@@ -93,7 +93,7 @@ pub(crate) fn settings(
         let dt = time.delta_secs() * inputs.time_scale;
         let before = inputs.fabric.prepared();
         let tuned = inputs.ramp.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
-        let [moved, turned] = slew_weights(&mut inputs.anchors, &inputs.sets.weights, dt);
+        let [moved, turned] = ramp_weights(&mut inputs.anchors, &inputs.sets.weights, dt);
         inputs.tuned = tuned || moved;
         inputs.stale |= turned || before != inputs.fabric.prepared();
         inputs.stepping = solver.stepping(checked);
@@ -336,6 +336,7 @@ mod tests {
             carrier: None,
             space: None,
             disturbed: false,
+            written: false,
         };
         let scratch = ClothScratch::default();
         let cloth = world.spawn((Cloth, ClothRest(Arc::new(RestShape::default())), inputs, particles, scratch)).id();

@@ -14,7 +14,7 @@ use crate::schedule::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::spring;
 use crate::solver::island::Stage;
-use crate::solver::recover::{Cause, Level};
+use crate::solver::recover::{Cause, Level, Limits, diagnose};
 use crate::solver::settings::drape_rate;
 use crate::solver::step::{Scratch, StepReport, prepare, step};
 use crate::time::ClothTime;
@@ -37,6 +37,7 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
     cloths.par_iter_mut().batching_strategy(batches()).for_each(
         |(rest, mut inputs, mut particles, mut scratch, mut report)| {
             let clock = stopwatch();
+            judge_written(rest, &inputs, &mut particles, &mut scratch, &mut report);
             if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut scratch) {
                 return;
             }
@@ -125,6 +126,55 @@ fn begin(
     true
 }
 
+/// Takes a cloth back whose state the app wrote, if it is no longer physical: before others meet it there.
+fn judge_written(
+    rest: &ClothRest,
+    inputs: &ClothInputs,
+    particles: &mut ClothParticles,
+    scratch: &mut ClothScratch,
+    report: &mut ClothReport,
+) {
+    if core::mem::take(&mut particles.written) && particles.len() == rest.0.positions.len() {
+        let edges = spring::strain(&rest.0.springs, &particles.state.positions);
+        // How fast it is shows when it was stepped.
+        let limits = Limits { speed: f32::INFINITY, ..inputs.limits };
+        if diagnose(&particles.state, edges.0, &limits).is_some() {
+            take_back(rest, edges, &limits, inputs, particles, scratch, report);
+        }
+    }
+}
+
+/// Judges a state with these longest and mean edges, and takes it back if it is bad. Those of what is there then.
+fn take_back(
+    rest: &ClothRest,
+    edges: (f32, f32),
+    limits: &Limits,
+    inputs: &ClothInputs,
+    particles: &mut ClothParticles,
+    scratch: &mut ClothScratch,
+    report: &mut ClothReport,
+) -> (f32, f32) {
+    let (origin, state) = (particles.origin, &mut particles.state);
+    if scratch.recovered.is_some() && diagnose(state, edges.0, limits).is_none() {
+        // One that was taken back before the step forgives nothing for being good after it.
+        return edges;
+    }
+    let recovered = particles.recovery.judge(state, edges.0, limits, |pose| {
+        pose.clear();
+        pose.extend(inputs.pose(&rest.0, origin));
+    });
+    let Some((level, cause)) = recovered else { return edges };
+    scratch.recovered = Some((level.into(), cause.into()));
+    // Forces and contacts that are held over frames may have seen the bad state.
+    scratch.solver = Scratch::default();
+    scratch.fresh = true;
+    match level {
+        Level::LastGood => report.restores += 1,
+        Level::Rest | Level::Frozen => report.resets += 1,
+    }
+    spring::strain(&rest.0.springs, &particles.state.positions)
+}
+
 /// Judges and records what a frame did.
 fn finish(
     rest: &ClothRest,
@@ -134,23 +184,7 @@ fn finish(
     scratch: &mut ClothScratch,
     report: &mut ClothReport,
 ) {
-    let (origin, state) = (particles.origin, &mut particles.state);
-    let recovered = particles.recovery.judge(state, done.worst_edge, &inputs.limits, |pose| {
-        pose.clear();
-        pose.extend(inputs.pose(&rest.0, origin));
-    });
-    scratch.recovered = recovered.map(|(level, cause)| (level.into(), cause.into()));
-    if recovered.is_some() {
-        // Forces and contacts that are held over frames may have seen the bad state.
-        scratch.solver = Scratch::default();
-        scratch.fresh = true;
-    }
-    // Of what is there now.
-    let edges = if recovered.is_some() {
-        spring::strain(&rest.0.springs, &particles.state.positions)
-    } else {
-        (done.worst_edge, done.mean_edge)
-    };
+    let edges = take_back(rest, (done.worst_edge, done.mean_edge), &inputs.limits, inputs, particles, scratch, report);
     report.substeps = done.substeps;
     report.inner_steps = done.inner_steps;
     report.drape_rate = drape_rate(rest.0.mean_edge);
@@ -159,11 +193,6 @@ fn finish(
     report.body_contacts = done.body_contacts;
     report.lost_time += done.lost_time;
     report.time = particles.state.time as f32;
-    match recovered {
-        None => {}
-        Some((Level::LastGood, _)) => report.restores += 1,
-        Some((Level::Rest | Level::Frozen, _)) => report.resets += 1,
-    }
 }
 
 impl From<Level> for RecoveryLevel {

@@ -3,6 +3,7 @@
 //! `BITS=write cargo test --test plugin bits` writes the file anew; the commit that does so says why. The hashes are those of x86-64: other processors and math
 //! libraries round otherwise, which the line `math` tells, and nothing is compared there.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -202,6 +203,20 @@ fn all() -> Vec<(String, u64)> {
     of_solver.chain(in_apps).collect()
 }
 
+/// A heap of crossing triangles that asks for more work than a frame may do.
+fn heap() -> OfSolver {
+    let mut scene = scenes::tangle(Tangle::FullCut, 20);
+    for (k, cloth) in scene.cloths.iter_mut().enumerate() {
+        for (i, x) in cloth.state.positions.iter_mut().enumerate() {
+            x.y += 0.03 * ((i * (k + 3)) as f32).sin();
+        }
+        cloth.state.previous.clone_from(&cloth.state.positions);
+    }
+    let settings = UntangleSettings { effort: 16, ..default() };
+    let scene = scene.untangled(settings, EvaluateSettings::default(), true).expect("a scene");
+    OfSolver { name: "heap".into(), scene, frames: 30 }
+}
+
 /// What decides the next frame of a scene of the solver, as bytes.
 fn written(scene: &Scene) -> Vec<u8> {
     let cloths: Vec<_> = scene.cloths.iter().map(|cloth| (&cloth.state, &cloth.scratch, &cloth.display)).collect();
@@ -233,15 +248,21 @@ pub fn ten_before(end: u32, seed: u64) -> Vec<u32> {
 #[test]
 fn a_scene_that_was_copied_or_written_at_ten_frames_goes_on_with_the_same_bits() {
     const AFTER: u32 = 120;
-    for (seed, mut scene) in (0..).zip(of_solver()) {
+    let mut deferred = false;
+    for (seed, mut scene) in (0..).zip(of_solver().into_iter().chain([heap()])) {
         let (frames, mut copies) = (ten_before(scene.frames, seed), Vec::new());
+        let mut ends = HashMap::new();
         let bits = |scene: &Scene| positions(scene).map(f32::to_bits).collect::<Vec<_>>();
         let mut first = vec![bits(&scene.scene)];
         for frame in 1..=scene.frames + AFTER {
             scene.step();
+            deferred |= scene.scene.untangle.as_ref().is_some_and(|u| !u.island.deferred().is_nothing());
             first.push(bits(&scene.scene));
             if frames.contains(&frame) {
                 copies.push((frame, scene.scene.clone(), written(&scene.scene)));
+            }
+            if frame > AFTER && frames.contains(&(frame - AFTER)) {
+                ends.insert(frame, written(&scene.scene));
             }
         }
         assert!(!copies.is_empty());
@@ -259,8 +280,10 @@ fn a_scene_that_was_copied_or_written_at_ten_frames_goes_on_with_the_same_bits()
                 copy.step(1.0 / 60.0);
                 assert!(bits(&copy) == first[after as usize], "{}: copied at {frame}, frame {after}", scene.name);
             }
+            assert!(written(&copy) == ends[&(frame + AFTER)], "{}: copied at {frame}, what it keeps", scene.name);
         }
     }
+    assert!(deferred, "no frame put work off");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use bevy::ecs::component::Mutable;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothParticles, ClothPose, ClothPoseError, ClothSnapshot};
+use bevy_drape::{ClothParticles, ClothPose, ClothSnapshot};
 use drape_scenes::Tangle;
 
 use crate::bits::{InApp, in_apps, ten_before};
@@ -319,44 +319,100 @@ fn pins_set_since_hold_the_cloth_as_it_was() {
     assert!(report(&app, cloth).pinned > 0);
 }
 
-#[test]
-fn a_pose_goes_through_a_file_into_another_world_and_on_as_before() {
-    let start = || {
-        let mut app = app();
-        app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
-        let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.0, 0.4, 0.0));
-        (app, cloth)
-    };
-    let (mut app, cloth) = start();
-    run(&mut app, 40);
+/// The pose of a cloth, through a file.
+fn saved(app: &App, cloth: Entity) -> ClothPose {
     let pose = app.world().get::<ClothParticles>(cloth).expect("a cloth").pose();
-    let file = serde_json::to_string(&pose).expect("numbers");
-    let (mut other, loaded) = start();
-    run(&mut other, 1);
-    let read: ClothPose = serde_json::from_str(&file).expect("a pose");
-    assert_eq!(read, pose);
-    other.world_mut().get_mut::<ClothParticles>(loaded).expect("a cloth").set_pose(&read).expect("the same mesh");
-    run(&mut app, 20);
-    run(&mut other, 20);
-    let apart = particles(&app, cloth).iter().zip(particles(&other, loaded)).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
-    assert!(apart < 0.01, "{apart} m after a third of a second");
+    let read = serde_json::from_str(&serde_json::to_string(&pose).expect("numbers")).expect("a pose");
+    assert_eq!(pose, read);
+    read
+}
+
+/// How far apart the particles of two cloths are at most [m].
+fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 #[test]
-fn a_pose_that_does_not_fit_is_named_and_changes_nothing() {
+fn a_pose_goes_through_a_file_into_another_world_and_on_as_before() {
+    for fixed in [false, true] {
+        let clock = || if fixed { ClothPlugin::new(FixedPostUpdate) } else { ClothPlugin::default() };
+        let start = || {
+            let mut app = app_with(clock());
+            app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.3)));
+            let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.0, 0.4, 0.0));
+            (app, cloth)
+        };
+        let (mut app, cloth) = start();
+        run(&mut app, 40);
+        let pose = saved(&app, cloth);
+        // At once, before it is bound, and after it lay still for a while.
+        for frames in [0, 1, 400] {
+            let (mut other, loaded) = start();
+            run(&mut other, frames);
+            other.world_mut().entity_mut(loaded).insert(pose.clone());
+            run(&mut other, 2);
+            assert!(!other.world().entity(loaded).contains::<ClothPose>());
+            let moved = apart(&particles(&app, cloth), &particles(&other, loaded));
+            assert!(moved < 0.06, "{frames}: {moved} m in the first frames");
+            run(&mut other, 18);
+            let (mut first, at) = (start(), 60);
+            run(&mut first.0, at);
+            let off = apart(&particles(&first.0, first.1), &particles(&other, loaded));
+            assert!(off < 0.03 && report(&other, loaded).restores == 0, "{frames}: {off} m after a third of a second");
+        }
+    }
+}
+
+#[test]
+fn a_pose_goes_with_the_transform_that_is_loaded_along_with_it() {
+    let (mut app, mut other) = (app(), app());
+    let [cloth, loaded] = [&mut app, &mut other].map(|app| spawn(app, sheet(12), border()));
+    run(&mut app, 30);
+    app.world_mut().get_mut::<Transform>(cloth).expect("one").translation = Vec3::new(40.0, 1.0, -7.0);
+    run(&mut app, 30);
+    let (pose, place) = (saved(&app, cloth), *app.world().get::<Transform>(cloth).expect("one"));
+    run(&mut other, 5);
+    other.world_mut().entity_mut(loaded).insert((place, pose));
+    run(&mut other, 1);
+    run(&mut app, 1);
+    let off = apart(&particles(&app, cloth), &particles(&other, loaded));
+    assert!(off < 1.0e-3, "{off} m");
+}
+
+#[test]
+fn a_pose_beyond_a_thin_body_stays_there_and_speed_comes_with_it() {
+    let mut app = app();
+    let (corners, faces) =
+        (vec![Vec3::new(-9.0, 0.0, -9.0), Vec3::new(9.0, 0.0, -9.0), Vec3::new(0.0, 0.0, 12.0)], vec![[0, 2, 1]]);
+    app.world_mut().spawn(ClothCollider::tri_mesh(corners, faces));
+    let cloth = spawn(&mut app, sheet(10), Transform::from_xyz(0.0, 0.02, 0.0));
+    run(&mut app, 60);
+    let mut pose = saved(&app, cloth);
+    assert!(pose.positions.iter().all(|p| p.y > 0.0));
+    pose.positions.iter_mut().for_each(|p| p.y -= 0.03);
+    pose.velocities.fill(Vec3::NEG_Y * 3.0);
+    app.world_mut().entity_mut(cloth).insert(pose);
+    run(&mut app, 12);
+    let low = lowest(&particles(&app, cloth));
+    assert!((-1.2..-0.5).contains(&low), "{low} m");
+}
+
+#[test]
+fn a_pose_that_does_not_fit_changes_nothing_and_is_taken_off() {
     let mut app = app();
     let cloth = spawn(&mut app, sheet(8), border());
-    run(&mut app, 5);
-    let before = particles(&app, cloth);
-    let mut particles_of = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
-    let pose = particles_of.pose();
+    run(&mut app, 300);
+    let (before, pose) = (particles(&app, cloth), saved(&app, cloth));
     let fewer = ClothPose { positions: pose.positions[1..].to_vec(), ..pose.clone() };
-    let length = ClothPoseError::Length { positions: 63, velocities: 64, particles: 64 };
-    assert_eq!(particles_of.set_pose(&fewer), Err(length));
-    for (bad, velocity) in [(f64::NAN, 0.0), (1.0e9, 0.0), (0.0, f32::INFINITY), (0.0, 500.0)] {
+    let wrong = [(f64::NAN, 0.0), (1.0e9, 0.0), (0.0, f32::INFINITY)].map(|(bad, velocity)| {
         let mut wrong = pose.clone();
         (wrong.positions[30].x, wrong.velocities[30].y) = (bad, velocity);
-        assert_eq!(particles_of.set_pose(&wrong), Err(ClothPoseError::Number(30)), "{bad} m, {velocity} m/s");
+        wrong
+    });
+    for bad in wrong.into_iter().chain([fewer, ClothPose::default()]) {
+        app.world_mut().entity_mut(cloth).insert(bad);
+        run(&mut app, 1);
+        assert!(!app.world().entity(cloth).contains::<ClothPose>());
+        assert!(apart(&particles(&app, cloth), &before) < 1.0e-4);
     }
-    assert_eq!(particles(&app, cloth), before);
 }

@@ -264,7 +264,7 @@ fn cloths_part_as_their_restitution_says() {
 
 /// Settling is what was slow for a while, and may be hit in the next frame.
 #[test]
-fn calm_cloths_part_as_their_restitution_says() {
+fn settling_cloths_part_as_their_restitution_says() {
     for restitution in [0.0, 0.8] {
         let cloths = [0.0, 0.03].map(|y| sheet(20, 1.0, Quat::IDENTITY, vec3(0.0, y, 0.0), false));
         let mut scene = Scene { gravity: Vec3::ZERO, ..Scene::new(cloths.into()) };

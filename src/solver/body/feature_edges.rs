@@ -24,12 +24,12 @@ const MOST: usize = 4096;
 /// A sharp edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Crease {
+pub(super) struct FeatureEdge {
     pub(super) a: Vec3,
     pub(super) b: Vec3,
 }
 
-impl Crease {
+impl FeatureEdge {
     /// Of an edge whose ends come in any order, and with either zero.
     fn new(a: Vec3, b: Vec3) -> Self {
         let (a, b) = (a + Vec3::ZERO, b + Vec3::ZERO);
@@ -48,10 +48,9 @@ fn bits(p: Vec3) -> [u32; 3] {
 }
 
 /// One side of an edge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug)]
 struct Half {
-    crease: Crease,
+    feature_edge: FeatureEdge,
     normal: Vec3,
     /// The corner across.
     corner: Vec3,
@@ -59,7 +58,6 @@ struct Half {
 
 /// The sharp edges of a part of a shape in a box.
 #[derive(Clone)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Known {
     shape: SharedShape,
     /// Number of the body and of its part.
@@ -67,7 +65,7 @@ struct Known {
     /// Cosine below which an edge is sharp (dimensionless), and the box in which all that are were found `[m]`.
     flat: f32,
     within: Aabb,
-    feature_edges: Vec<Crease>,
+    feature_edges: Vec<FeatureEdge>,
     /// Whether it was asked for in this frame.
     used: bool,
 }
@@ -100,7 +98,7 @@ impl FeatureEdges {
         (shape, part, surface): (&SharedShape, [u32; 2], &dyn Shape),
         near: &Aabb,
         flat: f32,
-        found: &mut Vec<Crease>,
+        found: &mut Vec<FeatureEdge>,
     ) {
         let of = |known: &Known| Arc::ptr_eq(&known.shape.0, &shape.0) && known.part == part;
         let place = self.known.iter().position(of).unwrap_or_else(|| {
@@ -123,12 +121,12 @@ impl FeatureEdges {
         }
         let known = &mut self.known[place];
         known.used = true;
-        let meets = |c: &&Crease| (c.a.min(c.b).cmple(near.maxs) & c.a.max(c.b).cmpge(near.mins)).all();
+        let meets = |c: &&FeatureEdge| (c.a.min(c.b).cmple(near.maxs) & c.a.max(c.b).cmpge(near.mins)).all();
         found.extend(known.feature_edges.iter().filter(meets).take(MOST));
     }
 
     /// As [`Self::near`], of a mesh.
-    fn of_mesh(&mut self, mesh: &TriMesh, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
+    fn of_mesh(&mut self, mesh: &TriMesh, near: &Aabb, flat: f32, found: &mut Vec<FeatureEdge>) {
         self.halves.clear();
         for i in mesh.bvh().intersect_aabb(near) {
             self.add(&mesh.triangle(i));
@@ -137,7 +135,7 @@ impl FeatureEdges {
     }
 
     /// The same of a height field.
-    fn of_heights(&mut self, field: &HeightField, near: &Aabb, flat: f32, found: &mut Vec<Crease>) {
+    fn of_heights(&mut self, field: &HeightField, near: &Aabb, flat: f32, found: &mut Vec<FeatureEdge>) {
         self.halves.clear();
         field.map_elements_in_local_aabb(near, &mut |_, triangle| self.add(triangle));
         self.sort_out(flat, false, found);
@@ -147,25 +145,25 @@ impl FeatureEdges {
         let Triangle { a, b, c } = *triangle;
         let normal = (b - a).cross(c - a).normalize_or_zero();
         for (from, to, corner) in [(a, b, c), (b, c, a), (c, a, b)] {
-            self.halves.push(Half { crease: Crease::new(from, to), normal, corner });
+            self.halves.push(Half { feature_edge: FeatureEdge::new(from, to), normal, corner });
         }
     }
 
-    fn sort_out(&mut self, flat: f32, solid: bool, found: &mut Vec<Crease>) {
-        self.halves.sort_unstable_by_key(|half| (half.crease.key(), bits(half.corner)));
-        for halves in self.halves.chunk_by(|a, b| a.crease == b.crease) {
+    fn sort_out(&mut self, flat: f32, solid: bool, found: &mut Vec<FeatureEdge>) {
+        self.halves.sort_unstable_by_key(|half| (half.feature_edge.key(), bits(half.corner)));
+        for halves in self.halves.chunk_by(|a, b| a.feature_edge == b.feature_edge) {
             let sharp = match halves {
                 [one, other] => {
                     // Wound alike the normals agree where it is flat; else one of them is turned round.
-                    let over = one.normal.dot(other.corner - one.crease.a);
-                    let under = other.normal.dot(one.corner - one.crease.a);
+                    let over = one.normal.dot(other.corner - one.feature_edge.a);
+                    let under = other.normal.dot(one.corner - one.feature_edge.a);
                     let cosine = one.normal.dot(other.normal) * if over * under < 0.0 { -1.0 } else { 1.0 };
                     cosine < flat && !(solid && over > 0.0)
                 }
                 _ => true,
             };
             if sharp && halves.iter().all(|half| half.normal != Vec3::ZERO) {
-                found.extend(halves.first().map(|half| half.crease));
+                found.extend(halves.first().map(|half| half.feature_edge));
             }
         }
     }

@@ -40,30 +40,30 @@ impl CoarseLevel {
     }
 
     /// Recomputes masses from the inverse masses in `w` of `positions`.
-    pub fn update(&mut self, net: &CoarseMesh, positions: &[Vec4]) {
+    pub fn update(&mut self, mesh: &CoarseMesh, positions: &[Vec4]) {
         self.inverse_mass.clear();
-        self.inverse_mass.resize(net.hubs.len(), 0.0);
+        self.inverse_mass.resize(mesh.hubs.len(), 0.0);
         self.moves.clear();
-        self.moves.resize(net.hubs.len(), Vec4::ZERO);
-        for ((x, hubs), weights) in positions.iter().zip(&net.around).zip(&net.weights) {
+        self.moves.resize(mesh.hubs.len(), Vec4::ZERO);
+        for ((x, hubs), weights) in positions.iter().zip(&mesh.around).zip(&mesh.weights) {
             let mass = if x.w > 0.0 { x.w.recip() } else { 0.0 };
             for (&hub, weight) in hubs.iter().zip(weights) {
                 self.inverse_mass[hub as usize] += mass * weight;
             }
         }
-        for (mass, &p) in self.inverse_mass.iter_mut().zip(&net.hubs) {
+        for (mass, &p) in self.inverse_mass.iter_mut().zip(&mesh.hubs) {
             *mass = if *mass > 0.0 { self.freedom[p as usize] / *mass } else { 0.0 };
         }
     }
 
     /// Draws hubs together that are farther apart than the strain limit allows, and the cloth with them.
-    pub fn solve(&mut self, net: &CoarseMesh, strain_limit: f32, positions: &mut [Vec4]) {
+    pub fn solve(&mut self, mesh: &CoarseMesh, strain_limit: f32, positions: &mut [Vec4]) {
         let slack = (1.0 + 0.5 * strain_limit).powi(2);
         let mut moved = false;
         for _ in 0..PASSES {
-            for (&[a, b], &length) in net.links.iter().zip(&net.lengths) {
+            for (&[a, b], &length) in mesh.links.iter().zip(&mesh.lengths) {
                 let (a, b) = (a as usize, b as usize);
-                let hub = |i: usize| positions[net.hubs[i] as usize] + self.moves[i];
+                let hub = |i: usize| positions[mesh.hubs[i] as usize] + self.moves[i];
                 let d = (hub(b) - hub(a)).with_w(0.0);
                 let q = d.length_squared() / (length * length * slack);
                 let w = self.inverse_mass[a] + self.inverse_mass[b];
@@ -78,7 +78,7 @@ impl CoarseLevel {
         if !moved {
             return;
         }
-        for (((x, hubs), weights), &freedom) in positions.iter_mut().zip(&net.around).zip(&net.weights).zip(&self.freedom) {
+        for (((x, hubs), weights), &freedom) in positions.iter_mut().zip(&mesh.around).zip(&mesh.weights).zip(&self.freedom) {
             if x.w > 0.0 {
                 let [a, b, c, d] = hubs.map(|hub| self.moves[hub as usize]);
                 *x += (a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]) * freedom;

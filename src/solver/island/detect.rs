@@ -10,8 +10,8 @@ impl Island {
     /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame, the longest of the frames that
     /// they will take.
     pub(super) fn detect(&mut self, cloths: &[Member<'_>]) {
-        core::mem::swap(&mut self.touch, &mut self.touch_before);
-        core::mem::swap(&mut self.takes_part, &mut self.took_part);
+        core::mem::swap(&mut self.touch, &mut *self.touch_before);
+        core::mem::swap(&mut self.takes_part, &mut *self.took_part);
         self.touch.clear();
         self.takes_part.clear();
         let mut longest = 0.0f32;
@@ -21,7 +21,7 @@ impl Island {
             self.touch.push(Touch::of(m.cloth.fabric));
             longest = longest.max(m.clock.min(m.stepping.max_frame));
         }
-        self.known &= self.touch == self.touch_before && self.takes_part == self.took_part;
+        self.known &= self.touch == *self.touch_before && self.takes_part == *self.took_part;
         // While no time passes, nobody knows how much will.
         if longest > 0.0 {
             self.horizon = self.neighbors.horizon(longest.min(LONGEST_LOOK), longest / self.count.max(1) as f32, &self.touch);

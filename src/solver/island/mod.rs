@@ -121,8 +121,8 @@ pub struct Island {
     /// Thickness and friction of each cloth, and whether it rests on others; of this frame and of the last.
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
-    touch_before: Vec<Touch>,
-    took_part: Vec<bool>,
+    touch_before: Buffer<Vec<Touch>>,
+    took_part: Buffer<Vec<bool>>,
     /// A pose to blend to.
     pose: Buffer<Vec<Vec3>>,
     /// Substeps that the last frame took.
@@ -205,7 +205,7 @@ impl Island {
 
     /// The pairs that may touch.
     #[must_use]
-    pub fn contacts(&self) -> &Contacts {
+    pub(crate) fn contacts(&self) -> &Contacts {
         &self.contacts
     }
 

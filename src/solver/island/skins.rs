@@ -3,6 +3,7 @@
 use glam::Vec4;
 
 use super::{Island, Member};
+use crate::solver::buffer::Buffer;
 use crate::solver::detect::Detector;
 
 /// Where the skins cross that cloths of an island follow; looked at only while something is tangled.
@@ -10,9 +11,9 @@ use crate::solver::detect::Detector;
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Skins {
     detector: Option<Detector>,
-    targets: Vec<Vec4>,
+    targets: Buffer<Vec<Vec4>>,
     /// By cloth.
-    cross: Vec<bool>,
+    cross: Buffer<Vec<bool>>,
 }
 
 impl Island {
@@ -37,6 +38,7 @@ impl Island {
     #[cold]
     fn look_at_skins(&self, cloths: &[Member<'_>], skins: &mut Skins) {
         let Skins { detector, targets, cross } = skins;
+        let (targets, cross) = (&mut **targets, &mut **cross);
         targets.clone_from(&self.positions);
         let mut any = false;
         for (part, m) in cloths.iter().enumerate() {

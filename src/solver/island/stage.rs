@@ -25,17 +25,17 @@ impl Stage {
 }
 
 impl Island {
-    /// Runs one stage of a frame of `dt` `[s]` on its cloths, in the order in which the island was made. Cloths that are missing at the end stay where they
-    /// are.
+    /// Runs one stage of a frame of `dt` `[s]` on its cloths, in the order in which the island was made. Integrate, Detect and Resolve do nothing with other
+    /// cloths than all of them.
     pub fn run(&mut self, stage: Stage, dt: f32, settings: &UntangleSettings, cloths: &mut [Member<'_>]) {
-        let known = cloths.len().min(self.surface.parts.len());
-        let cloths = &mut cloths[..known];
+        let all = cloths.len() == self.surface.parts.len();
         match stage {
-            Stage::Integrate => self.integrate(cloths),
-            Stage::Detect => self.detect(cloths),
-            Stage::Resolve => self.resolve(dt, settings, cloths),
+            Stage::Integrate if all => self.integrate(cloths),
+            Stage::Detect if all => self.detect(cloths),
+            Stage::Resolve if all => self.resolve(dt, settings, cloths),
             Stage::Evaluate => self.evaluate(),
             Stage::Respond => self.respond(),
+            Stage::Integrate | Stage::Detect | Stage::Resolve => {}
         }
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::contour::ContourGraph;
-use super::separation::{Member, facing, nodes};
+use super::separation::{Member, nodes};
 use super::view::View;
 
 /// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of normals within 80° of
@@ -23,7 +23,7 @@ pub(super) fn facing_at<'a>(
 ) -> impl Iterator<Item = Vec3> + 'a {
     nodes(graph, set).map(move |(i, of_edge)| {
         let c = &view.crossings[i];
-        facing(view, if of_edge == side { view.surface.topology.edge_faces[c.edge as usize][0] } else { c.face })
+        view.facing(if of_edge == side { view.surface.topology.edge_faces[c.edge as usize][0] } else { c.face })
     })
 }
 

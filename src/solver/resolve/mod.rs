@@ -138,7 +138,7 @@ pub struct Resolver {
     along: Buffer<Vec<Vec3>>,
     shift: Buffer<Shift>,
     brake: Buffer<Shift>,
-    patch: Buffer<Patch>,
+    patch: Patch,
     escalation: Escalation,
     layers: Layers,
     plans: Plans,

@@ -5,7 +5,7 @@ use super::between::cloths;
 use super::contour::ContourGraph;
 use super::facing::{AGREE, ONE_WAY, agreement, facing_at, mean};
 use super::layers::{Layers, Pair, ordered};
-use super::separation::{Course, Member, Stray, facing};
+use super::separation::{Course, Member, Stray};
 use super::view::View;
 
 /// Which side of a contour the inner cloth is on: pairs are named the outer one first.
@@ -21,7 +21,7 @@ const UNDONE: f32 = 0.8;
 /// face opposite ways: what one goes by would drive the other out, too.
 fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray]) -> Option<Course> {
     // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
-    let mean = mean(facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| facing(view, s.face))));
+    let mean = mean(facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| view.facing(s.face))));
     if mean.length() > ONE_WAY {
         return Some(Course::Along(mean.normalize_or_zero()));
     }

@@ -50,12 +50,12 @@ impl Resolver {
     /// Pushes the smaller region that a contour cuts off back through it; `false` when there is none.
     pub(super) fn push(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
         let c = self.graph.contours[contour];
-        let tracked::TrackedContour { side: latched, seed, .. } = self.tracked.now[contour];
+        let tracked::TrackedContour { side: known, seed, .. } = self.tracked.now[contour];
         let side = match c.kind {
             ContourKind::Bbii | ContourKind::Cross => c.border_side,
             ContourKind::Bli | ContourKind::Unknown => return false,
             ContourKind::Ll => 0,
-            _ if latched < 2 => latched,
+            _ if known < 2 => known,
             _ => {
                 let sizes = [0, 1].map(|side| self.region(view, contour, side, seed).map(|r| (r.pinned, r.area)));
                 match sizes {

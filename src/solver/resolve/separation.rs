@@ -72,7 +72,7 @@ impl Course {
         match self {
             Self::Along(direction) if side == 0 => direction,
             Self::Along(direction) => -direction,
-            Self::Facing(signs) => signs[side] * facing(view, face),
+            Self::Facing(signs) => signs[side] * view.facing(face),
         }
     }
 }
@@ -299,12 +299,6 @@ fn pass([p, q]: [Vec3; 2], [r, s]: [Vec3; 2], along: Vec3) -> Option<f32> {
     let (x, y) = (w.dot(v.cross(along)) / slope, w.dot(u.cross(along)) / slope);
     let meets = |x: f32| (0.0..=1.0).contains(&x);
     (slope.abs() > GRAZING * across.length() && meets(x) && meets(y)).then(|| w.dot(across) / slope)
-}
-
-/// Unit normal of a face, or zero.
-pub(super) fn facing(view: View<'_>, face: u32) -> Vec3 {
-    let [a, b, c] = view.surface.topology.faces[face as usize].map(|v| view.positions[v as usize].truncate());
-    (b - a).cross(c - a).normalize_or_zero()
 }
 
 /// Where `point`, moved along a unit direction, meets the sheet of `face` or its neighbours: how far it has to go `[m]`, and the face.

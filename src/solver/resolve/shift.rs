@@ -2,8 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Default)]
 pub(super) struct Shift {
     /// Displacement and cap `[m]` per particle.
     pub of: Vec<Vec4>,

@@ -1,8 +1,8 @@
 //! Respond: cloth rests on cloth, and folds on itself.
 //!
 //! ```text
-//! where it moved NeighborList::find      boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
-//! each substep   Contacts::solve   closest points again ─► pushed one thickness apart ─► friction; twice in settling cloth
+//! where it moved NeighborList::find       boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
+//! each substep   Contacts::solve          closest points again ─► pushed one thickness apart ─► friction; twice in settling cloth
 //!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
@@ -36,7 +36,7 @@ pub struct Contacts {
     pairs: Vec<Contact>,
     /// Particle of each slot, in the order in which pairs ask for them.
     particles: Vec<u32>,
-    /// RigidState of each particle, or [`NONE`].
+    /// Slot of each particle, or [`NONE`].
     slots: Vec<u32>,
     /// First particle of each cloth, and the slots of its particles.
     firsts: Vec<u32>,

@@ -19,10 +19,10 @@ const SPACING: f32 = 5.0;
 /// Reach of links and weights, in distances between hubs (dimensionless).
 const REACH: f32 = 1.6;
 
-/// CoarseLevel that move a particle, at most.
+/// Hubs that move a particle, at most.
 pub const PER_PARTICLE: usize = 4;
 
-/// CoarseLevel and links of a mesh at rest.
+/// Hubs and links of a mesh at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct CoarseMesh {
@@ -30,7 +30,7 @@ pub struct CoarseMesh {
     pub spacing: f32,
     /// Particle of each hub.
     pub hubs: Vec<u32>,
-    /// CoarseLevel that each particle moves with; a hub without weight repeats the first.
+    /// Hubs that each particle moves with; a hub without weight repeats the first.
     pub around: Vec<[u32; PER_PARTICLE]>,
     /// Weights of these hubs, which sum to 1 (dimensionless).
     pub weights: Vec<[f32; PER_PARTICLE]>,
@@ -41,13 +41,13 @@ pub struct CoarseMesh {
 }
 
 impl CoarseMesh {
-    /// CoarseLevel spread over `topology`, at rest at `positions` `[m]` with edges of `mean_edge` `[m]`.
+    /// Hubs spread over `topology`, at rest at `positions` `[m]` with edges of `mean_edge` `[m]`.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], mean_edge: f32) -> Self {
         let n = positions.len();
-        let mut net = Self { around: vec![[0; PER_PARTICLE]; n], weights: vec![[0.0; PER_PARTICLE]; n], ..Self::default() };
+        let mut mesh = Self { around: vec![[0; PER_PARTICLE]; n], weights: vec![[0.0; PER_PARTICLE]; n], ..Self::default() };
         let spacing = SPACING * mean_edge;
-        net.spacing = spacing;
+        mesh.spacing = spacing;
         let reach = REACH * spacing;
         let mut covered = vec![false; n];
         let mut hub_at = vec![u32::MAX; n];
@@ -56,18 +56,18 @@ impl CoarseMesh {
             if covered[p as usize] {
                 continue;
             }
-            let hub = net.hubs.len() as u32;
-            net.hubs.push(p);
+            let hub = mesh.hubs.len() as u32;
+            mesh.hubs.push(p);
             hub_at[p as usize] = hub;
             for &(q, distance) in front.run(topology, positions, &[p], reach) {
                 covered[q as usize] |= distance < spacing;
                 let other = hub_at[q as usize];
                 if other < hub {
-                    net.links.push([other, hub]);
-                    net.lengths.push(distance);
+                    mesh.links.push([other, hub]);
+                    mesh.lengths.push(distance);
                 }
                 // The nearest hubs, nearest first.
-                let (hubs, weights) = (&mut net.around[q as usize], &mut net.weights[q as usize]);
+                let (hubs, weights) = (&mut mesh.around[q as usize], &mut mesh.weights[q as usize]);
                 let weight = (1.0 - distance / reach).powi(2);
                 let rank = weights.iter().position(|w| weight > *w);
                 if let Some(rank) = rank {
@@ -78,7 +78,7 @@ impl CoarseMesh {
                 }
             }
         }
-        for (hubs, weights) in net.around.iter_mut().zip(&mut net.weights) {
+        for (hubs, weights) in mesh.around.iter_mut().zip(&mut mesh.weights) {
             let sum: f32 = weights.iter().sum();
             for k in 0..PER_PARTICLE {
                 weights[k] /= sum;
@@ -87,7 +87,7 @@ impl CoarseMesh {
                 }
             }
         }
-        net
+        mesh
     }
 }
 
@@ -109,17 +109,17 @@ mod tests {
             }
         }
         let Ok((rest, _)) = RestShape::build(&mesh) else { panic!("a valid mesh") };
-        let net = &rest.coarse;
-        for (p, weights) in net.weights.iter().enumerate() {
+        let mesh = &rest.coarse;
+        for (p, weights) in mesh.weights.iter().enumerate() {
             let sum: f32 = weights.iter().sum();
             assert!((sum - 1.0).abs() < 1.0e-5, "particle {p}: weights sum to {sum}");
-            let away = rest.positions[net.hubs[net.around[p][0] as usize] as usize].distance(rest.positions[p]);
-            assert!(away <= net.spacing, "particle {p}: its nearest hub is {away} m away");
+            let away = rest.positions[mesh.hubs[mesh.around[p][0] as usize] as usize].distance(rest.positions[p]);
+            assert!(away <= mesh.spacing, "particle {p}: its nearest hub is {away} m away");
         }
-        for (link, length) in net.links.iter().zip(&net.lengths) {
-            let [a, b] = link.map(|hub| rest.positions[net.hubs[hub as usize] as usize]);
+        for (link, length) in mesh.links.iter().zip(&mesh.lengths) {
+            let [a, b] = link.map(|hub| rest.positions[mesh.hubs[hub as usize] as usize]);
             assert!(*length >= 0.999 * a.distance(b) && a.y == b.y, "{length} m from {a} to {b}");
         }
-        assert!(net.links.len() + 2 >= net.hubs.len(), "{} links for {} hubs", net.links.len(), net.hubs.len());
+        assert!(mesh.links.len() + 2 >= mesh.hubs.len(), "{} links for {} hubs", mesh.links.len(), mesh.hubs.len());
     }
 }

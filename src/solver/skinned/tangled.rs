@@ -1,4 +1,4 @@
-//! TangledLimits: a tangle is drawn to its skin, until nothing crosses or what crosses is the skin itself.
+//! Limits of tangles: a tangle is drawn to its skin, until nothing crosses or what crosses is the skin itself.
 //!
 //! ```text
 //!   tangled   r ← max(0, min(r, d) - v Δt)     d: maximum distance, v: 2 m/s
@@ -11,14 +11,14 @@
 use super::Skinned;
 use super::avoid::FASTEST;
 
-/// Time in which a rein is let go `[s]`, as limits come after the first frame.
+/// Time in which a limit is let go `[s]`, as limits come after the first frame.
 const RELEASE: f32 = 0.25;
 
 /// How far from their targets particles may be for now.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct TangledLimits {
-    /// By particle `[m]`; infinite: as far as its maximum distance lets it. Empty while none is reined in.
+    /// By particle `[m]`; infinite: as far as its maximum distance lets it. Empty while there is no tangle.
     most: Vec<f32>,
 }
 
@@ -28,7 +28,7 @@ impl TangledLimits {
     #[must_use]
     pub fn distance(&self, skinned: &Skinned, i: usize) -> f32 {
         let most = skinned.distance(i);
-        self.most.get(i).map_or(most, |rein| rein.min(most))
+        self.most.get(i).map_or(most, |limit| limit.min(most))
     }
 
     /// Takes tangled particles nearer to their skin in a frame of `dt` `[s]`, and lets others go. `tangled`: how much each belongs to a tangle, 0 to 1;
@@ -39,18 +39,18 @@ impl TangledLimits {
             self.most.resize(count, f32::INFINITY);
         }
         let mut any = false;
-        for (i, rein) in self.most.iter_mut().enumerate() {
+        for (i, limit) in self.most.iter_mut().enumerate() {
             let most = skinned.distance(i);
             let weight = tangled.get(i).copied().unwrap_or(0.0);
             if weight > 0.0 && most < f32::INFINITY {
-                *rein = (rein.min(most) - FASTEST * dt).max(0.0);
+                *limit = (limit.min(most) - FASTEST * dt).max(0.0);
             } else {
-                *rein += most * dt / RELEASE;
+                *limit += most * dt / RELEASE;
             }
-            if *rein >= most {
-                *rein = f32::INFINITY;
+            if *limit >= most {
+                *limit = f32::INFINITY;
             }
-            any |= *rein < f32::INFINITY;
+            any |= *limit < f32::INFINITY;
         }
         if !any {
             self.most.clear();

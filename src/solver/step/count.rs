@@ -8,13 +8,13 @@ use crate::solver::settings::{Stepping, drape_rate};
 use crate::solver::state::ClothState;
 
 /// Most times as many substeps a cloth takes while a body comes through (dimensionless).
-pub(super) const MOST_DRIVEN: f32 = 8.0;
+pub(super) const MOST_FOR_BODIES: f32 = 8.0;
 /// The same of a bone of the character that wears it: the cloth goes along with the rest of the body, and every runner would cost as much.
-const MOST_DRIVEN_BY_BONES: f32 = 2.0;
+const MOST_FOR_BONES: f32 = 2.0;
 /// Way of the body in a substep that needs no more, in thicknesses (dimensionless). Say that it is three, and a ball of 0.1 m
 /// goes through the middle of a hanging sheet at 5 m/s. It is there before the pull is, and edges around it get many times as
 /// long.
-const DRIVEN: f32 = 0.4;
+const FREE_WAY: f32 = 0.4;
 
 /// How far a heavier body may press cloth in a substep, in the mean over what it touches (dimensionless): a share of how much
 /// longer the strain limit lets an edge be than at rest. What springs cannot draw back in one the next adds to, and the cloth
@@ -23,7 +23,7 @@ const PRESSED: f32 = 0.25;
 /// Largest strain limit that counts there (dimensionless): springs of what is elastic draw back no sooner.
 const ELASTIC: f32 = 0.1;
 
-/// Substeps that a cloth that nothing drives takes for a frame of `dt` `[s]`.
+/// Substeps that a cloth that nothing counts takes for a frame of `dt` `[s]`.
 #[must_use]
 pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
     substeps(dt.min(stepping.max_frame), stepping.substep_rate)
@@ -53,21 +53,21 @@ impl Stepped<'_> {
             if body.bone {
                 return body.haste_of_bone(mean, count as f32);
             }
-            let free = DRIVEN * fabric.thickness;
+            let free = FREE_WAY * fabric.thickness;
             let most = if mass(body).is_finite() { free.max(self.most_pressed()) } else { free };
             (body.to.translation - body.from.translation - mean).length() / (count as f32 * most)
         };
-        let drives = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
-        if !input.bodies.iter().any(drives) {
+        let counts = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
+        if !input.bodies.iter().any(counts) {
             return count * for_heavy_body;
         }
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
         let (low, high) = (low.min(low + mean) - fabric.thickness, high.max(high + mean) + fabric.thickness);
-        for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| drives(body)) {
+        for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| counts(body)) {
             let (finite, times) = (
                 mass(body).is_finite(),
-                haste(body).min(if body.bone { MOST_DRIVEN_BY_BONES } else { MOST_DRIVEN }).ceil() as u32,
+                haste(body).min(if body.bone { MOST_FOR_BONES } else { MOST_FOR_BODIES }).ceil() as u32,
             );
             // What cloth is to stop finds it in small steps already.
             if body.sweeps(low, high) || (finite && scratch.contacts.is_near(index)) {
@@ -87,7 +87,7 @@ impl Stepped<'_> {
         let h = input.dt.min(stepping.max_frame) / count as f32;
         let edges = input.gravity.length() * h * h / rest.mean_edge;
         // NaN passes no comparison.
-        if edges > 1.0 { count * edges.sqrt().min(MOST_DRIVEN).ceil() as u32 } else { count }
+        if edges > 1.0 { count * edges.sqrt().min(MOST_FOR_BODIES).ceil() as u32 } else { count }
     }
 
     /// How far a heavier body may press the cloth in a substep `[m]`.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::count::MOST_DRIVEN;
+use super::count::MOST_FOR_BODIES;
 use super::{Scratch, Stepped};
 
 /// Cosine of the angle to gravity within which what cloth gives a body is its own weight: 60°.
@@ -30,7 +30,7 @@ impl Stepped<'_> {
             let given = body.rigid.map_or(Vec3::ZERO, |slot| scratch.coupling.given(slot).linear);
             let lies_on_it = given.dot(self.input.gravity) > LIES * given.length() * self.input.gravity.length();
             if push > bound * count && !lies_on_it {
-                for_heavy_body = for_heavy_body.max(heavier.sqrt().min(MOST_DRIVEN).ceil() as u32);
+                for_heavy_body = for_heavy_body.max(heavier.sqrt().min(MOST_FOR_BODIES).ceil() as u32);
             }
         }
         scratch.for_heavy_body = for_heavy_body;

@@ -46,7 +46,7 @@ pub struct Scratch {
     pub(super) rigid: Vec<u32>,
     pub(super) acceleration: Buffer<Vec<Vec4>>,
     /// What particles did in the last substep `[m]`, `w` their inverse mass `[1/kg]`, while it is damped.
-    pub(super) motion: Vec<Vec4>,
+    pub(super) motion: Buffer<Vec<Vec4>>,
     pub(super) before: Buffer<Vec<Vec4>>,
     /// Ways in the substep `[m]` before anything held the cloth together, if it bounces.
     pub(super) inbound: Buffer<Vec<Vec4>>,
@@ -77,7 +77,7 @@ pub struct Scratch {
 
 impl Scratch {
     /// What pulls at the cloth in the frames to come; it stays until it is changed.
-    pub fn pulls_mut(&mut self) -> &mut pull::Pulls {
+    pub(crate) fn pulls_mut(&mut self) -> &mut pull::Pulls {
         &mut self.pulls
     }
 

@@ -34,9 +34,9 @@ impl BodyContacts {
     /// `v dt + |g| dt² + b + extra + 2 thickness`, `v` the fastest particle's speed and `b` the longest way of a body, which may push
     /// a particle against another body. Pinned (`w = 0`) and non-finite particles never are.
     pub fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
-        core::mem::swap(&mut self.parts, &mut self.parts_before);
-        core::mem::swap(&mut self.candidates, &mut self.candidates_before);
-        core::mem::swap(&mut self.places, &mut self.places_before);
+        core::mem::swap(&mut self.parts, &mut *self.parts_before);
+        core::mem::swap(&mut self.candidates, &mut *self.candidates_before);
+        core::mem::swap(&mut self.places, &mut *self.places_before);
         self.places.clear();
         self.parts.clear();
         self.planes.clear();

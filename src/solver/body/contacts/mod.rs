@@ -15,6 +15,7 @@ use super::pierce::{Pair, Pierced};
 use super::renumber;
 use super::respond::Plane;
 use super::squeeze::Squeezes;
+use crate::solver::buffer::Buffer;
 
 /// One particle that may meet one part of a body in this frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,11 +58,11 @@ pub struct BodyContacts {
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
     /// Those of the frame before: a contact that stays keeps its load, or friction would give way at the start of each frame.
-    parts_before: Vec<Part>,
-    candidates_before: Vec<Candidate>,
-    /// Where candidates of surfaces were when last projected, in the surface's own space `[m]`; not a number: not known.
+    parts_before: Buffer<Vec<Part>>,
+    candidates_before: Buffer<Vec<Candidate>>,
+    /// Where candidates of surfaces were when last projected, in the surface's own space `[m]`; infinite: not known.
     places: Vec<Vec3>,
-    places_before: Vec<Vec3>,
+    places_before: Buffer<Vec<Vec3>>,
     squeezes: Squeezes,
     /// Length of the frame `[s]`.
     dt: f32,

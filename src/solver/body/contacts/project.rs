@@ -13,7 +13,7 @@ use crate::solver::body::{Body, Touch};
 use crate::solver::couple::Coupling;
 
 impl BodyContacts {
-    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Provisional::take_back`] must come
+    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Provisional::restore`] must come
     /// before [`Self::project`].
     pub fn project_provisionally(
         &self,

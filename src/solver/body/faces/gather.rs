@@ -6,7 +6,7 @@ use super::list::Sheet;
 use super::memory::remember;
 use super::piece::PIECES;
 use super::{FaceContacts, Part, SHARE};
-use crate::solver::body::feature_edges::Crease;
+use crate::solver::body::feature_edges::FeatureEdge;
 use crate::solver::body::motion::{farthest_push, finite_or_zero, swept_box, valid};
 use crate::solver::body::{Body, geometry};
 
@@ -14,16 +14,16 @@ impl FaceContacts {
     /// Once per frame of `dt` `[s]`, before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on
     /// the way of any particle `[m]`.
     pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
-        core::mem::swap(&mut self.parts, &mut self.parts_before);
-        core::mem::swap(&mut self.candidates, &mut self.candidates_before);
-        core::mem::swap(&mut self.feature_edges, &mut self.creases_before);
+        core::mem::swap(&mut self.parts, &mut *self.parts_before);
+        core::mem::swap(&mut self.candidates, &mut *self.candidates_before);
+        core::mem::swap(&mut self.feature_edges, &mut *self.feature_edges_before);
         self.parts.clear();
         self.planes.clear();
         self.candidates.clear();
         self.is_listed = false;
         self.blocks.clear();
         self.feature_edges.clear();
-        self.feature_edges.push(Crease::default());
+        self.feature_edges.push(FeatureEdge::default());
         self.edge_cache.begin();
         self.dt = dt;
         let passes = dt > 0.0;
@@ -57,7 +57,7 @@ impl FaceContacts {
                         swept.maxs + reach,
                     );
                 } else {
-                    self.list_creases(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
+                    self.list_feature_edges(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
                 }
                 let candidates = (first, self.candidates.len() as u32);
                 if candidates.1 == candidates.0 {
@@ -67,7 +67,7 @@ impl FaceContacts {
                     known += 1;
                 }
                 if let Some(before) = self.parts_before.get(known).filter(|p| (p.body, p.index) == (b, index)) {
-                    let was = (&self.candidates_before[..], &self.creases_before[..]);
+                    let was = (&self.candidates_before[..], &self.feature_edges_before[..]);
                     remember(was, before.candidates, &mut self.candidates[first as usize..], &self.feature_edges);
                 }
                 if body.snug.is_some() {

@@ -7,7 +7,7 @@ use parry3d::shape::{Shape, SharedShape};
 
 use super::piece::Piece;
 use super::{Candidate, FaceContacts, SHARE};
-use crate::solver::body::feature_edges::{self, Crease};
+use crate::solver::body::feature_edges::{self, FeatureEdge};
 use crate::solver::body::respond::Plane;
 use crate::solver::topology::Topology;
 
@@ -44,7 +44,7 @@ impl Sheet<'_> {
 
 impl FaceContacts {
     /// Lists the faces near the sharp edges of a surface that goes from one pose to another.
-    pub(super) fn list_creases(
+    pub(super) fn list_feature_edges(
         &mut self,
         sheet: &Sheet<'_>,
         part: (&SharedShape, [u32; 2], &dyn Shape),
@@ -63,7 +63,7 @@ impl FaceContacts {
         let first = self.feature_edges.len();
         self.edge_cache.near(part, &near, flat, &mut self.feature_edges);
         for k in first..self.feature_edges.len() {
-            let Crease { a, b } = self.feature_edges[k];
+            let FeatureEdge { a, b } = self.feature_edges[k];
             let ends = [*from * a, *from * b, *to * a, *to * b];
             let low = ends.into_iter().fold(Vec3::INFINITY, Vec3::min);
             let high = ends.into_iter().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -77,12 +77,12 @@ impl FaceContacts {
         }
     }
 
-    /// Lists the faces whose boxes meet a box: as a `whole` for that crease, 0 for a part without edges; for other parts their edges, then what is
+    /// Lists the faces whose boxes meet a box: as a `whole` for that feature_edge, 0 for a part without edges; for other parts their edges, then what is
     /// between.
     pub(super) fn list(&mut self, sheet: &Sheet<'_>, whole: Option<u32>, low: Vec3, high: Vec3) {
         let topology = sheet.topology;
-        if let Some(crease) = whole {
-            self.list_faces(sheet, low, high, |face, of| of(Piece::Whole, topology.faces[face as usize], crease));
+        if let Some(feature_edge) = whole {
+            self.list_faces(sheet, low, high, |face, of| of(Piece::Whole, topology.faces[face as usize], feature_edge));
             return;
         }
         self.list_faces(sheet, low, high, |face, of| {
@@ -96,7 +96,7 @@ impl FaceContacts {
         self.list_faces(sheet, low, high, |face, of| of(Piece::Within, topology.faces[face as usize], 0));
     }
 
-    /// Lists those `pieces` of the faces whose boxes meet a box that do so themselves: piece, particles and crease.
+    /// Lists those `pieces` of the faces whose boxes meet a box that do so themselves: piece, particles and feature edge.
     fn list_faces(
         &mut self,
         sheet: &Sheet<'_>,
@@ -118,9 +118,9 @@ impl FaceContacts {
                     return;
                 }
                 if meets(sheet.bounds(&[particles])) {
-                    pieces(face, &mut |piece, particles, crease| {
+                    pieces(face, &mut |piece, particles, feature_edge| {
                         if free(&particles) && (piece >= Piece::Within || meets(sheet.bounds(&[particles]))) {
-                            candidates.push(Candidate::new(face, piece, crease, particles));
+                            candidates.push(Candidate::new(face, piece, feature_edge, particles));
                         }
                     });
                 }
@@ -130,12 +130,12 @@ impl FaceContacts {
 }
 
 impl Candidate {
-    fn new(face: u32, piece: Piece, crease: u32, particles: [u32; 3]) -> Self {
+    fn new(face: u32, piece: Piece, feature_edge: u32, particles: [u32; 3]) -> Self {
         let (side, corners) = (Vec3::ZERO, [Vec3::ZERO; 3]);
         Self {
             face,
             piece,
-            crease,
+            feature_edge,
             corner: particles[0],
             particles,
             load: 0.0,

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec3A};
 
 use super::Candidate;
 use super::piece::{Piece, is_within};
-use crate::solver::body::feature_edges::Crease;
+use crate::solver::body::feature_edges::FeatureEdge;
 use crate::solver::body::nearest::{Face, Near};
 
 impl Candidate {
@@ -28,22 +28,28 @@ impl Candidate {
 
 /// Passes on what is known of faces that stay; both lists are in the order of feature edges, edges before what is between them, and faces.
 pub(super) fn remember(
-    (before, creases_before): (&[Candidate], &[Crease]),
+    (before, feature_edges_before): (&[Candidate], &[FeatureEdge]),
     (first, end): (u32, u32),
     now: &mut [Candidate],
-    feature_edges: &[Crease],
+    feature_edges: &[FeatureEdge],
 ) {
-    let key = |c: &Candidate, feature_edges: &[Crease]| {
-        (feature_edges.get(c.crease as usize).map(Crease::key), c.piece >= Piece::Within, c.face, c.piece)
+    let key = |c: &Candidate, feature_edges: &[FeatureEdge]| {
+        (feature_edges.get(c.feature_edge as usize).map(FeatureEdge::key), c.piece >= Piece::Within, c.face, c.piece)
     };
     let mut before = before.get(first as usize..end as usize).unwrap_or(&[]).iter().peekable();
     for candidate in now {
         let wanted = key(candidate, feature_edges);
-        while before.next_if(|old| key(old, creases_before) < wanted).is_some() {}
-        if let Some(old) = before.next_if(|old| key(old, creases_before) == wanted) {
+        while before.next_if(|old| key(old, feature_edges_before) < wanted).is_some() {}
+        if let Some(old) = before.next_if(|old| key(old, feature_edges_before) == wanted) {
             // The part may have become another one, or grown.
             let clear = f32::NEG_INFINITY;
-            *candidate = Candidate { particles: candidate.particles, crease: candidate.crease, clear, left_out: false, ..*old };
+            *candidate = Candidate {
+                particles: candidate.particles,
+                feature_edge: candidate.feature_edge,
+                clear,
+                left_out: false,
+                ..*old
+            };
         }
     }
 }

@@ -48,7 +48,7 @@ pub use list::Sheet;
 
 use crate::solver::buffer::Buffer;
 
-use super::feature_edges::{Crease, FeatureEdges};
+use super::feature_edges::{FeatureEdge, FeatureEdges};
 use super::pierce::{Pair, Pierced};
 use super::renumber;
 use super::respond::Plane;
@@ -66,7 +66,7 @@ struct Candidate {
     face: u32,
     piece: Piece,
     /// Which of the feature edges of a surface; of no meaning for a convex part.
-    crease: u32,
+    feature_edge: u32,
     /// Corner nearest to the touch.
     corner: u32,
     particles: [u32; 3],
@@ -113,11 +113,11 @@ pub struct FaceContacts {
     touching: Vec<u32>,
     is_listed: bool,
     /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.
-    feature_edges: Vec<Crease>,
+    feature_edges: Vec<FeatureEdge>,
     edge_cache: Buffer<FeatureEdges>,
-    parts_before: Vec<Part>,
-    candidates_before: Vec<Candidate>,
-    creases_before: Vec<Crease>,
+    parts_before: Buffer<Vec<Part>>,
+    candidates_before: Buffer<Vec<Candidate>>,
+    feature_edges_before: Buffer<Vec<FeatureEdge>>,
     /// Boxes around faces, [`list::BLOCK`] at a time.
     blocks: Vec<(Vec3, Vec3)>,
     squeezes: Squeezes,

@@ -95,7 +95,7 @@ impl FaceContacts {
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| RigidProxy::new(slot, s1, h));
             for candidate in candidates.iter_mut().filter(|candidate| !candidate.left_out) {
                 if support.is_none() {
-                    setting.take(self.feature_edges.get(candidate.crease as usize));
+                    setting.take(self.feature_edges.get(candidate.feature_edge as usize));
                 }
                 if setting.is_clear(candidate, positions) {
                     continue;

@@ -3,7 +3,7 @@
 use glam::{Vec3A, Vec4};
 
 use super::Candidate;
-use crate::solver::body::feature_edges::Crease;
+use crate::solver::body::feature_edges::FeatureEdge;
 use crate::solver::body::geometry::Geometry;
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::{Convex, Face};
@@ -43,9 +43,9 @@ pub(super) struct State<'a, 'b> {
 }
 
 impl Setting<'_> {
-    /// Looks at a crease from now on: a capsule without radius.
-    pub(super) fn take(&mut self, crease: Option<&Crease>) {
-        let Some(&Crease { a, b }) = crease else { return };
+    /// Looks at a feature edge from now on: a capsule without radius.
+    pub(super) fn take(&mut self, feature_edge: Option<&FeatureEdge>) {
+        let Some(&FeatureEdge { a, b }) = feature_edge else { return };
         let ab = Vec3A::from(b - a);
         let length2 = ab.length_squared();
         let inverse_length2 = if length2 > 1.0e-20 { 1.0 / length2 } else { 0.0 };

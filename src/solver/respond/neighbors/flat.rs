@@ -6,7 +6,7 @@ use crate::solver::detect::Surface;
 use crate::solver::detect::tree::FLAT;
 use crate::solver::topology::NONE;
 
-/// NarrowPhase for more than one in this many particles, it is cheaper to find out about all.
+/// Asked for more than one in this many particles, it is cheaper to find out about all.
 const ONE_IN: usize = 64;
 
 /// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 60° of their sum. Distances

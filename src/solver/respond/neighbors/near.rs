@@ -11,8 +11,7 @@ use crate::solver::detect::{Proximity, ProximityKind, Surface};
 pub(super) const REST_SHARE: f32 = 0.7;
 
 /// A particle and a face, or two edges, whose boxes meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
     pub(super) kind: ProximityKind,
     /// As [`Proximity::particles`].
@@ -26,8 +25,7 @@ pub(super) struct Near {
 }
 
 /// What a pair came to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     pub(super) pair: Proximity,
     /// The faces whose boxes met.

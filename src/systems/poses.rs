@@ -1,0 +1,78 @@
+//! Prepare: puts cloths into poses out of save games.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+use crate::components::Cloth;
+use crate::islands::ClothIslands;
+use crate::notices::{Notices, label};
+use crate::simulation::{ClothInputs, ClothParticles, ClothPose, ClothScratch, FIRST_FRAMES};
+use crate::solver::impulse::{FASTEST, SUBSTEP};
+use crate::solver::step::Scratch;
+
+/// Farthest from the origin of its frame that a particle is put `[m]`: farther, a coordinate of 32 bits is not within 0.1 mm.
+const FARTHEST: f64 = 1000.0;
+
+type Posed<'w, 's, 'a> = Query<
+    'w,
+    's,
+    (Entity, Option<&'a Name>, &'a ClothPose, &'a ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
+    With<Cloth>,
+>;
+
+/// Puts every cloth that has a pose into it, once what carries the cloth is where it is in this frame.
+pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut islands: ResMut<ClothIslands>, mut cloths: Posed) {
+    for (entity, name, pose, inputs, mut particles, mut scratch) in &mut cloths {
+        let comes = inputs.skin.is_some() && inputs.frames <= FIRST_FRAMES;
+        if !inputs.active || comes || particles.recovery.is_frozen() {
+            continue;
+        }
+        commands.entity(entity).try_remove::<ClothPose>();
+        if let Some(why) = misfit(pose, &particles) {
+            if notices.first(entity, "ClothPose") {
+                warn!("cloth {} stays as it is: `ClothPose` {why}", label(entity, name));
+            }
+            continue;
+        }
+        put(pose, &mut particles);
+        // What touched it touches it no more.
+        (scratch.solver, scratch.fresh) = (Scratch::default(), true);
+        if let Some((island, _)) = scratch.island.take() {
+            islands.forget(island);
+        }
+    }
+}
+
+/// Why a cloth cannot be put into a pose.
+fn misfit(ClothPose { positions, velocities }: &ClothPose, particles: &ClothParticles) -> Option<String> {
+    let count = particles.len();
+    if positions.len() != count || velocities.len() != count {
+        let (p, v) = (positions.len(), velocities.len());
+        return Some(format!(
+            "has {p} positions and {v} velocities for its {count} particles: take one of a cloth with the same mesh"
+        ));
+    }
+    let fits = |(x, v): (&DVec3, &Vec3)| (*x - particles.origin).length() < FARTHEST && v.is_finite();
+    let bad = positions.iter().zip(velocities).position(|of| !fits(of))?;
+    Some(format!(
+        "has particle {bad} at {} with {} m/s, which is not finite or farther than {FARTHEST} m away: put the cloth where it was saved first",
+        positions[bad], velocities[bad]
+    ))
+}
+
+fn put(ClothPose { positions, velocities }: &ClothPose, particles: &mut ClothParticles) {
+    let origin = particles.origin;
+    let state = particles.state_mut();
+    if state.substep <= 0.0 {
+        state.substep = SUBSTEP;
+    }
+    let all = state.positions.iter_mut().zip(&mut state.previous);
+    for ((x, old), (to, velocity)) in all.zip(positions.iter().zip(velocities)).filter(|((x, _), _)| x.w > 0.0) {
+        let to = (*to - origin).as_vec3();
+        *x = to.extend(x.w);
+        *old = (to - velocity.clamp_length_max(FASTEST) * state.substep).extend(old.w);
+    }
+    state.folds.clear();
+    particles.before.clear();
+    particles.display.reset();
+}
