@@ -15,7 +15,6 @@ mod islands;
 pub(crate) mod lod;
 pub(crate) mod pieces;
 pub(crate) mod poses;
-pub(crate) mod poses;
 pub(crate) mod release;
 pub(crate) mod resolve;
 pub(crate) mod respond;

@@ -186,7 +186,7 @@ fn two_free_cloths_that_collide_keep_their_momentum() {
     let mut touched = 0;
     for frame in 1..=60 {
         scene.step(FRAME);
-        touched = touched.max(scene.untangle.as_ref().map_or(0, |u| u.island.contacts().touching()));
+        touched = touched.max(scene.untangle.as_ref().map_or(0, |u| u.island.pairs().1));
         let drift = momentum(&scene).distance(start) / f64::from(size);
         assert!(drift < 1.0e-5, "frame {frame}: momentum drifted by {drift} of what is in motion");
     }
@@ -348,7 +348,7 @@ fn cloth_on_a_body_that_touches_no_cloth_keeps_every_bit() {
         for (a, b) in alone.cloths.iter().zip(&together.cloths) {
             assert!(a.state == b.state, "frame {frame}");
         }
-        let contacts = together.untangle.as_ref().map(|u| (u.island.contacts().len(), u.island.contacts().touching()));
+        let contacts = together.untangle.as_ref().map(|u| u.island.pairs());
         pairs = pairs.max(contacts.map_or(0, |(pairs, touching)| if touching == 0 { pairs } else { 0 }));
     }
     assert!(pairs > 0 && alone.cloths.iter().all(|c| c.report.body_contacts > 0), "{pairs} pairs");
@@ -433,7 +433,7 @@ fn curtains_whose_folds_touch_come_to_rest() {
         }
         scene.step(FRAME);
     }
-    let touching = scene.untangle.as_ref().map_or(0, |u| u.island.contacts().touching());
+    let touching = scene.untangle.as_ref().map_or(0, |u| u.island.pairs().1);
     assert!(touching > 20 && scene.crossings() == 0, "{touching} touch");
     for cloth in &scene.cloths {
         let speed = mean_speed(cloth);

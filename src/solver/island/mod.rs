@@ -203,6 +203,12 @@ impl Island {
         self.horizon
     }
 
+    /// Pairs of cloth that may touch, and those that touched in the last substep.
+    #[must_use]
+    pub fn pairs(&self) -> (usize, u32) {
+        (self.contacts.len(), self.contacts.touching())
+    }
+
     /// The pairs that may touch.
     #[must_use]
     pub(crate) fn contacts(&self) -> &Contacts {
