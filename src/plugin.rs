@@ -115,6 +115,8 @@ impl Plugin for ClothPlugin {
         );
         #[cfg(feature = "gltf")]
         app.add_systems(self.schedule, crate::gltf::systems().before(crate::presets::apply));
+        #[cfg(feature = "gltf")]
+        crate::gltf::keep(app);
 
         order(app, self.schedule);
         if interpolates {

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `cloth` | `true`, or an object with the keys below |
 //! | `cloth.material` | a preset name, a path to a `.cloth.ron` relative to the glTF, or an object with fields of [`ClothMaterial`] |
-//! | `cloth.pin` | a list of vertex indices (the primitive must have normals), `"_NAME"` of a float attribute, `"_NAME.g"` of one of its components, or `"color.r"` (`g`, `b`, `a`) |
+//! | `cloth.pin` | a list of vertex indices, `"_NAME"` of a float attribute, `"_NAME.g"` of one of its components, or `"color.r"` (`g`, `b`, `a`) |
 //! | `cloth.self_collision` | bool, default true: whether it folds on itself and is untangled from itself |
 //! | `cloth.layer` | integer, higher lies outside where cloths cross |
 //! | `cloth.thickness` | metres |
@@ -49,11 +49,12 @@
 mod extras;
 mod join;
 mod maps;
+mod order;
 
 use bevy::ecs::system::SystemParam;
 use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
 use bevy::mesh::skinning::SkinnedMesh;
-use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues, VertexFormat};
+use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
@@ -66,6 +67,7 @@ use crate::schedule::ClothSystems;
 use extras::{ClothExtras, ColliderExtras, ColliderFit, MaterialExtras, Problem};
 use join::Joined;
 use maps::BackstopExtras;
+pub(crate) use order::{VerticesOfFile, keep};
 
 /// The systems, for `plugin.rs` to order: before anything is bound.
 pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::system::ScheduleSystem> {
@@ -121,6 +123,7 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
+    orders: Query<&VerticesOfFile>,
     nodes: Nodes,
     mut assets: ResMut<Assets<Mesh>>,
     mut known: Local<join::Known>,
@@ -148,16 +151,16 @@ pub(crate) fn nodes(
         }
         if let Some(cloth) = &node.cloth {
             let listed = matches!(&cloth.pin, Some(ClothPinSelect::Vertices(vertices)) if !vertices.is_empty());
-            let mut shown = primitives.iter().filter_map(|p| meshes.get(*p).ok()).filter_map(|m| assets.get(&m.0));
-            if listed && shown.any(without_normals) {
-                let what = "lists vertices but the primitive has no normals, so that its vertices are numbered anew: \
+            if listed && primitives.len() > 1 && primitives.iter().any(|p| orders.contains(*p)) {
+                let what = "lists vertices but a primitive of several has no normals, so that its vertices are numbered anew: \
                             export normals, or pin by attribute or colour";
                 problems.push(Problem::new("cloth.pin", what));
             }
             let own: Vec<&Mesh> = primitives.iter().filter_map(|p| assets.get(&meshes.get(*p).ok()?.0)).collect();
             let joined = (primitives.len() > 1 && own.len() == primitives.len()).then(|| join::join(&own));
             if let Some(Ok(Joined { mesh, firsts })) = joined {
-                make_cloth(&mut commands, (entity, Some(&mesh)), cloth, &file, server.as_deref(), &mut problems);
+                let pin = cloth.pin.as_ref();
+                make_cloth(&mut commands, (entity, Some(&mesh)), cloth, pin, &file, server.as_deref(), &mut problems);
                 let skin = primitives.first().and_then(|p| nodes.skinned.get(*p).ok()).cloned();
                 let mut bearer = commands.entity(entity);
                 bearer.try_insert(Mesh3d(known.find(&mut assets, mesh)));
@@ -177,7 +180,9 @@ pub(crate) fn nodes(
                 }
                 for &primitive in &primitives {
                     let mesh = meshes.get(primitive).ok().and_then(|mesh| assets.get(&mesh.0));
-                    make_cloth(&mut commands, (primitive, mesh), cloth, &file, server.as_deref(), &mut problems);
+                    let renumbered = orders.get(primitive).ok().and_then(|order| order.renumber(cloth.pin.as_ref()));
+                    let pin = renumbered.as_ref().or(cloth.pin.as_ref());
+                    make_cloth(&mut commands, (primitive, mesh), cloth, pin, &file, server.as_deref(), &mut problems);
                 }
             }
         }
@@ -242,27 +247,11 @@ impl Nodes<'_, '_> {
     }
 }
 
-/// Whether Bevy's loader made the normals: it then splits every triangle off, and indices of the file are no longer those of the mesh.
-fn without_normals(mesh: &Mesh) -> bool {
-    let Ok(None) = mesh.try_indices_option() else { return false };
-    let vectors = |attribute| match mesh.try_attribute(attribute) {
-        Ok(VertexAttributeValues::Float32x3(values)) => Some(values),
-        _ => None,
-    };
-    let (Some(points), Some(normals)) = (vectors(Mesh::ATTRIBUTE_POSITION), vectors(Mesh::ATTRIBUTE_NORMAL)) else {
-        return false;
-    };
-    points.as_chunks::<3>().0.iter().zip(normals.as_chunks::<3>().0).all(|(corners, normals)| {
-        let [a, b, c] = corners.map(Vec3::from);
-        let flat = (b - a).cross(c - a).normalize_or_zero();
-        normals.iter().all(|n| flat == Vec3::ZERO || flat.distance_squared(Vec3::from(*n)) < 1.0e-8)
-    })
-}
-
 fn make_cloth(
     commands: &mut Commands,
     (entity, mesh): (Entity, Option<&Mesh>),
     extras: &ClothExtras,
+    pin: Option<&ClothPinSelect>,
     file: &SourceFile,
     server: Option<&AssetServer>,
     problems: &mut Vec<Problem>,
@@ -304,7 +293,7 @@ fn make_cloth(
     if let Some(rate) = extras.substep_rate {
         solver.substep_rate = rate;
     }
-    let pins = maps::pins(mesh, extras.pin.as_ref()).map_or(ClothPins::NONE, ClothPins::from);
+    let pins = maps::pins(mesh, pin).map_or(ClothPins::NONE, ClothPins::from);
     let collision = ClothCollision {
         self_collision: extras.self_collision.unwrap_or(true),
         garment_layer: extras.layer.unwrap_or(0),

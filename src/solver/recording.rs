@@ -188,7 +188,7 @@ impl Recording {
     pub fn replay(&mut self) -> Replay {
         let Self { cloths, island, together, untangle, carried, dt, .. } = self;
         let mut replay = Replay::default();
-        for cloth in cloths.iter_mut().filter(|cloth| cloth.written) {
+        for cloth in cloths.iter_mut().filter(|cloth| cloth.moves && cloth.written) {
             let worst_edge = spring::strain(&cloth.rest.springs, &cloth.state.positions).0;
             let limits = Limits { speed: f32::INFINITY, ..cloth.limits };
             if diagnose(&cloth.state, worst_edge, &limits).is_some() {

@@ -37,8 +37,7 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
     cloths.par_iter_mut().batching_strategy(batches()).for_each(
         |(rest, mut inputs, mut particles, mut scratch, mut report)| {
             let clock = stopwatch();
-            judge_written(rest, &inputs, &mut particles, &mut scratch, &mut report);
-            if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut scratch) {
+            if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut scratch, &mut report) {
                 return;
             }
             if !scratch.island.is_some_and(|(island, _)| list.get(island as usize).is_some_and(|island| island.together)) {
@@ -102,6 +101,7 @@ fn begin(
     inputs: &mut ClothInputs,
     particles: &mut ClothParticles,
     scratch: &mut ClothScratch,
+    report: &mut ClothReport,
 ) -> bool {
     let fits = particles.state.positions.len() == rest.0.positions.len();
     if !(inputs.active && !inputs.asleep && fits && dt > 0.0) || particles.recovery.is_frozen() {
@@ -111,6 +111,7 @@ fn begin(
         }
         return false;
     }
+    judge_written(rest, inputs, particles, scratch, report);
     if interpolates {
         particles.before.clear();
         match particles.display.held() {
@@ -134,7 +135,7 @@ fn judge_written(
     scratch: &mut ClothScratch,
     report: &mut ClothReport,
 ) {
-    if core::mem::take(&mut particles.written) && particles.len() == rest.0.positions.len() {
+    if core::mem::take(&mut particles.written) {
         let edges = spring::strain(&rest.0.springs, &particles.state.positions);
         // How fast it is shows when it was stepped.
         let limits = Limits { speed: f32::INFINITY, ..inputs.limits };

@@ -210,7 +210,7 @@ fn a_wrong_key_is_one_warning_with_file_node_and_key_and_the_rest_works() {
 }
 
 #[test]
-fn pins_by_index_without_normals_and_primitives_that_cannot_be_joined_are_told_of() {
+fn pins_by_index_over_primitives_without_normals_and_primitives_that_cannot_be_joined_are_told_of() {
     let folder = folder("pieces");
     let (smooth, bare) =
         (r#"{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 3}"#, r#"{"attributes": {"POSITION": 0}, "indices": 3}"#);
@@ -224,15 +224,40 @@ fn pins_by_index_without_normals_and_primitives_that_cannot_be_joined_are_told_o
     let pins = r#"{"cloth": {"pin": [0, 4]}}"#;
     assert_eq!(told("smooth.gltf", smooth, pins), Vec::<String>::new());
     assert_eq!(told("free.gltf", bare, r#"{"cloth": true}"#), Vec::<String>::new());
-    let lines = told("bare.gltf", bare, pins);
+    assert_eq!(told("bare.gltf", bare, pins), Vec::<String>::new());
+    let lines = told("several.gltf", &format!("{smooth}, {bare}"), pins);
     assert_eq!(lines.len(), 1, "{lines:#?}");
-    assert!(["bare.gltf", "`Curtain`", "`cloth.pin`", "no normals"].iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    assert!(
+        ["several.gltf", "`Curtain`", "`cloth.pin`", "no normals"].iter().all(|word| lines[0].contains(word)),
+        "{lines:#?}"
+    );
     assert_eq!(told("two.gltf", &format!("{smooth}, {smooth}"), pins), Vec::<String>::new());
     let strip = smooth.replace("\"indices\": 3", "\"indices\": 3, \"mode\": 5");
     let lines = told("strip.gltf", &format!("{smooth}, {strip}"), pins);
     assert_eq!(lines.len(), 1, "{lines:#?}");
     let words = ["strip.gltf", "`Curtain`", "2 primitives", "TriangleStrip"];
     assert!(words.iter().all(|word| lines[0].contains(word)), "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
+fn pins_by_index_hold_the_vertices_of_the_file_with_and_without_normals() {
+    let folder = folder("numbered");
+    let held = |name: &str, primitive: &str| {
+        write_gltf_of(&folder.join(name), primitive, &[node("Curtain", r#"{"cloth": {"pin": [1, 3]}}"#)], "{}");
+        let mut app = gltf_app(&folder);
+        load(&mut app, name);
+        run(&mut app, 20);
+        let cloth = app.world_mut().query_filtered::<Entity, With<Cloth>>().single(app.world()).expect("one cloth");
+        assert_eq!(report(&app, cloth).pinned, 2, "{name}");
+        let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state().clone();
+        let mut held: Vec<_> = state.positions.iter().filter(|x| x.w == 0.0).map(|x| x.truncate().to_array()).collect();
+        held.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+        held
+    };
+    let smooth = held("smooth.gltf", r#"{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 3}"#);
+    let bare = held("bare.gltf", r#"{"attributes": {"POSITION": 0}, "indices": 3}"#);
+    assert_eq!(smooth, bare);
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::reflect::{ReflectComponent, ReflectResource};
 use bevy::ecs::world::CommandQueue;
+use bevy::math::DVec3;
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
 use bevy::reflect::serde::{TypedReflectDeserializer, TypedReflectSerializer};
@@ -245,6 +246,8 @@ fn furnish(world: &mut World) -> [Entity; 3] {
         ))
         .id();
     world.entity_mut(body).insert((ClothGrab { cloth, target: Vec3::Z, ..default() }, ClothPiece { cloth, first: 4 }));
+    let pose = ClothPose { positions: vec![DVec3::X], velocities: vec![Vec3::Y] };
+    world.entity_mut(body).insert(pose);
     [hand, cloth, body]
 }
 

@@ -17,6 +17,7 @@ mod contact;
 mod neighbors;
 mod ccd;
 mod loads;
+#[cfg(feature = "debug")]
 mod touching;
 
 use glam::{Vec3, Vec3A, Vec4};
