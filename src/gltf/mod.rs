@@ -123,7 +123,6 @@ pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
     meshes: Query<&Mesh3d>,
-    orders: Query<&VerticesOfFile>,
     nodes: Nodes,
     mut assets: ResMut<Assets<Mesh>>,
     mut known: Local<join::Known>,
@@ -151,7 +150,7 @@ pub(crate) fn nodes(
         }
         if let Some(cloth) = &node.cloth {
             let listed = matches!(&cloth.pin, Some(ClothPinSelect::Vertices(vertices)) if !vertices.is_empty());
-            if listed && primitives.len() > 1 && primitives.iter().any(|p| orders.contains(*p)) {
+            if listed && primitives.len() > 1 && primitives.iter().any(|p| nodes.orders.contains(*p)) {
                 let what = "lists vertices but a primitive of several has no normals, so that its vertices are numbered anew: \
                             export normals, or pin by attribute or colour";
                 problems.push(Problem::new("cloth.pin", what));
@@ -180,7 +179,7 @@ pub(crate) fn nodes(
                 }
                 for &primitive in &primitives {
                     let mesh = meshes.get(primitive).ok().and_then(|mesh| assets.get(&mesh.0));
-                    let renumbered = orders.get(primitive).ok().and_then(|order| order.renumber(cloth.pin.as_ref()));
+                    let renumbered = nodes.orders.get(primitive).ok().and_then(|order| order.renumber(cloth.pin.as_ref()));
                     let pin = renumbered.as_ref().or(cloth.pin.as_ref());
                     make_cloth(&mut commands, (primitive, mesh), cloth, pin, &file, server.as_deref(), &mut problems);
                 }
@@ -224,6 +223,7 @@ pub(crate) struct Nodes<'w, 's> {
     parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
     extras: Query<'w, 's, &'static GltfExtras>,
+    orders: Query<'w, 's, &'static VerticesOfFile>,
     skinned: Query<'w, 's, &'static SkinnedMesh>,
     roots: Query<'w, 's, &'static WorldAssetRoot>,
 }

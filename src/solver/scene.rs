@@ -198,7 +198,7 @@ impl Roster {
     /// Empties a list, and keeps its allocation: collecting a vector from one of the same layout reuses that.
     fn keep(&mut self, mut members: Vec<Member<'_>>) {
         members.clear();
-        self.0 = members.into_iter().filter_map(|_| None).collect();
+        self.0 = members.into_iter().map_while(|_| None).collect();
     }
 }
 

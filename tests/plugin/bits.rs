@@ -63,7 +63,7 @@ struct OfSolver {
 
 /// Every position of a scene as it is now, in this order.
 fn positions(scene: &Scene) -> impl Iterator<Item = f32> + '_ {
-    scene.cloths.iter().flat_map(|cloth| &cloth.state.positions).flat_map(|x| x.to_array())
+    scene.cloths.iter().flat_map(|cloth| &cloth.state.positions).flat_map(Vec4::to_array)
 }
 
 impl OfSolver {
