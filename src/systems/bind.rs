@@ -168,7 +168,7 @@ fn bind_one(
     Ok(())
 }
 
-/// Warns of pins that hold nothing, and of vertices that are not there.
+/// Warns of pins that hold nothing.
 fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved) {
     // Pins that let go of a cloth that was simulated were meant to.
     let is_meant = cloth.inputs.is_some() || cloth.pins.sets.is_empty() || !resolved.particles.is_empty();
@@ -176,16 +176,6 @@ fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved
         warn!(
             "cloth {} has pins that hold no vertex: a predicate sees positions in the space of the mesh, and weights have to be above 0",
             label(cloth.entity, cloth.name)
-        );
-    }
-    if let [first, ..] = resolved.bad_pins[..]
-        && notices.first(cloth.entity, "pins beyond the mesh")
-    {
-        warn!(
-            "cloth {}: `ClothPins` lists {} vertices that its mesh does not have, the first is {first}; the others hold. \
-             `ClothBuildReport::bad_pins` has them all",
-            label(cloth.entity, cloth.name),
-            resolved.bad_pins.len()
         );
     }
 }
