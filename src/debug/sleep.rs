@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! awake ─ slow for 0.25 s ─► settling ─ within a few millimetres for 0.5 s, and so its island ─► asleep
-//!   ▲                         │                                                               │
-//!   └─────────────────────────┴────────────────────── anything that moves it ─────────────────┘
+//!   ▲                           │                                                                 │
+//!   └───────────────────────────┴──────────────────── anything that moves it ─────────────────────┘
 //! ```
 //!
 //! One with an edge far beyond the strain limit is strained: a coarse level over it is solved, too. [`ClothLod`](crate::ClothLod) takes
