@@ -35,7 +35,6 @@ pub use displace::displace;
 pub use hold::relax;
 pub use prepare::prepare;
 pub use scratch::Scratch;
-pub(super) use settling::OSCILLATING;
 
 use super::anchors::Anchors;
 use super::body::Body;

@@ -17,7 +17,7 @@ pub(super) const SETTLING_DRAG: f32 = 6.0;
 
 /// What got less far within a frame than this share of the way its speed would take it is stuck (dimensionless). Constraints
 /// pull it to and fro between them. In a settling cloth it has the speed of its mean motion.
-pub(crate) const OSCILLATING: f32 = 0.25;
+const OSCILLATING: f32 = 0.25;
 
 impl Scratch {
     /// Whether the cloth has been slow for a while.

@@ -6,13 +6,9 @@ use super::looked::Looked;
 use super::{Moment, NeighborList};
 use crate::solver::detect::Surface;
 use crate::solver::detect::surface::FARTHEST;
-use crate::solver::step::OSCILLATING;
 
 /// Mean way of the cloth until the next look that is not worth knowing, in thicknesses (dimensionless).
 const HARDLY: f32 = 1.0 / 24.0;
-
-/// What is [stuck](OSCILLATING) went less than this since the last look at everything, too, in thicknesses (dimensionless).
-const STILL: f32 = 0.05;
 
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
 pub(super) const FARTHEST_EDGES: f32 = 4.0;
@@ -28,10 +24,10 @@ impl NeighborList {
         self.astray.fill(false);
         self.shifted.fill(false);
         let mut mean = Vec3A::ZERO;
-        for ((part, &h), touch) in surface.parts.iter().zip(substep).zip(moment.touch) {
+        for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
-                let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness), FARTHEST);
+                let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0), FARTHEST);
                 self.start[v] = Vec3A::from_vec4(moment.positions[v]);
                 self.ahead[v] = self.start[v] + motion;
                 mean += motion;
@@ -55,16 +51,15 @@ impl NeighborList {
     }
 }
 
-/// The motion of particle `v` until the next look `[m]`: that of the last substep times `scale`. Where constraints pull against
-/// each other the last substep tells nothing. What is as good as where it was `before` moves on as it did since, `ahead` times
-/// as far.
+/// The motion of particle `v` until the next look `[m]`: that of the last substep times `scale`, as far as it lasts. How far tells the way it went since
+/// it was `before`, in `1 / ahead` of that time: its least squares fit by the motion. Where constraints pull to and fro, little of it lasts.
 #[inline]
-pub(super) fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32, thickness: f32) -> Vec3A {
+pub(super) fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;
-    let way = Vec3A::from_vec4(moment.positions[v]) - before;
-    let still = (STILL * thickness).powi(2).min(OSCILLATING * OSCILLATING * motion.length_squared());
-    // Infinite where nothing is known.
-    if way.length_squared() < still { way * ahead } else { motion }
+    let way = (Vec3A::from_vec4(moment.positions[v]) - before) * ahead;
+    let lasts = way.dot(motion) / motion.length_squared();
+    // Of what has no past, and of what stays, nothing is known.
+    if lasts.is_finite() { motion * lasts.clamp(0.0, 1.0) } else { motion }
 }
 
 /// A motion no longer than `longest` `[m]`: of what goes farther, the rest is looked for when it gets there.

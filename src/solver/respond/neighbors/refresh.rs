@@ -38,7 +38,7 @@ impl NeighborList {
             let limit = DRIFT * MARGIN * touch.thickness;
             for v in part.particles.start as usize..part.particles.end as usize {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
-                let motion = foreseen(moment, v, scale, self.before[v], 1.0, touch.thickness);
+                let motion = foreseen(moment, v, scale, self.before[v], 1.0);
                 self.there[v] = now + motion;
                 self.drift[v] = now.distance_squared(start).max(self.there[v].distance_squared(start)).sqrt();
                 self.astray[v] = self.shifted[v] || !(self.drift[v] <= limit);

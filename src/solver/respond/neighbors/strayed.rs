@@ -96,14 +96,14 @@ impl NeighborList {
         let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
         // Of the time since the last look at everything and until the next: at its end all of it.
         let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
-        for ((part, &h), touch) in surface.parts.iter().zip(moment.substep).zip(moment.touch) {
+        for (part, &h) in surface.parts.iter().zip(moment.substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             for v in part.particles.start as usize..part.particles.end as usize {
                 if core::mem::take(&mut self.astray[v]) {
                     // Others were looked at where they were at that substep, not where they will have drifted from.
                     self.shifted[v] = share > 0.0;
                     let now = Vec3A::from_vec4(moment.positions[v]) - self.shared * share;
-                    let motion = foreseen(moment, v, scale, self.before[v], since, touch.thickness);
+                    let motion = foreseen(moment, v, scale, self.before[v], since);
                     self.ahead[v] = now + limited(motion - self.shared * (1.0 - share), longest);
                     // So that it is here now.
                     self.start[v] = (now - self.ahead[v] * share) / (1.0 - share);
