@@ -42,6 +42,9 @@ pub(crate) struct Friction {
 }
 
 impl Friction {
+    /// Nothing rubs.
+    pub(crate) const NONE: Self = Self { fixed: 0.0, sliding: 0.0 };
+
     /// Geometric mean of both partners; what is not a number counts as 0.
     pub(crate) fn between(body: (f32, f32), fabric: (f32, f32)) -> Self {
         let in_range = |x: f32| if x.is_finite() { x.clamp(0.0, 10.0) } else { 0.0 };
@@ -52,7 +55,7 @@ impl Friction {
 
     /// How much of the way `slip` `[m]` along a surface is taken back under a load `[m]`, and whether that is all of it.
     #[inline]
-    pub(super) fn hold(self, slip: Vec3A, load: f32) -> (Vec3A, bool) {
+    pub(crate) fn hold(self, slip: Vec3A, load: f32) -> (Vec3A, bool) {
         let length2 = slip.length_squared();
         let most = self.fixed * load;
         let sticks = length2 <= most * most;

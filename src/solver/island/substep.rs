@@ -1,13 +1,12 @@
 //! Integrate: the cloths of an island side by side, substep by substep.
 //!
 //! ```text
-//! (constrain ─► (project provisionally ─► keep apart), twice if settling ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
+//! (constrain ─► project provisionally ─► keep apart ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
 //! ```
 
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::{CROWDED, Island, LOOK_AGAIN, Member};
-use crate::solver::respond::SETTLING_PASSES;
 use crate::solver::settings::Stepping;
 use crate::solver::state::ClothState;
 
@@ -54,7 +53,7 @@ impl Island {
             if lies {
                 self.project_provisionally(cloths);
             }
-            self.keep_apart(cloths, lies);
+            self.keep_apart(cloths);
             for (part, m) in cloths.iter_mut().enumerate() {
                 m.cloth.project(m.state, m.scratch);
                 let first = self.surface.parts[part].particles.start;
@@ -112,29 +111,15 @@ impl Island {
     }
 
     /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
-    fn keep_apart(&mut self, cloths: &mut [Member<'_>], lies: bool) {
+    fn keep_apart(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.is_empty() {
             self.contacts.rest();
             return;
         }
-        let (mut h, mut settling) = (0.0f32, true);
-        for Member { state, scratch, .. } in cloths.iter().filter(|m| m.moves) {
-            settling &= scratch.is_settling();
-            h = h.max(state.substep);
-        }
-        let passes = if settling { SETTLING_PASSES } else { 1 };
+        let h = cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max);
         let gravity = Self::gravity(cloths);
-        self.contacts.begin_solve(h, passes);
         self.gather_pairs(cloths);
-        for pass in 1..=passes {
-            if pass > 1 && lies {
-                // What was pushed into a body lies on it again.
-                self.scatter_pairs(cloths);
-                self.project_provisionally(cloths);
-                self.gather_pairs(cloths);
-            }
-            self.contacts.solve(pass == passes, gravity);
-        }
+        self.contacts.solve(h, gravity);
         self.scatter_pairs(cloths);
     }
 
@@ -146,7 +131,7 @@ impl Island {
     /// Holds pairs that stick, when bodies have pushed, too.
     fn reapply_static_friction(&mut self, cloths: &mut [Member<'_>]) {
         self.gather_pairs(cloths);
-        self.contacts.reapply_static_friction(Self::gravity(cloths));
+        self.contacts.reapply_static_friction();
         self.scatter_pairs(cloths);
     }
 

@@ -16,15 +16,14 @@
 
 use core::cmp::Ordering;
 
-use glam::{Mat4, Vec3, Vec3A, Vec4};
+use glam::{Mat4, Vec3, Vec4};
 
 use super::{FREE, LEVEL};
-use crate::solver::body::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
+use super::constraint::Constraint;
+use crate::solver::body::{BAND, Friction, Plane};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
-/// Speed at which pairs that are closer than their thickness are taken apart `[m/s]`.
-const RECOVERY_SPEED: f32 = 0.5;
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1 leaves a pile of three
 /// on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
 const SUPPORT: f32 = 0.02;
@@ -58,8 +57,6 @@ pub(super) struct Contact {
     pub load: f32,
     /// Mean of what all pushes of a substep do: push over mobility `[kg·m]`; divided by the substep it is an impulse.
     pub drive: f32,
-    /// Whether static friction held it when last pushed.
-    pub sticks: bool,
     /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
     pub inverted: bool,
     pub was_inverted: bool,
@@ -68,15 +65,11 @@ pub(super) struct Contact {
 /// The particles that pairs are made of, by slot; levels by particle.
 pub(super) struct Particles<'a> {
     pub ids: &'a [u32],
-    pub now: &'a mut [Vec4],
-    pub old: &'a mut [Vec4],
+    pub now: &'a [Vec4],
+    pub old: &'a [Vec4],
     pub levels: &'a mut [u8],
     /// Against gravity; zero without.
     pub up: Vec3,
-    /// How often each pair is solved in a substep: more than once where all cloth is settling.
-    pub passes: u32,
-    /// Whether a pair was pushed as far as only an [impact](Contact::impact) does.
-    pub impact: bool,
 }
 
 impl Contact {
@@ -86,14 +79,23 @@ impl Contact {
         if self.kind == ProximityKind::VertexFace { 1 } else { 2 }
     }
 
-    /// Keeps the pair apart; whether it touched.
+    /// What keeps pair number `pair` apart in the substep, if it touches.
     #[inline]
-    pub fn solve(&mut self, h: f32, particles: &mut Particles<'_>) -> bool {
+    pub fn touch(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
+        let constraint = self.meet(pair, particles);
+        if constraint.is_none() {
+            (self.load, self.drive) = (0.0, 0.0);
+        }
+        constraint
+    }
+
+    #[inline]
+    fn meet(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
         self.was_inverted = self.inverted;
         let mut x = self.slots.map(|s| particles.now[s as usize]);
         if self.is_apart(&x) {
-            (self.inverted, self.load, self.drive) = (false, 0.0, 0.0);
-            return false;
+            self.inverted = false;
+            return None;
         }
         let was = self.slots.map(|s| particles.old[s as usize]);
         let at = |points: &[Vec4; 4]| match self.kind {
@@ -102,8 +104,7 @@ impl Contact {
         };
         let near = at(&x);
         if !(near.distance < f32::INFINITY) {
-            (self.load, self.drive) = (0.0, 0.0);
-            return false;
+            return None;
         }
         let delta = sum(&near.weights, &x);
         let mut distance = near.distance;
@@ -126,34 +127,25 @@ impl Contact {
         self.inverted = distance < 0.0;
         let gap = distance - self.thickness;
         // NaN passes no comparison.
-        let touches = gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness);
-        if touches {
-            self.support(particles, &mut x);
+        if !(gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness)) {
+            return None;
         }
+        self.support(particles, &mut x);
         let mobility = self.mobility(&x);
-        if !(touches && mobility > 0.0) {
-            (self.load, self.drive) = (0.0, 0.0);
-            return false;
-        }
         // The vector between the closest points is pushed out as a particle is out of a body, and shared out by mass.
-        let plane = Plane { normal: self.normal.into(), offset: self.thickness };
-        let (start, end) = (Vec3A::from(sum(&self.weights, &was)), Vec3A::from(sum(&self.weights, &x)));
-        let out = respond(plane, start, end, end, RECOVERY_SPEED * h, self.load, self.friction, 0.0);
-        particles.impact |= out.push > IMPACT_SPEED * h;
-        let drive = particles.passes as f32 * out.push / mobility;
-        self.drive = if self.load > 0.0 { self.drive + LOAD_SHARE * (drive - self.drive) } else { drive };
-        (self.load, self.sticks) = (out.load, out.sticks);
-        let step = Vec3::from(out.end - end).extend(0.0) / mobility;
-        let lift = Vec3::from(out.shift).extend(0.0) / mobility;
-        if !(step.is_finite() && lift.is_finite()) {
-            (self.load, self.drive) = (0.0, 0.0);
-            return false;
-        }
-        for (&slot, (weight, x)) in self.slots.iter().zip(self.weights.iter().zip(&x)) {
-            particles.now[slot as usize] += step * (weight * x.w);
-            particles.old[slot as usize] += lift * (weight * x.w);
-        }
-        true
+        (mobility > 0.0).then(|| Constraint {
+            pair,
+            slots: self.slots,
+            weights: self.weights,
+            shares: core::array::from_fn(|i| self.weights[i] * x[i].w / mobility),
+            mobility,
+            plane: Plane { normal: self.normal.into(), offset: self.thickness },
+            friction: self.friction,
+            restitution: (!(self.inverted || self.was_inverted)).then_some(self.restitution),
+            load: self.load,
+            push: 0.0,
+            sticks: false,
+        })
     }
 
     /// Whether no closest points need be asked for: a plane across the last normal keeps the pair too far apart to touch, or the last closest points
@@ -167,57 +159,6 @@ impl Contact {
             ProximityKind::EdgeEdge => along.x.min(along.y) - along.z.max(along.w),
         };
         gap > (1.0 + BAND) * self.thickness || along.dot(self.weights.into()) > FAR * self.thickness
-    }
-
-    /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
-    #[inline]
-    pub fn reapply_static_friction(&self, particles: &mut Particles<'_>) {
-        if !(self.load > 0.0 && self.sticks) {
-            return;
-        }
-        let mut x = self.slots.map(|s| particles.now[s as usize]);
-        let was = self.slots.map(|s| particles.old[s as usize]);
-        let moved = sum(&self.weights, &x) - sum(&self.weights, &was);
-        let slip = moved - self.normal * self.normal.dot(moved);
-        self.support(particles, &mut x);
-        let by = (slip / -self.mobility(&x)).extend(0.0);
-        let most = self.friction.fixed * self.load;
-        // NaN passes no comparison.
-        if !(slip.length_squared() <= most * most && by.is_finite()) {
-            return;
-        }
-        for (&slot, (weight, x)) in self.slots.iter().zip(self.weights.iter().zip(&x)) {
-            particles.now[slot as usize] += by * (weight * x.w);
-        }
-    }
-
-    /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep began. None of one that did
-    /// not, however hard springs press it together.
-    #[inline]
-    pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
-        if !(self.load > 0.0) || self.inverted || self.was_inverted {
-            return None;
-        }
-        let approach = -self.along(self.slots.map(|s| velocities[s as usize].into()));
-        (approach > IMPACT_SPEED).then_some(self.restitution * approach)
-    }
-
-    /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
-    pub fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
-        let now = self.along(self.slots.map(|s| (positions[s as usize] - previous[s as usize]).truncate()));
-        let x = self.slots.map(|s| positions[s as usize]);
-        let by = self.normal * ((apart - now) / self.mobility(&x));
-        if !by.is_finite() {
-            return;
-        }
-        for ((&slot, weight), x) in self.slots.iter().zip(self.weights).zip(x) {
-            previous[slot as usize] -= (by * (weight * x.w)).extend(0.0);
-        }
-    }
-
-    /// How far apart four vectors are along the normal, the closest points of either side.
-    fn along(&self, of: [Vec3; 4]) -> f32 {
-        (0..4).map(|i| self.weights[i] * self.normal.dot(of[i])).sum()
     }
 
     /// How far a unit push moves the closest points apart `[1/kg]`, or a share of that of the lightest particle; 0 where nothing moves.
@@ -249,14 +190,16 @@ impl Contact {
         }
         // `level` is below the highest, so there is one above it.
         above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + LEVEL));
-        if self.across || particles.passes == 1 {
+        if self.across {
             let share = 1.0 + (SUPPORT - 1.0) * up;
             heavy.for_each(|i| x[i].w *= share);
         }
     }
 }
 
-fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
+/// The closest point of the first primitive less that of the second `[m]`.
+#[inline]
+pub(super) fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
     (points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]).truncate()
 }
 
@@ -271,12 +214,11 @@ impl Contact {
             weights: [0.0; 4],
             normal: Vec3::X,
             thickness,
-            friction: Friction { fixed: 0.0, sliding: 0.0 },
+            friction: Friction::NONE,
             restitution: 0.0,
             across: true,
             load: 0.0,
             drive: 0.0,
-            sticks: false,
             inverted: false,
             was_inverted: false,
         }

@@ -6,7 +6,6 @@ use super::tighten::SETTLING_SWEEPS;
 use super::{Scratch, StepReport, Stepped, count};
 use crate::solver::body::{Approach, Sheet};
 use crate::solver::integrate::{air, bend, damp};
-use crate::solver::respond::SETTLING_PASSES;
 use crate::solver::settings::{MembraneModel, Stepping};
 use crate::solver::skinned::Skinned;
 use crate::solver::state::ClothState;
@@ -141,7 +140,7 @@ impl Stepped<'_> {
         let lie =
             scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(topology.faces.len() + topology.edges.len());
         // Not only in settling cloth, since the list would grow when it becomes so.
-        let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { SETTLING_PASSES };
+        let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { 1 };
         scratch.provisional.begin(lie * times as usize);
     }
 }

@@ -74,7 +74,6 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
             across: p != q,
             load,
             drive,
-            sticks: false,
             inverted: false,
             was_inverted: false,
         });

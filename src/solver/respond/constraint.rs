@@ -1,0 +1,125 @@
+//! What keeps a pair apart in a substep: its closest points and normal as the pair came to touch, solved until pushes have gone around.
+//!
+//! ```text
+//!   C = n · δ - t     δ = Σ wᵢ xᵢ, n and w as they were when the pair came to touch in the substep
+//!   Δxᵢ = sᵢ n (C* - C)     sᵢ = wᵢ mᵢ⁻¹ / Σ wⱼ² mⱼ⁻¹
+//! ```
+//!
+//! Pushes of all passes add up; friction comes in the last pass, under the mean of what all passes push.
+
+use glam::{Vec3, Vec3A, Vec4};
+
+use super::contact::sum;
+use crate::solver::body::{Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
+
+/// What keeps a pair apart in a substep. See the module.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Constraint {
+    /// Which pair it is of.
+    pub pair: u32,
+    /// Slots of its particles, and the weights of the closest points.
+    pub slots: [u32; 4],
+    pub weights: [f32; 4],
+    /// How far each particle goes when the closest points part by one (dimensionless).
+    pub shares: [f32; 4],
+    /// How far a unit push moves the closest points apart `[1/kg]`.
+    pub mobility: f32,
+    /// Across the unit vector towards the first primitive, one thickness from the second.
+    pub plane: Plane,
+    pub friction: Friction,
+    /// Speed apart after an impact over that of approach before (dimensionless); none on the wrong side.
+    pub restitution: Option<f32>,
+    /// Mean push of the substeps before `[m]`, and what it was pushed in this one `[m]`.
+    pub load: f32,
+    pub push: f32,
+    /// Whether static friction holds it.
+    pub sticks: bool,
+}
+
+impl Constraint {
+    /// Keeps the pair apart in one of the passes: brings out at most by `recovery` `[m]` what began the substep closer, and lets it rub in the `last` one.
+    /// How far it was pushed `[m]`.
+    #[inline]
+    pub fn solve(&mut self, recovery: f32, last: bool, now: &mut [Vec4], old: &mut [Vec4]) -> f32 {
+        let (start, end) = (self.delta(old), self.delta(now));
+        let friction = if last { self.friction } else { Friction::NONE };
+        let out = respond(self.plane, start, end, end, recovery, self.mean_load(), friction, 0.0);
+        let (step, lift) = (out.end - end, out.shift);
+        if !(step.is_finite() && lift.is_finite()) {
+            return 0.0;
+        }
+        self.move_by(step, now);
+        self.move_by(lift, old);
+        self.push += out.push;
+        self.sticks = out.sticks;
+        out.push
+    }
+
+    /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
+    #[inline]
+    pub fn reapply_static_friction(&self, now: &mut [Vec4], old: &[Vec4]) {
+        let n = self.plane.normal;
+        let moved = self.delta(now) - self.delta(old);
+        let slip = moved - n * n.dot(moved);
+        let most = self.friction.fixed * self.mean_load();
+        // NaN passes no comparison.
+        if self.sticks && slip.length_squared() <= most * most {
+            self.move_by(-slip, now);
+        }
+    }
+
+    /// Mean push `[m]`, this substep included.
+    #[inline]
+    pub fn mean_load(&self) -> f32 {
+        mean(self.load, self.push)
+    }
+
+    /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: without.
+    #[inline]
+    pub fn mean_drive(&self, before: f32) -> f32 {
+        mean(before, self.push / self.mobility)
+    }
+
+    /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep began. None of one that did
+    /// not, however hard springs press it together.
+    #[inline]
+    pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
+        let approach = -self.along(self.slots.map(|s| velocities[s as usize]));
+        (approach > IMPACT_SPEED).then_some(self.restitution? * approach)
+    }
+
+    /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
+    pub fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+        let way = self.along(self.slots.map(|s| Vec3A::from_vec4(positions[s as usize] - previous[s as usize])));
+        let by = self.plane.normal * (way - apart);
+        if by.is_finite() {
+            self.move_by(by, previous);
+        }
+    }
+
+    /// From the closest point of the second primitive to that of the first `[m]`.
+    #[inline]
+    fn delta(&self, points: &[Vec4]) -> Vec3A {
+        sum(&self.weights, &self.slots.map(|s| points[s as usize])).into()
+    }
+
+    /// How far apart four vectors are along the normal, the closest points of either side.
+    fn along(&self, of: [Vec3A; 4]) -> f32 {
+        (0..4).map(|i| self.weights[i] * self.plane.normal.dot(of[i])).sum()
+    }
+
+    /// Parts the closest points by a way `[m]`.
+    #[inline]
+    fn move_by(&self, way: Vec3A, points: &mut [Vec4]) {
+        let way = Vec3::from(way).extend(0.0);
+        for (&slot, share) in self.slots.iter().zip(self.shares) {
+            points[slot as usize] += way * share;
+        }
+    }
+}
+
+/// Running mean of a load, after a substep in which it was `push`.
+#[inline]
+fn mean(load: f32, push: f32) -> f32 {
+    if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push }
+}
