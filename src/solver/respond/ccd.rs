@@ -8,9 +8,9 @@
 //!
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
 //! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
-//! share particles, so passes are repeated until none cuts anything; the later ones keep only the motion that all share, and at last
-//! nothing else, which ends. What is held cannot be cut: at last what meets it moves as it does, and is as held for what it meets in turn. Between
-//! two that are held and close, cloth has nowhere to go.
+//! share particles, so passes are repeated until none cuts anything. What still passes then keeps, beside the motion that all share, a share of the gap to
+//! what is nearest: the displacement bound of Offset Geometric Contact (section 3.5), with which nothing meets whatever the others do. What is held cannot
+//! be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
 
@@ -20,10 +20,12 @@ use crate::solver::detect::ProximityKind;
 use crate::solver::detect::four::Four;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
 
-/// Passes in which pairs keep their mean motion, those in which they keep something of their own, and all.
+/// Passes in which pairs keep their mean motion, and all.
 const MEAN_PASSES: u8 = 6;
-const OWN_PASSES: u8 = 12;
 const MOST_PASSES: u8 = 30;
+/// How far a particle may go at last, as a share of the gap to what is nearest (dimensionless): two that approach each other, both by less than half of it, do not
+/// meet.
+const BOUND: f32 = 0.45;
 /// In place of a pass: a particle moves with what is held, and nothing else moves it.
 const WITH_HELD: u8 = u8::MAX;
 
@@ -39,7 +41,7 @@ impl Contacts {
 
     /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
     pub fn clamp_motion_except(&mut self, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
-        let Self { pairs, start, now, cut, particles, .. } = self;
+        let Self { pairs, start, now, cut, bounds, particles, .. } = self;
         let is_free = |pair: &Contact| {
             let ids = pair.slots.map(|s| particles[s as usize]);
             free(&ids[..pair.first()], &ids[pair.first()..])
@@ -50,8 +52,9 @@ impl Contacts {
         for pass in 1..=MOST_PASSES {
             if pass == MEAN_PASSES + 1 {
                 shared = shared_motion(start, now);
+                bound(pairs, start, bounds);
             }
-            let mut ways = Ways { start, now, cut, shared, pass };
+            let mut ways = Ways { start, now, cut, bounds, shared, pass };
             let mut any = false;
             for pair in &*pairs {
                 inverted |= pair.inverted && !pair.was_inverted;
@@ -102,7 +105,8 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all; or [`WITH_HELD`].
     cut: &'a mut [u8],
-    /// What all do `[m]`; worked out when it is first needed.
+    /// How far each particle may go beside what all do `[m]`, and that; worked out when first needed.
+    bounds: &'a [f32],
     shared: Vec3,
     pass: u8,
 }
@@ -135,26 +139,36 @@ impl Ways<'_> {
         let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i].truncate());
         let held = [0, 1, 2, 3].map(|i| !(to[i].w > 0.0) || self.cut[pair.slots[i] as usize] == WITH_HELD);
         let any_held = held.contains(&true);
-        let mean = if any_held || self.pass <= MEAN_PASSES { mean_motion(&motion, to, held) } else { self.shared };
-        let way = motion.map(|m| n.dot(m - mean));
-        let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
         let gap = separation(n, first, from);
         // What started in the same place has no side to stay on.
         if !(gap > 0.0) {
             return false;
         }
+        let at_last = self.pass > MEAN_PASSES;
+        let mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
+        let way = motion.map(|m| n.dot(m - mean));
+        let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
         let free = (gap - (KEPT * gap).max(FLOOR * pair.thickness)).max(0.0);
-        let at_last = self.pass > OWN_PASSES;
-        let share = if at_last { 0.0 } else { free / closing };
+        let share = free / closing;
         // NaN passes no comparison.
-        if !(closing > 0.0 && share < 1.0) {
+        if !at_last && !(closing > 0.0 && share < 1.0) {
             return false;
         }
         let (mut any, goes_along) = (false, at_last && any_held);
         for i in (0..4).filter(|&i| !held[i]) {
             let slot = pair.slots[i] as usize;
-            let end = from[i].truncate() + mean + (motion[i] - mean) * share;
-            if goes_along || end != to[i].truncate() {
+            let own = motion[i] - mean;
+            let own = if goes_along {
+                Vec3::ZERO
+            } else if at_last {
+                let bound = self.bounds[slot];
+                // What was cut to it before stays.
+                if own.length_squared() > (1.01 * bound).powi(2) { own * (bound / own.length()) } else { own }
+            } else {
+                own * share
+            };
+            let end = from[i].truncate() + mean + own;
+            if goes_along || (at_last && own != motion[i] - mean) || (!at_last && end != to[i].truncate()) {
                 self.now[slot] = end.extend(to[i].w);
                 self.cut[slot] = if goes_along { WITH_HELD } else { self.pass };
                 any = true;
@@ -200,6 +214,19 @@ fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
     }
     let delta: Vec3 = (0..4).map(|i| at[i] * near.weights[i]).sum();
     delta.try_normalize().unwrap_or(pair.normal)
+}
+
+/// Finds how far each particle may go from where it began the substep, by slot, so that no pair meets `[m]`.
+fn bound(pairs: &[Contact], start: &[Vec4], bounds: &mut Vec<f32>) {
+    bounds.clear();
+    bounds.resize(start.len(), f32::INFINITY);
+    for pair in pairs.iter().filter(|pair| !pair.was_inverted) {
+        let from = pair.slots.map(|s| start[s as usize]);
+        let gap = separation(dividing(pair, &from), pair.first(), &from);
+        if gap > 0.0 {
+            pair.slots.iter().for_each(|&s| bounds[s as usize] = bounds[s as usize].min(BOUND * gap));
+        }
+    }
 }
 
 /// Mean motion by mass `[m]`; of what is held if something is.

@@ -57,6 +57,8 @@ pub struct Contacts {
     start: Buffer<Vec<Vec4>>,
     /// Pass of the CCD in which the particle was last stopped, by slot.
     cut: Buffer<Vec<u8>>,
+    /// How far each particle may go at last, by slot `[m]`.
+    bounds: Buffer<Vec<f32>>,
     /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
