@@ -48,7 +48,7 @@ pub use parry3d::shape::SharedShape;
 pub use pierce::Pierced;
 pub use pinch::Pinches;
 pub use provisional::{Grounds, Provisional};
-pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
+pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
 pub use shape::ShapeError;
 pub use snug::Snug;
 pub(super) use take_out::take_out;

@@ -28,7 +28,7 @@ use glam::Vec3A;
 pub(super) const RECOVERY_SPEED: f32 = 1.0;
 
 /// Share of the newest push in the running mean of the load (dimensionless), range 0.05 to 1. At 1 friction flickers with the springs.
-pub(crate) const LOAD_SHARE: f32 = 0.25;
+const LOAD_SHARE: f32 = 0.25;
 
 /// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
 pub(crate) const BAND: f32 = 0.02;
@@ -42,9 +42,6 @@ pub(crate) struct Friction {
 }
 
 impl Friction {
-    /// Nothing rubs.
-    pub(crate) const NONE: Self = Self { fixed: 0.0, sliding: 0.0 };
-
     /// Geometric mean of both partners; what is not a number counts as 0.
     pub(crate) fn between(body: (f32, f32), fabric: (f32, f32)) -> Self {
         let in_range = |x: f32| if x.is_finite() { x.clamp(0.0, 10.0) } else { 0.0 };
@@ -114,6 +111,36 @@ pub(crate) fn respond(
     friction: Friction,
     rise: f32,
 ) -> Response {
+    let Pushed { end, shift, push } = push_out(plane, start, wanted, end, recovery, rise);
+    let load = mean_load(load, push);
+    let (held, sticks) = friction.hold(slip(plane.normal, end - start), load);
+    Response { end: end - held, shift, load, push, sticks }
+}
+
+/// Running mean of a load `[m]`, after a substep in which it was `push` `[m]`.
+#[inline]
+pub(crate) fn mean_load(load: f32, push: f32) -> f32 {
+    if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push }
+}
+
+/// The part of a way that is along a surface.
+#[inline]
+pub(crate) fn slip(normal: Vec3A, way: Vec3A) -> Vec3A {
+    way - normal * normal.dot(way)
+}
+
+/// Where a particle and its previous position go that is pushed out, and does not rub.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pushed {
+    pub(crate) end: Vec3A,
+    pub(crate) shift: Vec3A,
+    /// Recovery aside `[m]`.
+    pub(crate) push: f32,
+}
+
+/// As [`respond`], without friction.
+#[inline]
+pub(crate) fn push_out(plane: Plane, start: Vec3A, wanted: Vec3A, end: Vec3A, recovery: f32, rise: f32) -> Pushed {
     let n = plane.normal;
     let gap_start = plane.gap(start);
     let target = if gap_start < 0.0 {
@@ -133,15 +160,9 @@ pub(crate) fn respond(
     } else {
         gap_end.max(target)
     };
-    let mut end = end + n * (out - gap_end);
+    let end = end + n * (out - gap_end);
     // Only what recovery lifted: a particle that its own cloth pulls out keeps its velocity.
     let pushed = n.dot(end - wanted).max(0.0);
     let lift = if gap_start < 0.0 { (out - gap_start).max(0.0).min(pushed) } else { 0.0 };
-    let push = (pushed - lift).max(0.0);
-    let load = if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push };
-
-    let moved = end - start;
-    let (held, sticks) = friction.hold(moved - n * n.dot(moved), load);
-    end -= held;
-    Response { end, shift: n * lift, load, push, sticks }
+    Pushed { end, shift: n * lift, push: (pushed - lift).max(0.0) }
 }

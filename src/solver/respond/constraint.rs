@@ -10,7 +10,7 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::contact::sum;
-use crate::solver::body::{Friction, IMPACT_SPEED, LOAD_SHARE, Plane, respond};
+use crate::solver::body::{Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
 
 /// What keeps a pair apart in a substep. See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,29 +38,28 @@ pub(super) struct Constraint {
 
 impl Constraint {
     /// Keeps the pair apart in one of the passes: brings out at most by `recovery` `[m]` what began the substep closer, and lets it rub in the `last` one.
-    /// How far it was pushed `[m]`.
     #[inline]
-    pub fn solve(&mut self, recovery: f32, last: bool, now: &mut [Vec4], old: &mut [Vec4]) -> f32 {
+    pub fn solve(&mut self, recovery: f32, last: bool, now: &mut [Vec4], old: &mut [Vec4]) {
         let (start, end) = (self.delta(old), self.delta(now));
-        let friction = if last { self.friction } else { Friction::NONE };
-        let out = respond(self.plane, start, end, end, recovery, self.mean_load(), friction, 0.0);
-        let (step, lift) = (out.end - end, out.shift);
-        if !(step.is_finite() && lift.is_finite()) {
-            return 0.0;
+        let out = push_out(self.plane, start, end, end, recovery, 0.0);
+        let mut step = out.end - end;
+        if !(step.is_finite() && out.shift.is_finite()) {
+            return;
+        }
+        self.push += out.push;
+        if last {
+            let (held, sticks) = self.friction.hold(slip(self.plane.normal, out.end - start), self.mean_load());
+            step -= held;
+            self.sticks = sticks;
         }
         self.move_by(step, now);
-        self.move_by(lift, old);
-        self.push += out.push;
-        self.sticks = out.sticks;
-        out.push
+        self.move_by(out.shift, old);
     }
 
     /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
     #[inline]
     pub fn reapply_static_friction(&self, now: &mut [Vec4], old: &[Vec4]) {
-        let n = self.plane.normal;
-        let moved = self.delta(now) - self.delta(old);
-        let slip = moved - n * n.dot(moved);
+        let slip = slip(self.plane.normal, self.delta(now) - self.delta(old));
         let most = self.friction.fixed * self.mean_load();
         // NaN passes no comparison.
         if self.sticks && slip.length_squared() <= most * most {
@@ -71,13 +70,13 @@ impl Constraint {
     /// Mean push `[m]`, this substep included.
     #[inline]
     pub fn mean_load(&self) -> f32 {
-        mean(self.load, self.push)
+        mean_load(self.load, self.push)
     }
 
     /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: without.
     #[inline]
     pub fn mean_drive(&self, before: f32) -> f32 {
-        mean(before, self.push / self.mobility)
+        mean_load(before, self.push / self.mobility)
     }
 
     /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep began. None of one that did
@@ -116,10 +115,4 @@ impl Constraint {
             points[slot as usize] += way * share;
         }
     }
-}
-
-/// Running mean of a load, after a substep in which it was `push`.
-#[inline]
-fn mean(load: f32, push: f32) -> f32 {
-    if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push }
 }

@@ -214,7 +214,7 @@ impl Contact {
             weights: [0.0; 4],
             normal: Vec3::X,
             thickness,
-            friction: Friction::NONE,
+            friction: Friction { fixed: 0.0, sliding: 0.0 },
             restitution: 0.0,
             across: true,
             load: 0.0,
