@@ -1,7 +1,7 @@
 //! Integrate: the cloths of an island side by side, substep by substep.
 //!
 //! ```text
-//! (constrain ─► project provisionally ─► keep apart ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
+//! (constrain ─► (project provisionally ─► keep apart), twice ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
 //! ```
 
 use glam::{Vec3, Vec3A, Vec4};
@@ -53,7 +53,7 @@ impl Island {
             if lies {
                 self.project_provisionally(cloths);
             }
-            self.keep_apart(cloths);
+            self.keep_apart(cloths, lies);
             for (part, m) in cloths.iter_mut().enumerate() {
                 m.cloth.project(m.state, m.scratch);
                 let first = self.surface.parts[part].particles.start;
@@ -111,15 +111,21 @@ impl Island {
     }
 
     /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
-    fn keep_apart(&mut self, cloths: &mut [Member<'_>]) {
+    fn keep_apart(&mut self, cloths: &mut [Member<'_>], lies: bool) {
         if self.contacts.is_empty() {
             self.contacts.rest();
             return;
         }
         let h = cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max);
-        let gravity = Self::gravity(cloths);
         self.gather_pairs(cloths);
-        self.contacts.solve(h, gravity);
+        self.contacts.touch(h, Self::gravity(cloths));
+        if lies {
+            // What was pushed into a body lies on it again.
+            self.scatter_pairs(cloths);
+            self.project_provisionally(cloths);
+            self.gather_pairs(cloths);
+        }
+        self.contacts.solve();
         self.scatter_pairs(cloths);
     }
 

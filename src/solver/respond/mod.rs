@@ -313,11 +313,11 @@ impl Contacts {
         }
     }
 
-    /// Keeps apart the pairs that touch at the end of a substep of `h` `[s]`. What lies below, along `gravity`, carries what lies on it.
-    pub fn solve(&mut self, h: f32, gravity: Vec3) {
+    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along `gravity`, carries what lies on it.
+    pub fn touch(&mut self, h: f32, gravity: Vec3) {
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
-        let Self { pairs, particles: ids, now, old, velocities, impacts, levels, constraints, .. } = self;
+        let Self { pairs, particles: ids, now, old, levels, constraints, .. } = self;
         constraints.clear();
         for (i, pair) in (0..).zip(pairs) {
             let touched = pair.touch(i, &mut Particles { ids, now, old, levels, up });
@@ -326,14 +326,18 @@ impl Contacts {
                 constraints.push(constraint);
             }
         }
+    }
+
+    /// Pushes the pairs that [touch](Self::touch) until pushes have gone around, and lets them rub.
+    pub fn solve(&mut self) {
+        let recovery = RECOVERY_SPEED * self.substep;
+        let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
         for pass in 2..=PASSES {
-            for constraint in constraints.iter_mut() {
-                constraint.solve(recovery, pass == PASSES, now, old);
-            }
+            constraints.iter_mut().for_each(|constraint| constraint.solve(recovery, pass == PASSES, now, old));
         }
         impacts.clear();
-        for (constraint, i) in constraints.iter().zip(0..) {
-            let pair = &mut self.pairs[constraint.pair as usize];
+        for (i, constraint) in (0..).zip(&**constraints) {
+            let pair = &mut pairs[constraint.pair as usize];
             (pair.load, pair.drive) = (constraint.mean_load(), constraint.mean_drive(pair.drive));
             impacts.extend(constraint.impact(velocities).map(|apart| (i, apart)));
         }

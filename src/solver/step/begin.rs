@@ -140,7 +140,7 @@ impl Stepped<'_> {
         let lie =
             scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(topology.faces.len() + topology.edges.len());
         // Not only in settling cloth, since the list would grow when it becomes so.
-        let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { 1 };
+        let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { 2 };
         scratch.provisional.begin(lie * times as usize);
     }
 }
