@@ -330,10 +330,10 @@ impl Contacts {
 
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around, and lets them rub.
     pub fn solve(&mut self) {
-        let recovery = RECOVERY_SPEED * self.substep;
+
         let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
         for pass in 2..=PASSES {
-            constraints.iter_mut().for_each(|constraint| constraint.solve(recovery, pass == PASSES, now, old));
+            constraints.iter_mut().for_each(|constraint| constraint.solve(0.0, pass == PASSES, now, old));
         }
         impacts.clear();
         for (i, constraint) in (0..).zip(&**constraints) {
