@@ -1,11 +1,16 @@
-//! What keeps a pair apart in a substep: its closest points and normal as the pair came to touch, solved until pushes have gone around.
+//! What keeps a pair apart in a substep: solved in several passes, with the closest points and the normal that it had in the first.
 //!
 //! ```text
-//!   C = n · δ - t     δ = Σ wᵢ xᵢ, n and w as they were when the pair came to touch in the substep
-//!   Δxᵢ = sᵢ n (C* - C)     sᵢ = wᵢ mᵢ⁻¹ / Σ wⱼ² mⱼ⁻¹
+//!   C   = n · δ - t               δ = Σ wᵢ xᵢ, t: thickness
+//!   Δxᵢ = sᵢ n (C* - C)           sᵢ = wᵢ mᵢ⁻¹ / Σ wⱼ² mⱼ⁻¹
+//!   C*  = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
 //! ```
 //!
-//! Pushes of all passes add up; friction comes in the last pass, under the mean of what all passes push.
+//! The sum is no less than `mᵢ⁻¹ / 16`, so that nothing goes farther than four times `C`. Pushes of all passes add up. Friction comes in the last pass, for the
+//! way of the whole substep, under the mean of what all passes push. Recovery and friction are those of bodies ([`push_out`]), for `δ` in place of a particle.
+//!
+//! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
+//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6), without one none.
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -37,7 +42,7 @@ pub(super) struct Constraint {
 }
 
 impl Constraint {
-    /// Keeps the pair apart in one of the passes: brings out at most by `recovery` `[m]` what began the substep closer, and lets it rub in the `last` one.
+    /// Keeps the pair apart in one of the passes: what began the substep closer is brought out by at most `recovery` `[m]`. In the `last` pass it rubs.
     #[inline]
     pub fn solve(&mut self, recovery: f32, last: bool, now: &mut [Vec4], old: &mut [Vec4]) {
         let (start, end) = (self.delta(old), self.delta(now));

@@ -1,25 +1,21 @@
-//! One pair of primitives that is kept apart: a particle and a face, or two edges.
+//! One pair of primitives that may touch: a particle and a face, or two edges. What keeps it apart in a substep is a [`Constraint`].
 //!
 //! ```text
 //!   x_v            δ = Σ wᵢ xᵢ      from the closest point of the second to that of the first
-//!    \             C = n · δ - t     n = ±δ/|δ|, t: thickness
-//!     |  δ        Δxᵢ = wᵢ mᵢ⁻¹ n (C* - C) / Σ wⱼ² mⱼ⁻¹
-//!  ---o-------     C* = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
-//!                  the sum is no less than mᵢ⁻¹ / 16, so that nothing goes farther than four times C
+//!    \             n = ±δ/|δ|       on the side where the pair belongs
+//!     |  δ
+//!  ---o-------
 //! ```
 //!
-//! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
-//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6), without one none.
-//!
-//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier, and the body takes the
-//! difference, but within a settling cloth. Recovery and friction are those of bodies ([`respond`]), for `δ` in place of a particle.
+//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier for other cloth, and the body takes the
+//! difference.
 
 use core::cmp::Ordering;
 
 use glam::{Mat4, Vec3, Vec4};
 
-use super::{FREE, LEVEL};
 use super::constraint::Constraint;
+use super::{FREE, LEVEL};
 use crate::solver::body::{BAND, Friction, Plane};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
@@ -171,7 +167,7 @@ impl Contact {
     }
 
     /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only push it back (mass scaling
-    /// as in Macklin et al. 2014, section 5.2). Not within a settling cloth: it presses its folds together itself, much more than gravity does, and where
+    /// as in Macklin et al. 2014, section 5.2). Not within a cloth: it presses its folds together itself, much more than gravity does, and where
     /// nothing takes the reaction they would lift themselves off a floor, and fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {

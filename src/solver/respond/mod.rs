@@ -330,7 +330,6 @@ impl Contacts {
 
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around, and lets them rub.
     pub fn solve(&mut self) {
-
         let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
         for pass in 2..=PASSES {
             constraints.iter_mut().for_each(|constraint| constraint.solve(0.0, pass == PASSES, now, old));
