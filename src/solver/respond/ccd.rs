@@ -311,6 +311,46 @@ mod tests {
     }
 
     #[test]
+    fn layers_that_are_squeezed_keep_their_order_and_go_on() {
+        // Five layers of 3 particles, the outer ones squeezed together, those between flung about.
+        let mut rng = fastrand::Rng::with_seed(11);
+        for _ in 0..200 {
+            let triangle = |size: f32, z: f32| [vec3(-size, -size, z), vec3(size, -size, z), vec3(0.0, size, z)];
+            let start: Vec<Vec4> =
+                (0..5u8).map(f32::from).flat_map(|i| triangle(1.0 + i, 0.1 * i)).map(|x| x.extend(1.0)).collect();
+            let way = |i: usize, fling: f32| {
+                if i < 3 {
+                    0.5
+                } else if i < 12 {
+                    fling
+                } else {
+                    -0.5
+                }
+            };
+            let now: Vec<Vec4> = start.iter().enumerate().map(|(i, x)| *x + Vec4::Z * way(i, 2.0 * rng.f32() - 1.0)).collect();
+            let on = |particle: u32, face: u32| Contact {
+                slots: [particle, face, face + 1, face + 2],
+                ..Contact::bare(ProximityKind::VertexFace, 0.01)
+            };
+            let pairs = (0..4).flat_map(|layer| (0..3).map(move |k| on(3 * layer + k, 3 * layer + 3))).collect();
+            let particles = (0..15).collect();
+            let (from, to) = (Buffer(start.clone()), Buffer(now));
+            let mut contacts = Contacts { pairs, particles, start: from, now: to, ..Contacts::default() };
+            assert!(contacts.clamp_motion());
+            for layer in 0..4 {
+                let face = |k: usize| contacts.now[3 * layer + 3 + k].truncate();
+                let normal = (face(1) - face(0)).cross(face(2) - face(0));
+                for k in 0..3 {
+                    let above = normal.dot(contacts.now[3 * layer + k].truncate() - face(0));
+                    assert!(above < 0.0, "layer {layer} is through");
+                }
+            }
+            let moved = contacts.now.iter().zip(&start).filter(|(a, b)| a.distance(**b) > 1.0e-3).count();
+            assert!(moved > 10, "only {moved} of 15 moved");
+        }
+    }
+
+    #[test]
     fn nothing_meets_on_its_way_and_momentum_is_kept() {
         let mut rng = fastrand::Rng::with_seed(7);
         let (mut cut, mut met) = (0, 0);

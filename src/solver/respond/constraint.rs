@@ -121,3 +121,59 @@ impl Constraint {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+
+    /// Two particles of 1 kg that are kept 1 m apart: the upper one comes 0.1 m too close in a substep, and goes 0.04 m aside.
+    fn over(friction: f32) -> (Constraint, Vec<Vec4>, Vec<Vec4>) {
+        let constraint = Constraint {
+            pair: 0,
+            slots: [0, 1, 1, 1],
+            weights: [1.0, -1.0, 0.0, 0.0],
+            shares: [0.5, -0.5, 0.0, 0.0],
+            mobility: 2.0,
+            plane: Plane { normal: Vec3A::Y, offset: 1.0 },
+            friction: Friction { fixed: friction, sliding: friction },
+            restitution: Some(0.5),
+            load: 0.0,
+            push: 0.0,
+            sticks: false,
+        };
+        let old = vec![vec3(0.0, 1.0, 0.0).extend(1.0), Vec4::W];
+        (constraint, vec![vec3(0.04, 0.9, 0.0).extend(1.0), Vec4::W], old)
+    }
+
+    #[test]
+    fn pushes_of_all_passes_bear_friction_and_keep_momentum() {
+        // Pushed by 0.1 in the first pass; the third one finds 0.05 more.
+        let slipped = |friction: f32| {
+            let (mut constraint, mut now, mut old) = over(friction);
+            constraint.solve(0.0, false, &mut now, &mut old);
+            now[0].y -= 0.05;
+            constraint.solve(0.0, false, &mut now, &mut old);
+            constraint.solve(0.0, true, &mut now, &mut old);
+            assert!((constraint.push - 0.15).abs() < 1.0e-6 && (now[0].y - now[1].y - 1.0).abs() < 1.0e-6);
+            let sum = now[0] + now[1];
+            assert!((sum.x - 0.04).abs() < 1.0e-6 && (sum.y - 0.85).abs() < 1.0e-6, "{sum}");
+            now[0].x - now[1].x
+        };
+        assert!((slipped(0.2) - (0.04 - 0.2 * 0.15)).abs() < 1.0e-6, "it slides under 0.15, and not under 0.1");
+        assert!(slipped(0.3).abs() < 1.0e-6, "it sticks");
+    }
+
+    #[test]
+    fn what_began_too_close_is_brought_out_without_speed() {
+        let (mut constraint, mut now, mut old) = over(0.0);
+        now[0].y = 0.9;
+        old[0].y = 0.9;
+        constraint.solve(0.02, false, &mut now, &mut old);
+        constraint.solve(0.0, true, &mut now, &mut old);
+        let gap = |x: &[Vec4]| x[0].y - x[1].y;
+        assert!((gap(&now) - 0.92).abs() < 1.0e-6 && (gap(&old) - 0.92).abs() < 1.0e-6, "{now:?} {old:?}");
+        assert_eq!(constraint.push, 0.0, "it bears nothing");
+    }
+}

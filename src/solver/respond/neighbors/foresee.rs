@@ -68,3 +68,38 @@ pub(super) fn limited(motion: Vec3A, longest: f32) -> Vec3A {
     let motion = motion.clamp_length_max(longest);
     if motion.is_finite() { motion } else { Vec3A::ZERO }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec4, vec3a};
+
+    use super::*;
+    use crate::solver::effort::Effort;
+
+    #[test]
+    fn as_much_of_a_motion_is_foreseen_as_lasted() {
+        let step = vec3a(0.001, 0.0, 0.0);
+        let foresee = |before: Vec3A, ahead: f32| {
+            let (positions, previous) = ([Vec4::ZERO], [-Vec4::from((step, 0.0))]);
+            let (touch, takes_part, pinned, substep) = (&[], &[], &[], &[]);
+            let moment = Moment {
+                positions: &positions,
+                previous: &previous,
+                substep,
+                touch,
+                takes_part,
+                pinned,
+                most: Effort::UNBOUNDED,
+            };
+            foreseen(&moment, 0, 6.0, before, ahead)
+        };
+        let close = |a: Vec3A, b: Vec3A| assert!(a.distance(b) < 1.0e-8, "{a} is not {b}");
+        close(foresee(-6.0 * step, 1.0), 6.0 * step);
+        close(foresee(-3.0 * step, 1.0), 3.0 * step);
+        close(foresee(-12.0 * step, 1.0), 6.0 * step);
+        close(foresee(vec3a(0.0, -0.01, 0.0), 1.0), Vec3A::ZERO);
+        close(foresee(6.0 * step, 1.0), Vec3A::ZERO);
+        close(foresee(-3.0 * step, 2.0), 6.0 * step);
+        close(foresee(Vec3A::INFINITY, 1.0), 6.0 * step);
+    }
+}
