@@ -1,7 +1,7 @@
 //! Integrate: the cloths of an island side by side, substep by substep.
 //!
 //! ```text
-//! (constrain ─► (project provisionally ─► keep apart), twice ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
+//! (constrain ─► project provisionally ─► touch ─► project provisionally ─► solve ─► bodies ─► static friction ─► restitution ─► CCD)* ─► finish ─► CCD
 //! ```
 
 use glam::{Vec3, Vec3A, Vec4};
@@ -242,7 +242,7 @@ impl Island {
             }
             self.find(!over);
             if over {
-                // Not before: what moved since the last time is not stuck.
+                // Not before: the look asks how far the motion since the last time lasts.
                 self.neighbors.note(&self.positions);
             }
         }

@@ -8,9 +8,9 @@
 //!
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
 //! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
-//! share particles, so passes are repeated until none cuts anything. What still passes then keeps, beside the motion that all share, a share of the gap to
-//! what is nearest: the displacement bound of Offset Geometric Contact (section 3.5), with which nothing meets whatever the others do. What is held cannot
-//! be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
+//! share particles, so passes are repeated until none cuts anything. What still passes then goes, relative to the mean motion of all, no farther than half of
+//! the gap to what is nearest: the displacement bound of Offset Geometric Contact (section 3.5), under which two that are bound do not meet. What is held
+//! cannot be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
 
@@ -23,9 +23,6 @@ use crate::solver::detect::proximity::{closest_edges, vertex_face};
 /// Passes in which pairs keep their mean motion, and all.
 const MEAN_PASSES: u8 = 6;
 const MOST_PASSES: u8 = 30;
-/// How far a particle may go at last, as a share of the gap to what is nearest (dimensionless): two that approach each other, both by less than half of it, do not
-/// meet.
-const BOUND: f32 = 0.45;
 /// In place of a pass: a particle moves with what is held, and nothing else moves it.
 const WITH_HELD: u8 = u8::MAX;
 
@@ -52,7 +49,7 @@ impl Contacts {
         for pass in 1..=MOST_PASSES {
             if pass == MEAN_PASSES + 1 {
                 shared = shared_motion(start, now);
-                bound(pairs, start, bounds);
+                bound(pairs, &is_free, start, bounds);
             }
             let mut ways = Ways { start, now, cut, bounds, shared, pass };
             let mut any = false;
@@ -64,7 +61,6 @@ impl Contacts {
                 }
             }
             if !any {
-                // None passed.
                 if inverted {
                     pairs.iter_mut().for_each(|pair| pair.inverted &= pair.was_inverted);
                 }
@@ -105,7 +101,7 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all; or [`WITH_HELD`].
     cut: &'a mut [u8],
-    /// How far each particle may go beside what all do `[m]`, and that; worked out when first needed.
+    /// Farthest way of each particle relative to the mean motion of all `[m]`, and that motion `[m]`; worked out when first needed.
     bounds: &'a [f32],
     shared: Vec3,
     pass: u8,
@@ -148,10 +144,9 @@ impl Ways<'_> {
         let mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
-        let free = (gap - (KEPT * gap).max(FLOOR * pair.thickness)).max(0.0);
-        let share = free / closing;
+        let share = free(gap, pair.thickness) / closing;
         // NaN passes no comparison.
-        if !at_last && !(closing > 0.0 && share < 1.0) {
+        if !(closing > 0.0 && (at_last || share < 1.0)) {
             return false;
         }
         let (mut any, goes_along) = (false, at_last && any_held);
@@ -168,7 +163,8 @@ impl Ways<'_> {
                 own * share
             };
             let end = from[i].truncate() + mean + own;
-            if goes_along || (at_last && own != motion[i] - mean) || (!at_last && end != to[i].truncate()) {
+            let is_cut = end != to[i].truncate() && (!at_last || own != motion[i] - mean);
+            if goes_along || is_cut {
                 self.now[slot] = end.extend(to[i].w);
                 self.cut[slot] = if goes_along { WITH_HELD } else { self.pass };
                 any = true;
@@ -216,15 +212,22 @@ fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
     delta.try_normalize().unwrap_or(pair.normal)
 }
 
-/// Finds how far each particle may go from where it began the substep, by slot, so that no pair meets `[m]`.
-fn bound(pairs: &[Contact], start: &[Vec4], bounds: &mut Vec<f32>) {
+/// How much of a `gap` of a pair may close in a substep, both `[m]`.
+#[inline]
+fn free(gap: f32, thickness: f32) -> f32 {
+    (gap - (KEPT * gap).max(FLOOR * thickness)).max(0.0)
+}
+
+/// Finds how far each particle may go relative to the mean motion of all, by slot, so that no pair meets that is not `is_free` `[m]`.
+fn bound(pairs: &[Contact], is_free: &impl Fn(&Contact) -> bool, start: &[Vec4], bounds: &mut Vec<f32>) {
     bounds.clear();
     bounds.resize(start.len(), f32::INFINITY);
-    for pair in pairs.iter().filter(|pair| !pair.was_inverted) {
+    for pair in pairs.iter().filter(|pair| !pair.was_inverted && !is_free(pair)) {
         let from = pair.slots.map(|s| start[s as usize]);
         let gap = separation(dividing(pair, &from), pair.first(), &from);
         if gap > 0.0 {
-            pair.slots.iter().for_each(|&s| bounds[s as usize] = bounds[s as usize].min(BOUND * gap));
+            let half = 0.5 * free(gap, pair.thickness);
+            pair.slots.iter().for_each(|&s| bounds[s as usize] = bounds[s as usize].min(half));
         }
     }
 }

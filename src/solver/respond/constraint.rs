@@ -10,7 +10,7 @@
 //! way of the whole substep, under the mean of what all passes push. Recovery and friction are those of bodies ([`push_out`]), for `δ` in place of a particle.
 //!
 //! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
-//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6), without one none.
+//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6); without restitution it is given none.
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -64,11 +64,11 @@ impl Constraint {
     /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
     #[inline]
     pub fn reapply_static_friction(&self, now: &mut [Vec4], old: &[Vec4]) {
-        let slip = slip(self.plane.normal, self.delta(now) - self.delta(old));
+        let along = slip(self.plane.normal, self.delta(now) - self.delta(old));
         let most = self.friction.fixed * self.mean_load();
         // NaN passes no comparison.
-        if self.sticks && slip.length_squared() <= most * most {
-            self.move_by(-slip, now);
+        if self.sticks && along.length_squared() <= most * most {
+            self.move_by(-along, now);
         }
     }
 
@@ -85,11 +85,11 @@ impl Constraint {
     }
 
     /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep began. None of one that did
-    /// not, however hard springs press it together.
+    /// not, however hard springs press it together, or that was not pushed.
     #[inline]
     pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
         let approach = -self.along(self.slots.map(|s| velocities[s as usize]));
-        (approach > IMPACT_SPEED).then_some(self.restitution? * approach)
+        (self.push > 0.0 && approach > IMPACT_SPEED).then_some(self.restitution? * approach)
     }
 
     /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! where it moved NeighborList::find       boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
-//! each substep   Contacts::solve          closest points again ─► pushed one thickness apart, in several passes ─► friction
+//! each substep   Contacts::touch          closest points again ─► what touches, pushed one thickness apart
+//!                Contacts::solve          the same in more passes ─► friction
 //!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
@@ -79,8 +80,8 @@ pub struct Contacts {
 const RECOVERY_SPEED: f32 = 0.5;
 
 /// Passes over the pairs that touch in a substep. A heap of ten sheets that lies on a ball trembles for ever at 140 mm/s (root mean square) with one, at
-/// 90 with two, 19 with three, 14 with four, 11 with six.
-const PASSES: u32 = 4;
+/// 90 with two, 19 with three, 14 with four, 11 with six. Of two garments on a runner at ten phases 1 of 2,400 frames crosses with six, 87 with two.
+const PASSES: u32 = 6;
 
 /// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
 /// one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
@@ -187,7 +188,8 @@ impl Contacts {
         self.particles.reserve(particles.saturating_sub(self.particles.len()));
         self.loads.fit(particles);
         self.impacts.reserve(particles.saturating_sub(self.impacts.len()));
-        self.constraints.0.reserve(particles.saturating_sub(self.constraints.len()));
+        let touching = self.constraints.len();
+        self.constraints.reserve(particles.saturating_sub(touching));
         self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
@@ -284,6 +286,8 @@ impl Contacts {
         self.start.resize(self.particles.len(), Vec4::NAN);
         self.velocities.clear();
         self.velocities.resize(self.particles.len(), Vec3A::ZERO);
+        let bounds = self.bounds.len();
+        self.bounds.reserve(self.particles.len().saturating_sub(bounds));
     }
 
     /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its `i`-th `[m]` and its

@@ -15,7 +15,7 @@ pub(super) const FARTHEST_EDGES: f32 = 4.0;
 pub(super) const FARTHEST_THICKNESSES: f32 = 4.0;
 
 impl NeighborList {
-    /// Takes the motion of the last substep for that of the next frame, less what all cloths share.
+    /// Takes the motion of the last substep, as far as it lasts, for that of the next frame, less what all cloths share.
     pub(super) fn foresee(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32) {
         let substep = moment.substep;
         for (face, t) in self.faces.iter_mut().zip(&surface.topology.faces) {
@@ -52,7 +52,7 @@ impl NeighborList {
 }
 
 /// The motion of particle `v` until the next look `[m]`: that of the last substep times `scale`, as far as it lasts. How far tells the way it went since
-/// it was `before`, in `1 / ahead` of that time: its least squares fit by the motion. Where constraints pull to and fro, little of it lasts.
+/// it was `before`, times `ahead`, the time until the next look over the time since: its least squares fit by the motion. Where constraints pull to and fro, little of it lasts.
 #[inline]
 pub(super) fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;

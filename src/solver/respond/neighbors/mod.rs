@@ -151,7 +151,7 @@ impl NeighborList {
     }
 
     /// Notes where all particles are `[m]` at the end of a frame, or of the time looked ahead within one. The next look tells
-    /// by it which of them are stuck.
+    /// by it how far their motion lasts.
     pub fn note(&mut self, positions: &[Vec4]) {
         self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
     }
