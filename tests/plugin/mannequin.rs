@@ -138,10 +138,99 @@ fn deepest(app: &mut App, cloth: Entity) -> f32 {
     deepest
 }
 
+fn deep_where(app: &mut App, cloth: Entity) -> String {
+    let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state().positions.clone();
+    let points: Vec<(usize, Vec3)> = particles(app, cloth)
+        .into_iter()
+        .zip(&state)
+        .enumerate()
+        .filter(|(_, (_, x))| x.w > 0.0)
+        .map(|(i, (p, _))| (i, p))
+        .collect();
+    let mut colliders = app.world_mut().query::<(&ClothCollider, &GlobalTransform, &ChildOf)>();
+    let mut deepest = (0.0f32, 0, String::new());
+    let mut count = 0;
+    for (collider, at, of) in colliders.iter(app.world()) {
+        let (scale, rotation, translation) = at.to_scale_rotation_translation();
+        let scale = scale.max_element();
+        let shape = match &collider.shape {
+            ClothColliderShape::Capsule { radius, length } => SharedShape::capsule_y(0.5 * length * scale, radius * scale),
+            ClothColliderShape::ConvexHull { points } => {
+                let points: Vec<Vec3> = points.iter().map(|p| *p * scale).collect();
+                SharedShape::convex_hull(&points).expect("a hull")
+            }
+            other => panic!("{other:?} on a bone"),
+        };
+        let pose = Pose::from_parts(translation, rotation);
+        let name = app.world().get::<Name>(of.parent()).map_or_else(String::new, ToString::to_string);
+        for (i, point) in &points {
+            let projection = shape.project_point(&pose, *point, false);
+            if projection.is_inside {
+                let d = projection.point.distance(*point);
+                count += usize::from(d > 0.005);
+                if d > deepest.0 {
+                    deepest = (d, *i, name.clone());
+                }
+            }
+        }
+    }
+    use bevy::ecs::system::RunSystemOnce;
+    let i = deepest.1;
+    let told = app
+        .world_mut()
+        .run_system_once(move |skins: bevy_drape::ClothSkinQuery| {
+            let places: Vec<bevy::math::DVec3> = skins.places(cloth).expect("bound").collect();
+            let distance = skins.skinned(cloth).map_or(f32::NAN, |s| s.distance(i));
+            let near = skins.skinned(cloth).map_or(0, |s| (0..places.len()).filter(|&i| s.distance(i) < 0.02).count());
+            let depths = skins.depths(cloth, places.iter().copied()).expect("bound");
+            (
+                depths[i],
+                depths.iter().copied().fold(0.0, f32::max),
+                depths.iter().filter(|d| **d > 0.005).count(),
+                distance,
+                near,
+            )
+        })
+        .expect("a system");
+    format!(
+        "{:.1}mm@{}:{} n{count} skin {:.1} max {:.1} n{} dist {:.3} near {}",
+        deepest.0 * 1e3,
+        deepest.1,
+        deepest.2,
+        told.0 * 1e3,
+        told.1 * 1e3,
+        told.2,
+        told.3,
+        told.4
+    )
+}
+
+#[test]
+#[ignore = "series"]
+fn series() {
+    let of = |name: &str, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
+    let clip = of("CLIP", "Walking_A");
+    let phase: f32 = of("PHASE", "0").parse().expect("a number");
+    let Some(mut app) = mannequin(&clip, 60.0, 0.1 * phase) else { return };
+    let clothes = clothes(&mut app);
+    for frame in 0..180 {
+        run(&mut app, 1);
+        print!("{frame}");
+        for (name, cloth) in &clothes {
+            let at = deep_where(&mut app, *cloth);
+            let r = report(&app, *cloth);
+            print!("  | {name} {at} x{} h{} e{:.2} r{}", r.crossings, u8::from(r.held), r.worst_edge, r.restores + r.resets);
+        }
+        println!();
+    }
+}
+
 /// What a clip did to a piece of clothing, from its second cycle on.
 #[derive(Debug, Default)]
 struct Worn {
     deepest: f32,
+    /// Frames with something deeper than 10 mm.
+    deep: u32,
     crossing: u32,
     held: u32,
     worst_edge: f32,
@@ -164,6 +253,7 @@ fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
             let report = report(app, *cloth);
             assert!(finite(app, *cloth));
             worn.deepest = worn.deepest.max(deep);
+            worn.deep += u32::from(deep > 0.01);
             worn.crossing += u32::from(report.crossings > 0);
             worn.held += u32::from(report.held);
             worn.worst_edge = worn.worst_edge.max(report.worst_edge);

@@ -7,6 +7,7 @@
 //! ```
 //!
 //! Nothing can bring the ends together as long as the bone pushes them apart. So it does not: it meets neither of them until they are out of it.
+//! Those that the skin has outside of the bone are *strays*: the skin draws them through it, as a tangle is drawn ([`Skinned::draw`]).
 //!
 //! What its skin holds so close to a bone that no place it may go to is far enough away is kept only as far away as it may go:
 //!
@@ -14,7 +15,7 @@
 //!   kept = min(thickness + margin, distance of the target + maximum distance from it)
 //! ```
 
-use glam::{Vec3A, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
 
 use super::geometry::{for_each_geometry, half_thickness};
@@ -52,6 +53,9 @@ pub struct Pierced {
     pairs: Vec<Pair>,
     before: Vec<Pair>,
     held: Vec<Held>,
+    /// Particles of pairs that have their targets outside, and those of which one is inside, as the skin goes through the bone, too; sorted.
+    strays: Vec<u32>,
+    inside: Vec<u32>,
     /// Ends of edges that are far too long.
     edges: Vec<[u32; 2]>,
     planes: Vec<Vec4>,
@@ -66,6 +70,11 @@ impl Pierced {
     /// What skins hold closer to bones than is kept, by body and part.
     pub(super) fn held(&self) -> &[Held] {
         &self.held
+    }
+
+    /// The particles of pairs that have their targets outside of the bone, sorted: the skin [draws](Skinned::draw) them through it to where they belong.
+    pub(crate) fn strays(&self) -> &[u32] {
+        &self.strays
     }
 
     /// Bodies have other numbers now, in the same order, or none.
@@ -83,7 +92,9 @@ impl Pierced {
         worst: f32,
         positions: &[Vec4],
     ) {
-        let Self { pairs, before, held, edges, planes } = self;
+        let Self { pairs, before, held, strays, inside, edges, planes } = self;
+        strays.clear();
+        inside.clear();
         let longest = 1.0 + STRETCHED * fabric.strain_limit;
         core::mem::swap(pairs, before);
         pairs.clear();
@@ -116,24 +127,8 @@ impl Pierced {
                     let inset = body.inset(pair.particle, keep);
                     positions.get(pair.particle as usize).is_some_and(|x| is_within(*x, inset, keep))
                 };
+                let first_pair = pairs.len();
                 pairs.extend(known.filter(is_still));
-                // Where its target is at the end of the frame, and the bone too.
-                if let (Some((skinned, tangled_limits)), Some(pose)) = (skinned, motion::valid(body.to)) {
-                    let (at, most) = (pose * local, keep + half_thickness(shape));
-                    let near = shape.compute_aabb(&at).loosened(keep);
-                    for (i, target) in skinned.to.iter().enumerate() {
-                        let is_near = near.mins.cmple(*target).all() && near.maxs.cmpge(*target).all();
-                        let free = tangled_limits.distance(skinned, i);
-                        if !is_near || positions[i].w == 0.0 || free >= most {
-                            continue;
-                        }
-                        let sample = geometry.sample(Vec3A::from(at.inverse_transform_point(*target)), keep);
-                        let inset = keep - sample.distance - free;
-                        if inset > 0.0 {
-                            held.push(Held { pair: Pair { body: b, part, particle: i as u32 }, inset });
-                        }
-                    }
-                }
                 for &[a, c] in &*edges {
                     let ends = [a, c].map(|p| positions[p as usize]);
                     let inset = body.inset(a, keep).min(body.inset(c, keep));
@@ -141,16 +136,39 @@ impl Pierced {
                         pairs.extend([a, c].map(|particle| Pair { body: b, part, particle }));
                     }
                 }
+                // Where its target is at the end of the frame, and the bone too.
+                if let (Some((skinned, tangled_limits)), Some(pose)) = (skinned, motion::valid(body.to)) {
+                    let (at, most) = (pose * local, keep + half_thickness(shape));
+                    let sample = |target: Vec3| geometry.sample(Vec3A::from(at.inverse_transform_point(target)), keep);
+                    let is_inside = |pair: &&Pair| !(sample(skinned.to[pair.particle as usize]).distance > 0.0);
+                    inside.extend(pairs[first_pair..].iter().filter(is_inside).map(|pair| pair.particle));
+                    let near = shape.compute_aabb(&at).loosened(keep);
+                    for (i, target) in skinned.to.iter().enumerate() {
+                        let is_near = near.mins.cmple(*target).all() && near.maxs.cmpge(*target).all();
+                        let free = tangled_limits.distance(skinned, i);
+                        if !is_near || positions[i].w == 0.0 || free >= most {
+                            continue;
+                        }
+                        let inset = keep - sample(*target).distance - free;
+                        if inset > 0.0 {
+                            held.push(Held { pair: Pair { body: b, part, particle: i as u32 }, inset });
+                        }
+                    }
+                }
             });
         }
         pairs.sort_unstable();
         pairs.dedup();
+        inside.sort_unstable();
+        strays.extend(pairs.iter().map(|pair| pair.particle).filter(|p| inside.binary_search(p).is_err()));
+        strays.sort_unstable();
+        strays.dedup();
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec3, vec3};
+    use glam::vec3;
     use parry3d::math::Pose;
     use parry3d::shape::SharedShape;
 
@@ -193,6 +211,24 @@ mod tests {
         assert_eq!(pierced.pairs().len(), 4, "{:?}", pierced.pairs());
         pierced.find(&arm(0.3), None, &fabric, &springs, 1.0, &whole);
         assert!(pierced.pairs().is_empty());
+    }
+
+    #[test]
+    fn cloth_that_an_arm_goes_through_is_drawn_to_where_the_skin_is_outside() {
+        let (fabric, mut pierced) = (Fabric::default(), Pierced::default());
+        let (springs, torn) = strip(0.11);
+        let worst = crate::solver::integrate::spring::strain(&springs, &torn).0;
+        let mut strays = |target: Vec3| {
+            let targets: Vec<Vec3> = vec![target; torn.len()];
+            let skinned =
+                Skinned { from: targets.clone(), to: targets, max_distance: vec![1.0; torn.len()], ..Skinned::of_radius(0.1) };
+            let skinned = (&skinned, &TangledLimits::default());
+            pierced.find(&arm(0.1), Some(skinned), &fabric, &springs, worst, &torn);
+            assert_eq!(pierced.pairs().len(), 4);
+            pierced.strays().len()
+        };
+        assert_eq!(strays(Vec3::Y), 4);
+        assert_eq!(strays(Vec3::X * 0.1), 0, "the skin goes through the arm, too");
     }
 
     #[test]

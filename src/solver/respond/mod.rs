@@ -53,7 +53,7 @@ pub struct Contacts {
     /// Velocities at the start of the substep `[m/s]`; by slot.
     velocities: Buffer<Vec<Vec3A>>,
     /// Constraints of pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
-    impacts: Vec<(u32, f32)>,
+    impacts: Buffer<Vec<(u32, f32)>>,
     /// Positions at the start of the substep, whatever was done to velocities since `[m]`.
     start: Buffer<Vec<Vec4>>,
     /// Pass of the CCD in which the particle was last stopped, by slot.
@@ -104,12 +104,13 @@ impl Contacts {
         self.pairs.clear();
         self.inverted.clear();
         self.close.clear();
+        self.rest();
     }
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
     fn begin(&mut self) {
         self.coincide = false;
-        let (close, listed) = (self.close.len(), self.pairs.len());
+        let (close, listed, touching) = (self.close.len(), self.pairs.len(), self.constraints.len());
         self.forget_all_but(|pair| pair.inverted);
         let Self { pairs, particles, .. } = self;
         for pair in pairs.iter_mut() {
@@ -127,9 +128,8 @@ impl Contacts {
         self.pairs.reserve(listed + listed / 2);
         self.particles.reserve(listed);
         self.loads.reserve(listed + listed / 2);
-        self.impacts.reserve(listed.saturating_sub(self.impacts.len()));
-        let touching = self.constraints.len();
-        self.constraints.reserve(touching);
+        self.impacts.reserve(touching);
+        self.constraints.reserve(2 * touching);
     }
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
@@ -187,8 +187,8 @@ impl Contacts {
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
         self.particles.reserve(particles.saturating_sub(self.particles.len()));
         self.loads.fit(particles);
-        self.impacts.reserve(particles.saturating_sub(self.impacts.len()));
-        let touching = self.constraints.len();
+        let (met, touching) = (self.impacts.len(), self.constraints.len());
+        self.impacts.reserve(particles.saturating_sub(met));
         self.constraints.reserve(particles.saturating_sub(touching));
         self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));
         self.firsts.clear();
