@@ -138,93 +138,6 @@ fn deepest(app: &mut App, cloth: Entity) -> f32 {
     deepest
 }
 
-fn deep_where(app: &mut App, cloth: Entity) -> String {
-    let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state().positions.clone();
-    let points: Vec<(usize, Vec3)> = particles(app, cloth)
-        .into_iter()
-        .zip(&state)
-        .enumerate()
-        .filter(|(_, (_, x))| x.w > 0.0)
-        .map(|(i, (p, _))| (i, p))
-        .collect();
-    let mut colliders = app.world_mut().query::<(&ClothCollider, &GlobalTransform, &ChildOf)>();
-    let mut deepest = (0.0f32, 0, String::new());
-    let mut count = 0;
-    for (collider, at, of) in colliders.iter(app.world()) {
-        let (scale, rotation, translation) = at.to_scale_rotation_translation();
-        let scale = scale.max_element();
-        let shape = match &collider.shape {
-            ClothColliderShape::Capsule { radius, length } => SharedShape::capsule_y(0.5 * length * scale, radius * scale),
-            ClothColliderShape::ConvexHull { points } => {
-                let points: Vec<Vec3> = points.iter().map(|p| *p * scale).collect();
-                SharedShape::convex_hull(&points).expect("a hull")
-            }
-            other => panic!("{other:?} on a bone"),
-        };
-        let pose = Pose::from_parts(translation, rotation);
-        let name = app.world().get::<Name>(of.parent()).map_or_else(String::new, ToString::to_string);
-        for (i, point) in &points {
-            let projection = shape.project_point(&pose, *point, false);
-            if projection.is_inside {
-                let d = projection.point.distance(*point);
-                count += usize::from(d > 0.005);
-                if d > deepest.0 {
-                    deepest = (d, *i, name.clone());
-                }
-            }
-        }
-    }
-    use bevy::ecs::system::RunSystemOnce;
-    let i = deepest.1;
-    let told = app
-        .world_mut()
-        .run_system_once(move |skins: bevy_drape::ClothSkinQuery| {
-            let places: Vec<bevy::math::DVec3> = skins.places(cloth).expect("bound").collect();
-            let distance = skins.skinned(cloth).map_or(f32::NAN, |s| s.distance(i));
-            let near = skins.skinned(cloth).map_or(0, |s| (0..places.len()).filter(|&i| s.distance(i) < 0.02).count());
-            let depths = skins.depths(cloth, places.iter().copied()).expect("bound");
-            (
-                depths[i],
-                depths.iter().copied().fold(0.0, f32::max),
-                depths.iter().filter(|d| **d > 0.005).count(),
-                distance,
-                near,
-            )
-        })
-        .expect("a system");
-    format!(
-        "{:.1}mm@{}:{} n{count} skin {:.1} max {:.1} n{} dist {:.3} near {}",
-        deepest.0 * 1e3,
-        deepest.1,
-        deepest.2,
-        told.0 * 1e3,
-        told.1 * 1e3,
-        told.2,
-        told.3,
-        told.4
-    )
-}
-
-#[test]
-#[ignore = "series"]
-fn series() {
-    let of = |name: &str, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
-    let clip = of("CLIP", "Walking_A");
-    let phase: f32 = of("PHASE", "0").parse().expect("a number");
-    let Some(mut app) = mannequin(&clip, 60.0, 0.1 * phase) else { return };
-    let clothes = clothes(&mut app);
-    for frame in 0..180 {
-        run(&mut app, 1);
-        print!("{frame}");
-        for (name, cloth) in &clothes {
-            let at = deep_where(&mut app, *cloth);
-            let r = report(&app, *cloth);
-            print!("  | {name} {at} x{} h{} e{:.2} r{}", r.crossings, u8::from(r.held), r.worst_edge, r.restores + r.resets);
-        }
-        println!();
-    }
-}
-
 /// What a clip did to a piece of clothing, from its second cycle on.
 #[derive(Debug, Default)]
 struct Worn {
@@ -243,14 +156,16 @@ struct Worn {
 fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
     let clothes = clothes(app);
     let mut worn: Vec<(String, Worn)> = clothes.iter().map(|(name, _)| (name.clone(), Worn::default())).collect();
+    let mut before = vec![0; clothes.len()];
     for frame in 0..frames {
         run(app, 1);
-        if frame < skip {
-            continue;
-        }
-        for ((_, cloth), (_, worn)) in clothes.iter().zip(&mut worn) {
+        for (((_, cloth), (_, worn)), before) in clothes.iter().zip(&mut worn).zip(&mut before) {
+            let report = report(app, *cloth).clone();
+            if frame < skip {
+                *before = report.restores + report.resets;
+                continue;
+            }
             let deep = deepest(app, *cloth);
-            let report = report(app, *cloth);
             assert!(finite(app, *cloth));
             worn.deepest = worn.deepest.max(deep);
             worn.deep += u32::from(deep > 0.01);
@@ -258,7 +173,7 @@ fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
             worn.held += u32::from(report.held);
             worn.worst_edge = worn.worst_edge.max(report.worst_edge);
             worn.most_substeps = worn.most_substeps.max(report.substeps);
-            worn.recoveries = report.restores + report.resets;
+            worn.recoveries = report.restores + report.resets - *before;
             worn.frames += 1;
             worn.ms += report.integrate_ms + report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms;
         }
@@ -266,20 +181,65 @@ fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
     worn
 }
 
-#[test]
-fn a_human_in_cape_and_skirt_walks_and_runs() {
-    for clip in ["Idle", "Walking_A", "Running_A", "2H_Melee_Attack_Slice", "Sit_Chair_Down", "Lie_Down"] {
-        let Some(mut app) = mannequin(clip, 60.0, 0.0) else { return };
+impl Worn {
+    /// What several runs did; of the worst edge its mean.
+    fn of_all(runs: &[Self]) -> Self {
+        let mut all = Self::default();
+        for run in runs {
+            all.deepest = all.deepest.max(run.deepest);
+            all.deep += run.deep;
+            all.crossing += run.crossing;
+            all.held = all.held.max(run.held);
+            all.worst_edge += run.worst_edge / runs.len() as f32;
+            all.most_substeps = all.most_substeps.max(run.most_substeps);
+            all.recoveries += run.recoveries;
+            all.frames += run.frames;
+            all.ms += run.ms;
+        }
+        all
+    }
+}
+
+/// The mannequin's clothes in a clip, over runs that begin at so many phases of it, a tenth of a second apart.
+fn over_phases(clip: &str, phases: u32) -> Option<Vec<(String, Worn)>> {
+    let mut runs: Vec<(String, Vec<Worn>)> = Vec::new();
+    for phase in 0..phases {
+        let mut app = mannequin(clip, 60.0, 0.1 * phase as f32)?;
         record::<ClothTeleported>(&mut app);
         let mut colliders = app.world_mut().query_filtered::<(), With<ClothCollider>>();
         assert!((18..=21).contains(&colliders.iter(app.world()).count()));
-        for (name, worn) in wear(&mut app, 180, 60) {
-            println!("{clip} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
-            // The skin of the cape has an elbow through it, that of the skirt the thighs.
-            assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} {name}: {worn:?}");
-            assert!(worn.recoveries <= 1 && worn.worst_edge < 4.0, "{clip} {name}: {worn:?}");
+        for (i, (name, worn)) in wear(&mut app, 180, 60).into_iter().enumerate() {
+            println!("{clip} {phase} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
+            if phase == 0 {
+                runs.push((name, Vec::new()));
+            }
+            runs[i].1.push(worn);
         }
-        assert_eq!(seen::<ClothTeleported>(&app).len(), 0, "{clip}");
+        assert_eq!(seen::<ClothTeleported>(&app).len(), 0, "{clip} {phase}");
+    }
+    Some(runs.into_iter().map(|(name, runs)| (name, Worn::of_all(&runs))).collect())
+}
+
+#[test]
+fn a_human_in_cape_and_skirt_walks_and_runs() {
+    // Of what depends on the phase as on a throw of dice, many are asked. One frame in so many may have something deep in a bone: the skin of the cape has
+    // an elbow through it, that of the skirt the thighs.
+    let clips = [
+        ("Idle", 1, None),
+        ("Walking_A", 10, Some(5)),
+        ("Running_A", 10, Some(50)),
+        ("2H_Melee_Attack_Slice", 1, None),
+        ("Sit_Chair_Down", 1, None),
+        ("Lie_Down", 1, None),
+    ];
+    for (clip, phases, deep) in clips {
+        let Some(clothes) = over_phases(clip, phases) else { return };
+        for (name, worn) in clothes {
+            println!("{clip} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
+            assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} {name}: {worn:?}");
+            assert!(worn.recoveries <= phases && worn.worst_edge < 4.0, "{clip} {name}: {worn:?}");
+            assert!(deep.is_none_or(|one_in| worn.deep * one_in <= worn.frames), "{clip} {name}: {worn:?}");
+        }
     }
 }
 
@@ -338,11 +298,8 @@ fn a_human_at_many_phases() {
     let of = |name: &str, default: &str| std::env::var(name).unwrap_or_else(|_| default.to_owned());
     let (clips, phases) = (of("CLIP", "Walking_A,Running_A"), of("PHASES", "10").parse::<u32>().expect("a number"));
     for clip in clips.split(',') {
-        for phase in 0..phases {
-            let Some(mut app) = mannequin(clip, 60.0, 0.1 * phase as f32) else { return };
-            for (name, worn) in wear(&mut app, 180, 60) {
-                println!("{clip} {phase} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
-            }
+        for (name, worn) in over_phases(clip, phases).into_iter().flatten() {
+            println!("{clip} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
         }
     }
 }
