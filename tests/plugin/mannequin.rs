@@ -226,7 +226,7 @@ fn a_human_in_cape_and_skirt_walks_and_runs() {
     // an elbow through it, that of the skirt the thighs.
     let clips = [
         ("Idle", 1, None),
-        ("Walking_A", 10, Some(5)),
+        ("Walking_A", 10, Some(3)),
         ("Running_A", 10, Some(50)),
         ("2H_Melee_Attack_Slice", 1, None),
         ("Sit_Chair_Down", 1, None),

@@ -16,24 +16,31 @@ impl Skinned {
             let target = self.target(i, s1);
             let at = x.truncate();
             let to = self.within(i, tangled_limits.distance(self, i), s1, target, at);
-            if to != at {
-                put(to, target.distance(self.target(i, s0)), x, old);
+            if to == at {
+                continue;
+            }
+            let (back, by) = (to - at, to.distance(at));
+            let own = (target - self.target(i, s0)).length() + at.distance(old.truncate());
+            *x = to.extend(x.w);
+            if by > own {
+                *old += (back * (1.0 - own / by)).extend(0.0);
             }
         }
     }
 
-    /// Draws `particles` to their targets in a substep of `h` `[s]`, as a tangle is drawn: from the share `s0` of the frame to `s1`.
-    pub fn draw(&self, particles: &[u32], [s0, s1]: [f32; 2], h: f32, positions: &mut [Vec4], previous: &mut [Vec4]) {
+    /// Draws `particles` to their targets in a substep of `h` `[s]`, as a tangle is drawn, and without any speed: from the share `s0` of the frame to `s1`.
+    /// Before forces act, so that what holds the cloth together takes the others along.
+    pub fn draw(&self, particles: &[u32], (s0, s1): (f32, f32), h: f32, positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.fits(positions.len()) {
             return;
         }
         for i in particles.iter().map(|p| *p as usize) {
-            let (x, old) = (&mut positions[i], &mut previous[i]);
-            let (from, to, at) = (self.target(i, s0), self.target(i, s1), x.truncate());
-            let most = (from.distance(old.truncate()) - FASTEST * h).max(0.0);
-            let off = at - to;
-            if x.w > 0.0 && off.length_squared() > most * most {
-                put(to + off.clamp_length_max(most), from.distance(to), x, old);
+            let (x, target) = (&mut positions[i], self.target(i, s1));
+            if x.w > 0.0 {
+                let most = FASTEST * h + target.distance(self.target(i, s0));
+                let by = (target - x.truncate()).clamp_length_max(most).extend(0.0);
+                *x += by;
+                previous[i] += by;
             }
         }
     }
@@ -75,18 +82,6 @@ impl Skinned {
         }
         let off = to - target;
         if off.length_squared() > most * most { target + off.normalize_or_zero() * most } else { to }
-    }
-}
-
-/// Puts a particle in another place `to` `[m]`. What takes it farther than its own way and that of its target, `target_way` `[m]`, gives it no speed.
-#[inline]
-fn put(to: Vec3, target_way: f32, x: &mut Vec4, old: &mut Vec4) {
-    let at = x.truncate();
-    let (back, by) = (to - at, to.distance(at));
-    let own = target_way + at.distance(old.truncate());
-    *x = to.extend(x.w);
-    if by > own {
-        *old += (back * (1.0 - own / by)).extend(0.0);
     }
 }
 
@@ -141,24 +136,21 @@ mod tests {
     }
 
     #[test]
-    fn what_a_bone_goes_through_is_drawn_to_its_skin_and_goes_along_with_it() {
+    fn what_a_bone_goes_through_is_drawn_to_its_skin_without_speed() {
         let h = 0.01;
         let mut skinned = skinned(1.0, f32::INFINITY);
         skinned.to = vec![Vec3::Y * 0.05];
-        // 0.1 m from its target when the substep began, and since it stayed.
-        let (mut x, mut previous) = ([Vec4::new(0.1, 0.0, 0.0, 1.0)], [Vec4::new(0.1, 0.0, 0.0, 1.0)]);
-        skinned.draw(&[0], [0.0, 1.0], h, &mut x, &mut previous);
-        let left = x[0].truncate().distance(skinned.to[0]);
-        assert!((left - (0.1 - FASTEST * h)).abs() < 1.0e-6, "{left}");
-        let way = (x[0] - previous[0]).truncate();
-        assert!(way.length() <= 0.05 + 1.0e-6, "no faster than its target: {way}");
-        // Nearer than it was to be, it is let be; and so is a pin.
-        for w in [1.0, 0.0] {
-            let at = Vec4::new(if w > 0.0 { 0.01 } else { 0.5 }, 0.05, 0.0, w);
-            let mut x = [at];
-            skinned.draw(&[0], [0.0, 1.0], h, &mut x, &mut [Vec4::new(0.1, 0.0, 0.0, w)]);
-            assert_eq!(x, [at]);
-        }
+        let draw = |at: Vec4| {
+            let (mut x, mut previous) = ([at], [at - Vec4::Z * 0.01]);
+            skinned.draw(&[0], (0.0, 1.0), h, &mut x, &mut previous);
+            assert!((x[0] - previous[0]).distance(Vec4::Z * 0.01) < 1.0e-6, "it has the speed that it had");
+            x[0]
+        };
+        // It keeps up with its target, and comes nearer.
+        let off = Vec4::from((skinned.to[0], 1.0)) + Vec4::X * 0.3;
+        assert!((draw(off).distance(off) - (0.05 + FASTEST * h)).abs() < 1.0e-6);
+        assert_eq!(draw(Vec4::new(0.01, 0.05, 0.0, 1.0)).truncate(), skinned.to[0]);
+        assert_eq!(draw(Vec4::X * 0.3), Vec4::X * 0.3, "a pin stays");
     }
 
     #[test]

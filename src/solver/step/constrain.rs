@@ -15,6 +15,9 @@ impl Stepped<'_> {
         if frame.begun > 1 {
             scratch.keep_air(state);
         }
+        if let Some(skinned) = self.input.skinned {
+            skinned.draw(scratch.pierced.strays(), frame.span(), frame.h, &mut state.positions, &mut state.previous);
+        }
         scratch.carried.note(state.substep, &state.positions, &state.previous);
         if frame.steps > 1 {
             self.advance_in_steps(&frame, state, scratch);

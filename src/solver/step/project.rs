@@ -36,7 +36,6 @@ impl Stepped<'_> {
             scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
         frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
         if let Some(skinned) = self.input.skinned {
-            skinned.draw(scratch.pierced.strays(), [s0, s1], frame.h, x, old);
             skinned.limit(&scratch.tangled_limits, [s0, s1], x, old);
         }
         // Without a fast body once a frame is enough.
