@@ -140,8 +140,10 @@ impl Pierced {
                 if let (Some((skinned, tangled_limits)), Some(pose)) = (skinned, motion::valid(body.to)) {
                     let (at, most) = (pose * local, keep + half_thickness(shape));
                     let sample = |target: Vec3| geometry.sample(Vec3A::from(at.inverse_transform_point(target)), keep);
-                    let is_inside = |pair: &&Pair| !(sample(skinned.to[pair.particle as usize]).distance > 0.0);
-                    inside.extend(pairs[first_pair..].iter().filter(is_inside).map(|pair| pair.particle));
+                    for &Pair { particle, .. } in &pairs[first_pair..] {
+                        let is_outside = sample(skinned.to[particle as usize]).distance > 0.0;
+                        if is_outside { &mut *strays } else { &mut *inside }.push(particle);
+                    }
                     let near = shape.compute_aabb(&at).loosened(keep);
                     for (i, target) in skinned.to.iter().enumerate() {
                         let is_near = near.mins.cmple(*target).all() && near.maxs.cmpge(*target).all();
@@ -160,7 +162,7 @@ impl Pierced {
         pairs.sort_unstable();
         pairs.dedup();
         inside.sort_unstable();
-        strays.extend(pairs.iter().map(|pair| pair.particle).filter(|p| inside.binary_search(p).is_err()));
+        strays.retain(|p| inside.binary_search(p).is_err());
         strays.sort_unstable();
         strays.dedup();
     }
@@ -229,6 +231,8 @@ mod tests {
         };
         assert_eq!(strays(Vec3::Y), 4);
         assert_eq!(strays(Vec3::X * 0.1), 0, "the skin goes through the arm, too");
+        pierced.find(&arm(0.1), None, &fabric, &springs, worst, &torn);
+        assert_eq!((pierced.pairs().len(), pierced.strays().len()), (4, 0), "of what no skin limits nothing is known");
     }
 
     #[test]
