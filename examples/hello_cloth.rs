@@ -14,10 +14,8 @@ fn main() {
 /// A camera, a light, a ground, a ball and a sheet.
 pub fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
     commands.spawn((Camera3d::default(), Transform::from_xyz(3.0, 2.2, 3.8).looking_at(Vec3::Y * 0.9, Vec3::Y)));
-    commands.spawn((
-        DirectionalLight { shadow_maps_enabled: true, ..default() },
-        Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y),
-    ));
+    let sun = DirectionalLight { shadow_maps_enabled: true, ..default() };
+    commands.spawn((sun, Transform::from_xyz(2.0, 4.0, 3.0).looking_at(Vec3::ZERO, Vec3::Y)));
     commands.spawn((
         Mesh3d(meshes.add(Plane3d::default().mesh().size(8.0, 8.0))),
         MeshMaterial3d(materials.add(Color::srgb(0.3, 0.35, 0.4))),
@@ -29,10 +27,10 @@ pub fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut mater
         Transform::from_xyz(0.0, 0.9, -0.1),
         ClothCollider::ball(0.5),
     ));
-    let red = Color::srgb(0.75, 0.12, 0.1);
+    let red = StandardMaterial { base_color: Color::srgb(0.75, 0.12, 0.1), double_sided: true, cull_mode: None, ..default() };
     commands.spawn((
         Mesh3d(meshes.add(Plane3d::default().mesh().size(2.0, 2.0).subdivisions(60))),
-        MeshMaterial3d(materials.add(StandardMaterial { base_color: red, double_sided: true, cull_mode: None, ..default() })),
+        MeshMaterial3d(materials.add(red)),
         Transform::from_xyz(0.0, 2.0, 0.0),
         Cloth, // every other setting has a default
         ClothMaterial::COTTON,
