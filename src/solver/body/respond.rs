@@ -79,7 +79,7 @@ pub(crate) struct Plane {
 impl Plane {
     /// Signed height of a point over the plane `[m]`.
     #[inline]
-    pub(super) fn gap(&self, q: Vec3A) -> f32 {
+    pub(crate) fn gap(&self, q: Vec3A) -> f32 {
         self.normal.dot(q) - self.offset
     }
 }

@@ -27,6 +27,10 @@ use super::tree::{Meeting, Tree};
 const PAIR: usize = 4;
 const CROSSING: usize = 64;
 
+/// Height over the plane of a face from which on its sign is sure in `f32`, as a share of what the lengths of edges and way come to (dimensionless): five
+/// times what rounding can be.
+const BESIDE: f32 = 1.0e-5;
+
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -364,7 +368,30 @@ fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u3
     {
         return;
     }
-    cross_close_faces(surface, positions, asks, [f, g], [tf, tg], shared, ties, out);
+    let near_g = tg.map(|v| tf.contains(&v));
+    if lies_beside(positions, tf, tg, near_g) || lies_beside(positions, tg, tf, shared) {
+        return;
+    }
+    cross_close_faces(surface, positions, asks, [f, g], [tf, tg], [shared, near_g], ties, out);
+}
+
+/// Whether all corners of face `g` lie on one side of the plane of face `f`, but those that they have in `common`, farther off than rounding can tell. Most
+/// faces of layers do, which the line between their centres does not divide.
+#[inline]
+fn lies_beside(positions: &[Vec4], f: [u32; 3], g: [u32; 3], common: [bool; 3]) -> bool {
+    let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
+    let origin = at(f[0]);
+    let (u, v) = (at(f[1]) - origin, at(f[2]) - origin);
+    let (normal, scale) = (u.cross(v), u.length_squared() * v.length_squared());
+    let (mut low, mut high, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f32);
+    for (&corner, _) in g.iter().zip(common).filter(|(_, common)| !common) {
+        let w = at(corner) - origin;
+        let height = normal.dot(w);
+        (low, high, farthest) = (low.min(height), high.max(height), farthest.max(w.length_squared()));
+    }
+    // Rounding of all this is some `2e-6 |u| |v| |w|`; squares keep their sign, and NaN passes no comparison.
+    let slack = BESIDE * BESIDE * scale * farthest;
+    low * low.abs() > slack || -high * high.abs() > slack
 }
 
 #[expect(clippy::too_many_arguments, reason = "buffers that are borrowed apart from the detector")]
@@ -374,11 +401,10 @@ fn cross_close_faces(
     asks: &[u8],
     [f, g]: [u32; 2],
     [tf, tg]: [[u32; 3]; 2],
-    near_f: [bool; 3],
+    [near_f, near_g]: [[bool; 3]; 2],
     ties: &mut Ties,
     out: &mut Vec<Crossing>,
 ) {
-    let near_g = tg.map(|v| tf.contains(&v));
     let (pf, pg) = (tf.map(|v| point(positions, v)), tg.map(|v| point(positions, v)));
     let Some(sides_f) = sides(&Plane::new(pg[0], pg[1], pg[2]), &pf, near_f, ties) else { return };
     let Some(sides_g) = sides(&Plane::new(pf[0], pf[1], pf[2]), &pg, near_g, ties) else { return };

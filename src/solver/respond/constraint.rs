@@ -34,6 +34,8 @@ pub(super) struct Constraint {
     pub friction: Friction,
     /// Speed apart after an impact over that of approach before (dimensionless); none on the wrong side.
     pub restitution: Option<f32>,
+    /// The height over the plane that the passes after the first keep `[m]`: 0, or where the substep began below it.
+    pub floor: f32,
     /// Mean push of the substeps before `[m]`, and what it was pushed in this one `[m]`.
     pub load: f32,
     pub push: f32,
@@ -59,6 +61,27 @@ impl Constraint {
         }
         self.move_by(step, now);
         self.move_by(out.shift, old);
+    }
+
+    /// Notes where the pair was when the substep began: nothing moves that after the first pass.
+    pub fn note_start(&mut self, old: &[Vec4]) {
+        self.floor = self.plane.gap(self.delta(old)).min(0.0);
+    }
+
+    /// As [`Self::solve`] without recovery and friction.
+    #[inline]
+    pub fn push_apart(&mut self, now: &mut [Vec4]) {
+        let (end, normal) = (self.delta(now), self.plane.normal);
+        let gap = self.plane.gap(end);
+        if gap >= self.floor {
+            return;
+        }
+        let to = end + normal * (self.floor - gap);
+        let step = to - end;
+        if step.is_finite() {
+            self.push += normal.dot(step).max(0.0);
+            self.move_by(step, now);
+        }
     }
 
     /// Holds a pair again that sticks, within its static friction: bodies have moved one side since, and the other not with it.
@@ -139,6 +162,7 @@ mod tests {
             plane: Plane { normal: Vec3A::Y, offset: 1.0 },
             friction: Friction { fixed: friction, sliding: friction },
             restitution: Some(0.5),
+            floor: 0.0,
             load: 0.0,
             push: 0.0,
             sticks: false,

@@ -79,7 +79,8 @@ impl Contact {
     #[inline]
     pub fn touch(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
         let constraint = self.meet(pair, particles);
-        if constraint.is_none() {
+        // What is apart stays as it was, mostly, and is not written.
+        if constraint.is_none() && (self.load != 0.0 || self.drive != 0.0) {
             (self.load, self.drive) = (0.0, 0.0);
         }
         constraint
@@ -87,10 +88,14 @@ impl Contact {
 
     #[inline]
     fn meet(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
-        self.was_inverted = self.inverted;
+        if self.was_inverted != self.inverted {
+            self.was_inverted = self.inverted;
+        }
         let mut x = self.slots.map(|s| particles.now[s as usize]);
         if self.is_apart(&x) {
-            self.inverted = false;
+            if self.inverted {
+                self.inverted = false;
+            }
             return None;
         }
         let was = self.slots.map(|s| particles.old[s as usize]);
@@ -138,6 +143,7 @@ impl Contact {
             plane: Plane { normal: self.normal.into(), offset: self.thickness },
             friction: self.friction,
             restitution: (!(self.inverted || self.was_inverted)).then_some(self.restitution),
+            floor: 0.0,
             load: self.load,
             push: 0.0,
             sticks: false,

@@ -335,9 +335,11 @@ impl Contacts {
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around, and lets them rub.
     pub fn solve(&mut self) {
         let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
-        for pass in 2..=PASSES {
-            constraints.iter_mut().for_each(|constraint| constraint.solve(0.0, pass == PASSES, now, old));
+        constraints.iter_mut().for_each(|constraint| constraint.note_start(old));
+        for _ in 2..PASSES {
+            constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
         }
+        constraints.iter_mut().for_each(|constraint| constraint.solve(0.0, true, now, old));
         impacts.clear();
         for (i, constraint) in (0..).zip(&**constraints) {
             let pair = &mut pairs[constraint.pair as usize];
