@@ -38,34 +38,54 @@ impl Contacts {
 
     /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
     pub fn clamp_motion_except(&mut self, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
-        let Self { pairs, start, now, cut, bounds, particles, .. } = self;
+        let Self { pairs, start, now, cut, bounds, particles, incidence, .. } = self;
+        let start: &[Vec4] = start;
         let is_free = |pair: &Contact| {
             let ids = pair.slots.map(|s| particles[s as usize]);
             free(&ids[..pair.first()], &ids[pair.first()..])
         };
         cut.clear();
         cut.resize(now.len(), 0);
-        let (mut shared, mut inverted) = (Vec3::ZERO, false);
-        for pass in 1..=MOST_PASSES {
-            if pass == MEAN_PASSES + 1 {
-                shared = shared_motion(start, now);
-                bound(pairs, &is_free, start, bounds);
+        let (mut any, mut inverted) = (false, false);
+        let mut ways = Ways { start, now, cut, bounds, shared: Vec3::ZERO, pass: 1 };
+        for pair in &*pairs {
+            inverted |= pair.inverted && !pair.was_inverted;
+            any |= ways.clamp(pair, &is_free, |_| f32::INFINITY);
+        }
+        let is_cut = any;
+        if any {
+            incidence.list(ways.now.len(), pairs);
+            ways.cut_in(1).for_each(|slot| incidence.ask_again(slot, None));
+        }
+        while any && ways.pass < MOST_PASSES {
+            any = false;
+            ways.pass += 1;
+            incidence.turn();
+            if ways.pass == MEAN_PASSES + 1 {
+                ways.shared = shared_motion(ways.start, ways.now);
+                ways.bounds.clear();
+                ways.bounds.resize(ways.now.len(), f32::NAN);
             }
-            let mut ways = Ways { start, now, cut, bounds, shared, pass };
-            let mut any = false;
-            for pair in &*pairs {
-                inverted |= pair.inverted && !pair.was_inverted;
-                // Only what was cut since a pair was asked can change its answer.
-                if pass == 1 || ways.is_new(pair) {
-                    any |= ways.clamp(pair, &is_free);
+            // Only what was cut since a pair was asked can change its answer, and what goes with what is held.
+            if ways.pass > MEAN_PASSES {
+                ways.cut_in(WITH_HELD).for_each(|slot| incidence.ask_again(slot, None));
+            }
+            let mut next = 0;
+            while let Some(i) = incidence.take(next) {
+                next = i;
+                let bound = |slot| bound(incidence.of(slot).map(|i| &pairs[i]).filter(|pair| !is_free(pair)), start);
+                if ways.clamp(&pairs[i], &is_free, bound) {
+                    any = true;
+                    let cut = pairs[i].slots.into_iter().filter(|&slot| ways.is_new(slot));
+                    cut.for_each(|slot| incidence.ask_again(slot, Some(i)));
                 }
             }
-            if !any {
-                if inverted {
-                    pairs.iter_mut().for_each(|pair| pair.inverted &= pair.was_inverted);
-                }
-                return pass > 1;
+        }
+        if !any {
+            if inverted {
+                pairs.iter_mut().for_each(|pair| pair.inverted &= pair.was_inverted);
             }
+            return is_cut;
         }
         // Some may have passed all the same; the others did not.
         for pair in pairs.iter_mut().filter(|pair| pair.inverted && !pair.was_inverted) {
@@ -101,20 +121,26 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all; or [`WITH_HELD`].
     cut: &'a mut [u8],
-    /// Farthest way of each particle relative to the mean motion of all `[m]`, and that motion `[m]`; worked out when first needed.
-    bounds: &'a [f32],
+    /// Farthest way of each particle relative to the mean motion of all `[m]`, or not a number where nobody asked; and that motion `[m]`.
+    bounds: &'a mut Vec<f32>,
     shared: Vec3,
     pass: u8,
 }
 
 impl Ways<'_> {
-    fn is_new(&self, pair: &Contact) -> bool {
-        pair.slots.iter().any(|&s| self.cut[s as usize].saturating_add(1) >= self.pass)
+    /// The slots that were last stopped in a pass, or [`WITH_HELD`].
+    fn cut_in(&self, pass: u8) -> impl Iterator<Item = u32> + '_ {
+        (0..).zip(self.cut.iter()).filter(move |(_, cut)| **cut == pass).map(|(slot, _)| slot)
     }
 
-    /// Whether something had to be cut.
+    /// Whether a slot was stopped in this pass.
+    fn is_new(&self, slot: u32) -> bool {
+        self.cut[slot as usize] >= self.pass
+    }
+
+    /// Whether something had to be cut. `bound` tells how far a slot may go relative to the mean motion of all `[m]`.
     #[inline]
-    fn clamp(&mut self, pair: &Contact, is_free: &impl Fn(&Contact) -> bool) -> bool {
+    fn clamp(&mut self, pair: &Contact, is_free: &impl Fn(&Contact) -> bool, bound: impl Fn(u32) -> f32) -> bool {
         if pair.was_inverted {
             return false;
         }
@@ -122,11 +148,11 @@ impl Ways<'_> {
         let from = [self.start[a], self.start[b], self.start[c], self.start[d]];
         let to = [self.now[a], self.now[b], self.now[c], self.now[d]];
         // Mostly the direction of the contact divides them.
-        !divides(pair.normal, pair.first(), &from, &to) && !is_free(pair) && self.cut(pair, &from, &to)
+        !divides(pair.normal, pair.first(), &from, &to) && !is_free(pair) && self.cut(pair, &from, &to, bound)
     }
 
     #[cold]
-    fn cut(&mut self, pair: &Contact, from: &[Vec4; 4], to: &[Vec4; 4]) -> bool {
+    fn cut(&mut self, pair: &Contact, from: &[Vec4; 4], to: &[Vec4; 4], bound: impl Fn(u32) -> f32) -> bool {
         let first = pair.first();
         let n = dividing(pair, from);
         if divides(n, first, from, to) {
@@ -144,7 +170,7 @@ impl Ways<'_> {
         let mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
-        let share = free(gap, pair.thickness) / closing;
+        let share = closable(gap, pair.thickness) / closing;
         // NaN passes no comparison.
         if !(closing > 0.0 && (at_last || share < 1.0)) {
             return false;
@@ -156,6 +182,9 @@ impl Ways<'_> {
             let own = if goes_along {
                 Vec3::ZERO
             } else if at_last {
+                if self.bounds[slot].is_nan() {
+                    self.bounds[slot] = bound(pair.slots[i]);
+                }
                 let bound = self.bounds[slot];
                 // What was cut to it before stays.
                 if own.length_squared() > (1.01 * bound).powi(2) { own * (bound / own.length()) } else { own }
@@ -214,22 +243,18 @@ fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
 
 /// How much of a `gap` of a pair may close in a substep, both `[m]`.
 #[inline]
-fn free(gap: f32, thickness: f32) -> f32 {
+fn closable(gap: f32, thickness: f32) -> f32 {
     (gap - (KEPT * gap).max(FLOOR * thickness)).max(0.0)
 }
 
-/// Finds how far each particle may go relative to the mean motion of all, by slot, so that no pair meets that is not `is_free` `[m]`.
-fn bound(pairs: &[Contact], is_free: &impl Fn(&Contact) -> bool, start: &[Vec4], bounds: &mut Vec<f32>) {
-    bounds.clear();
-    bounds.resize(start.len(), f32::INFINITY);
-    for pair in pairs.iter().filter(|pair| !pair.was_inverted && !is_free(pair)) {
+/// How far a particle may go relative to the mean motion of all, so that none of its `pairs` meets `[m]`.
+fn bound<'a>(pairs: impl Iterator<Item = &'a Contact>, start: &[Vec4]) -> f32 {
+    let half = pairs.filter(|pair| !pair.was_inverted).map(|pair| {
         let from = pair.slots.map(|s| start[s as usize]);
         let gap = separation(dividing(pair, &from), pair.first(), &from);
-        if gap > 0.0 {
-            let half = 0.5 * free(gap, pair.thickness);
-            pair.slots.iter().for_each(|&s| bounds[s as usize] = bounds[s as usize].min(half));
-        }
-    }
+        if gap > 0.0 { 0.5 * closable(gap, pair.thickness) } else { f32::INFINITY }
+    });
+    half.fold(f32::INFINITY, f32::min)
 }
 
 /// Mean motion by mass `[m]`; of what is held if something is.

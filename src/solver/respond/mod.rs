@@ -18,6 +18,7 @@ mod constraint;
 mod contact;
 mod neighbors;
 mod ccd;
+mod incidence;
 mod loads;
 #[cfg(feature = "debug")]
 mod touching;
@@ -30,6 +31,7 @@ use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::topology::NONE;
 use constraint::Constraint;
 use contact::{Contact, Particles};
+use incidence::Incidence;
 use loads::Loads;
 pub use neighbors::{Moment, NeighborList};
 
@@ -60,6 +62,8 @@ pub struct Contacts {
     cut: Buffer<Vec<u8>>,
     /// How far each particle may go at last, by slot `[m]`.
     bounds: Buffer<Vec<f32>>,
+    /// The pairs of each slot, where the CCD asks again.
+    incidence: Buffer<Incidence>,
     /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
@@ -286,8 +290,10 @@ impl Contacts {
         self.start.resize(self.particles.len(), Vec4::NAN);
         self.velocities.clear();
         self.velocities.resize(self.particles.len(), Vec3A::ZERO);
-        let bounds = self.bounds.len();
-        self.bounds.reserve(self.particles.len().saturating_sub(bounds));
+        // For the CCD, which mostly needs neither.
+        self.bounds.clear();
+        self.bounds.reserve(self.particles.len());
+        self.incidence.reserve(self.particles.len(), self.pairs.capacity());
     }
 
     /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its `i`-th `[m]` and its

@@ -1,0 +1,120 @@
+//! Which pairs each particle is in: what is cut asks those again, and no others.
+
+use super::contact::Contact;
+use crate::solver::topology::NONE;
+
+/// The pairs of each slot, a list for each; and which pairs are due, in a pass and in the next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Incidence {
+    /// By slot: [`PER_PAIR`] times the number of a pair, plus the place of the slot in it; or [`NONE`].
+    first: Vec<u32>,
+    /// What follows, by pair and place.
+    next: Vec<[u32; PER_PAIR]>,
+    /// A bit for each pair.
+    due: Vec<u64>,
+    due_next: Vec<u64>,
+}
+
+/// Slots of a pair.
+const PER_PAIR: usize = 4;
+
+impl Incidence {
+    /// Makes room for so many slots and pairs.
+    pub fn reserve(&mut self, slots: usize, pairs: usize) {
+        fn room<T>(of: &mut Vec<T>, count: usize) {
+            of.clear();
+            of.reserve(count);
+        }
+        room(&mut self.first, slots);
+        room(&mut self.next, pairs);
+        let words = pairs.div_ceil(u64::BITS as usize);
+        room(&mut self.due, words);
+        room(&mut self.due_next, words);
+    }
+
+    /// Takes in all pairs; none is due.
+    pub fn list(&mut self, slots: usize, pairs: &[Contact]) {
+        let Self { first, next, due, due_next } = self;
+        first.clear();
+        first.resize(slots, NONE);
+        next.clear();
+        for (pair, number) in pairs.iter().zip(0_u32..) {
+            next.push(core::array::from_fn(|place| {
+                let entry = PER_PAIR as u32 * number + place as u32;
+                core::mem::replace(&mut first[pair.slots[place] as usize], entry)
+            }));
+        }
+        for due in [due, due_next] {
+            due.clear();
+            due.resize(pairs.len().div_ceil(u64::BITS as usize), 0);
+        }
+    }
+
+    /// The pairs that a slot is in.
+    pub fn of(&self, slot: u32) -> impl Iterator<Item = usize> + '_ {
+        let mut entry = self.first[slot as usize];
+        core::iter::from_fn(move || {
+            (entry != NONE).then(|| {
+                let (pair, place) = (entry as usize / PER_PAIR, entry as usize % PER_PAIR);
+                entry = self.next[pair][place];
+                pair
+            })
+        })
+    }
+
+    /// Says that the pairs of a slot are due in the next pass, and those after pair `at` in this one, too.
+    pub fn ask_again(&mut self, slot: u32, at: Option<usize>) {
+        let mut entry = self.first[slot as usize];
+        while entry != NONE {
+            let (pair, place) = (entry as usize / PER_PAIR, entry as usize % PER_PAIR);
+            let (word, bit) = (pair / u64::BITS as usize, 1 << (pair % u64::BITS as usize));
+            self.due_next[word] |= bit;
+            if at.is_none_or(|at| pair > at) {
+                self.due[word] |= bit;
+            }
+            entry = self.next[pair][place];
+        }
+    }
+
+    /// Begins the next pass.
+    pub fn turn(&mut self) {
+        core::mem::swap(&mut self.due, &mut self.due_next);
+        self.due_next.fill(0);
+    }
+
+    /// The first pair that is due in this pass from number `from` on, which is not any more.
+    pub fn take(&mut self, from: usize) -> Option<usize> {
+        let first = from / u64::BITS as usize;
+        let word = first + self.due.get(first..)?.iter().position(|word| *word != 0)?;
+        let pair = word * u64::BITS as usize + self.due[word].trailing_zeros() as usize;
+        self.due[word] &= self.due[word] - 1;
+        Some(pair)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::detect::ProximityKind;
+
+    #[test]
+    fn pairs_of_what_was_cut_are_due_in_their_order() {
+        let bare = |slots: [u32; 4]| Contact { slots, ..Contact::bare(ProximityKind::VertexFace, 0.01) };
+        let pairs: Vec<Contact> = (0..100).map(|i| bare([i, i + 1, i + 2, 200])).collect();
+        let mut incidence = Incidence::default();
+        incidence.list(201, &pairs);
+        let mut of: Vec<usize> = incidence.of(70).collect();
+        of.sort_unstable();
+        assert_eq!(of, [68, 69, 70]);
+        assert_eq!(incidence.of(200).count(), 100);
+        assert_eq!(incidence.take(0), None);
+        // In this pass the ones that follow, in the next all.
+        incidence.ask_again(70, Some(69));
+        assert_eq!((incidence.take(0), incidence.take(0)), (Some(70), None));
+        incidence.turn();
+        let all = core::iter::from_fn(|| incidence.take(0));
+        assert_eq!(all.collect::<Vec<_>>(), [68, 69, 70]);
+        incidence.ask_again(1, None);
+        assert_eq!((incidence.take(0), incidence.take(0)), (Some(0), Some(1)));
+    }
+}
