@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Nothing can bring the ends together as long as the bone pushes them apart. So it does not: it meets neither of them until they are out of it.
-//! Those that the skin has outside of the bone are *strays*: the skin draws them through it, as a tangle is drawn ([`Skinned::draw`]).
+//! Those that the skin has outside of the bone, and has limits for, it draws through it, as a tangle is drawn ([`Skinned::draw`]).
 //!
 //! What its skin holds so close to a bone that no place it may go to is far enough away is kept only as far away as it may go:
 //!
@@ -20,6 +20,7 @@ use parry3d::bounding_volume::BoundingVolume;
 
 use super::geometry::{for_each_geometry, half_thickness};
 use super::{Body, motion, renumber};
+use crate::solver::buffer::Buffer;
 use crate::solver::rest::Springs;
 use crate::solver::settings::Fabric;
 use crate::solver::skinned::{Skinned, TangledLimits};
@@ -51,14 +52,14 @@ pub(super) struct Held {
 pub struct Pierced {
     /// Sorted.
     pairs: Vec<Pair>,
-    before: Vec<Pair>,
+    before: Buffer<Vec<Pair>>,
     held: Vec<Held>,
     /// Particles of pairs that have their targets outside, and those of which one is inside, as the skin goes through the bone, too; sorted.
-    strays: Vec<u32>,
-    inside: Vec<u32>,
+    drawn: Vec<u32>,
+    inside: Buffer<Vec<u32>>,
     /// Ends of edges that are far too long.
-    edges: Vec<[u32; 2]>,
-    planes: Vec<Vec4>,
+    edges: Buffer<Vec<[u32; 2]>>,
+    planes: Buffer<Vec<Vec4>>,
 }
 
 impl Pierced {
@@ -73,8 +74,8 @@ impl Pierced {
     }
 
     /// The particles of pairs that have their targets outside of the bone, sorted: the skin [draws](Skinned::draw) them through it to where they belong.
-    pub(crate) fn strays(&self) -> &[u32] {
-        &self.strays
+    pub(crate) fn drawn(&self) -> &[u32] {
+        &self.drawn
     }
 
     /// Bodies have other numbers now, in the same order, or none.
@@ -92,11 +93,11 @@ impl Pierced {
         worst: f32,
         positions: &[Vec4],
     ) {
-        let Self { pairs, before, held, strays, inside, edges, planes } = self;
-        strays.clear();
+        let Self { pairs, before, held, drawn, inside, edges, planes } = self;
+        drawn.clear();
         inside.clear();
         let longest = 1.0 + STRETCHED * fabric.strain_limit;
-        core::mem::swap(pairs, before);
+        core::mem::swap(pairs, &mut **before);
         pairs.clear();
         held.clear();
         edges.clear();
@@ -129,7 +130,7 @@ impl Pierced {
                 };
                 let first_pair = pairs.len();
                 pairs.extend(known.filter(is_still));
-                for &[a, c] in &*edges {
+                for &[a, c] in &**edges {
                     let ends = [a, c].map(|p| positions[p as usize]);
                     let inset = body.inset(a, keep).min(body.inset(c, keep));
                     if is_within(0.5 * (ends[0] + ends[1]), inset, 0.0) {
@@ -140,9 +141,12 @@ impl Pierced {
                 if let (Some((skinned, tangled_limits)), Some(pose)) = (skinned, motion::valid(body.to)) {
                     let (at, most) = (pose * local, keep + half_thickness(shape));
                     let sample = |target: Vec3| geometry.sample(Vec3A::from(at.inverse_transform_point(target)), keep);
-                    for &Pair { particle, .. } in &pairs[first_pair..] {
+                    // What has no limit goes where it likes.
+                    for &Pair { particle, .. } in
+                        pairs[first_pair..].iter().filter(|pair| skinned.distance(pair.particle as usize) < f32::INFINITY)
+                    {
                         let is_outside = sample(skinned.to[particle as usize]).distance > 0.0;
-                        if is_outside { &mut *strays } else { &mut *inside }.push(particle);
+                        if is_outside { &mut *drawn } else { &mut **inside }.push(particle);
                     }
                     let near = shape.compute_aabb(&at).loosened(keep);
                     for (i, target) in skinned.to.iter().enumerate() {
@@ -162,9 +166,9 @@ impl Pierced {
         pairs.sort_unstable();
         pairs.dedup();
         inside.sort_unstable();
-        strays.retain(|p| inside.binary_search(p).is_err());
-        strays.sort_unstable();
-        strays.dedup();
+        drawn.retain(|p| inside.binary_search(p).is_err());
+        drawn.sort_unstable();
+        drawn.dedup();
     }
 }
 
@@ -220,19 +224,19 @@ mod tests {
         let (fabric, mut pierced) = (Fabric::default(), Pierced::default());
         let (springs, torn) = strip(0.11);
         let worst = crate::solver::integrate::spring::strain(&springs, &torn).0;
-        let mut strays = |target: Vec3| {
+        let mut drawn = |target: Vec3| {
             let targets: Vec<Vec3> = vec![target; torn.len()];
             let skinned =
                 Skinned { from: targets.clone(), to: targets, max_distance: vec![1.0; torn.len()], ..Skinned::of_radius(0.1) };
             let skinned = (&skinned, &TangledLimits::default());
             pierced.find(&arm(0.1), Some(skinned), &fabric, &springs, worst, &torn);
             assert_eq!(pierced.pairs().len(), 4);
-            pierced.strays().len()
+            pierced.drawn().len()
         };
-        assert_eq!(strays(Vec3::Y), 4);
-        assert_eq!(strays(Vec3::X * 0.1), 0, "the skin goes through the arm, too");
+        assert_eq!(drawn(Vec3::Y), 4);
+        assert_eq!(drawn(Vec3::X * 0.1), 0, "the skin goes through the arm, too");
         pierced.find(&arm(0.1), None, &fabric, &springs, worst, &torn);
-        assert_eq!((pierced.pairs().len(), pierced.strays().len()), (4, 0), "of what no skin limits nothing is known");
+        assert_eq!((pierced.pairs().len(), pierced.drawn().len()), (4, 0), "of what no skin limits nothing is known");
     }
 
     #[test]

@@ -83,7 +83,6 @@ impl Island {
         self.iterations = 0;
         if self.touch.len() != self.surface.parts.len() || !self.takes_part.contains(&true) {
             self.contacts.clear();
-            self.contacts.rest();
             (self.stale, self.known) = (false, false);
             self.total = self.untangler.look_again(&self.surface, &self.positions);
             self.sum_up();

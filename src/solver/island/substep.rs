@@ -51,7 +51,7 @@ impl Island {
                 m.cloth.constrain(m.state, m.scratch);
             }
             if lies {
-                self.project_provisionally(cloths);
+                self.project_provisionally(true, cloths);
             }
             self.keep_apart(cloths, lies);
             for (part, m) in cloths.iter_mut().enumerate() {
@@ -87,10 +87,10 @@ impl Island {
         !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
-    /// Puts what lies on bodies where they will put it.
-    fn project_provisionally(&self, cloths: &mut [Member<'_>]) {
+    /// Puts what lies on bodies where they will put it; `rubs`: their friction holds it there, too, which it does once a substep.
+    fn project_provisionally(&self, rubs: bool, cloths: &mut [Member<'_>]) {
         for (part, m) in cloths.iter_mut().enumerate() {
-            m.cloth.project_provisionally(self.contacts.meets_other(part), m.state, m.scratch);
+            m.cloth.project_provisionally(rubs && self.contacts.meets_other(part), m.state, m.scratch);
         }
     }
 
@@ -113,7 +113,6 @@ impl Island {
     /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
     fn keep_apart(&mut self, cloths: &mut [Member<'_>], lies: bool) {
         if self.contacts.is_empty() {
-            self.contacts.rest();
             return;
         }
         let h = cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max);
@@ -122,7 +121,7 @@ impl Island {
         if lies {
             // What was pushed into a body lies on it again.
             self.scatter_pairs(cloths);
-            self.project_provisionally(cloths);
+            self.project_provisionally(false, cloths);
             self.gather_pairs(cloths);
         }
         self.contacts.solve();
@@ -183,7 +182,7 @@ impl Island {
     }
 
     /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that [`Stepped::finish`] moved it, which gave
-    /// it no speed. To be stopped there gives a settling cloth none either; to others it is a brake: without it edges of a strip that is overwound get seven
+    /// it no speed. To be stopped there gives a settling cloth none either, nor does it what its skin draws; to others it is a brake: without it edges of a strip that is overwound get seven
     /// times as long.
     fn clamp_motion(&mut self, cloths: &mut [Member<'_>], finished: bool) {
         if self.contacts.is_empty() {
@@ -205,7 +204,7 @@ impl Island {
             self.contacts.scatter_clamped(part, |i, now| {
                 if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
                     let to = now - offset;
-                    if silent {
+                    if silent || scratch.is_drawn(i as u32) {
                         *old += to - *x;
                     }
                     *x = to;

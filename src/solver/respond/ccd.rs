@@ -8,8 +8,8 @@
 //!
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
 //! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
-//! share particles, so passes are repeated until none cuts anything. What still passes then goes, relative to the mean motion of all, no farther than half of
-//! the gap to what is nearest: the displacement bound of Offset Geometric Contact (section 3.5), under which two that are bound do not meet. What is held
+//! share particles, so passes are repeated until none cuts anything. What still passes then goes, relative to the mean motion of all that is free, no farther
+//! than half of what may close of the gap to what is nearest, and momentum is not kept: the displacement bound of Offset Geometric Contact (section 3.5), under which two that are bound do not meet. What is held
 //! cannot be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
@@ -186,7 +186,7 @@ impl Ways<'_> {
                     self.bounds[slot] = bound(pair.slots[i]);
                 }
                 let bound = self.bounds[slot];
-                // What was cut to it before stays.
+                // What was cut to it before is longer by rounding only, and stays.
                 if own.length_squared() > (1.01 * bound).powi(2) { own * (bound / own.length()) } else { own }
             } else {
                 own * share
@@ -269,14 +269,16 @@ fn mean_motion(motion: &[Vec3; 4], to: &[Vec4; 4], held: [bool; 4]) -> Vec3 {
     sum / total
 }
 
-/// Mean motion of all `[m]`.
+/// Mean motion by mass of all that is free `[m]`.
 fn shared_motion(start: &[Vec4], now: &[Vec4]) -> Vec3 {
-    let mut sum = Vec4::ZERO;
-    for (now, start) in now.iter().zip(start) {
-        let way = *now - *start;
-        sum += if way.is_finite() { way } else { Vec4::ZERO };
+    let (mut sum, mut mass) = (Vec3::ZERO, 0.0);
+    for (now, start) in now.iter().zip(start).filter(|(now, _)| now.w > 0.0) {
+        let way = (*now - *start).truncate() / now.w;
+        if way.is_finite() {
+            (sum, mass) = (sum + way, mass + now.w.recip());
+        }
     }
-    sum.truncate() / now.len().max(1) as f32
+    if mass > 0.0 { sum / mass } else { Vec3::ZERO }
 }
 
 #[cfg(test)]

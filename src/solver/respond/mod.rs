@@ -108,7 +108,8 @@ impl Contacts {
         self.pairs.clear();
         self.inverted.clear();
         self.close.clear();
-        self.rest();
+        self.constraints.clear();
+        self.impacts.clear();
     }
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
@@ -191,9 +192,8 @@ impl Contacts {
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
         self.particles.reserve(particles.saturating_sub(self.particles.len()));
         self.loads.fit(particles);
-        let (met, touching) = (self.impacts.len(), self.constraints.len());
-        self.impacts.reserve(particles.saturating_sub(met));
-        self.constraints.reserve(particles.saturating_sub(touching));
+        self.impacts.reserve(particles);
+        self.constraints.reserve(particles);
         self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
@@ -251,12 +251,6 @@ impl Contacts {
     /// Whether a cloth touched another one when [`Self::note_meetings`] was last asked.
     pub(crate) fn meets_other(&self, part: usize) -> bool {
         self.meets_other.get(part).is_some_and(|meets| *meets)
-    }
-
-    /// Says that nothing touches.
-    pub(crate) fn rest(&mut self) {
-        self.constraints.clear();
-        self.impacts.clear();
     }
 
     /// Lets go of particles that have not lain on anything for a while; once a substep.

@@ -7,8 +7,8 @@ use crate::solver::body::{Body, take_out};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
-/// Fastest that the way out of a body changes `[m/s]`: which side is out may change at once.
-pub(super) const FASTEST: f32 = 2.0;
+/// Fastest that a skin brings cloth to it `[m/s]`: a way out of a body that changes sides, a tangle, or what a bone goes through.
+pub(in crate::solver) const FASTEST: f32 = 2.0;
 
 /// Sweeps over targets that are too far from their neighbours.
 const SWEEPS: u32 = 16;

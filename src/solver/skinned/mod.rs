@@ -4,6 +4,7 @@
 //! drive     x ← x* + (ω²h² (q - x*) + 2ζωh (x + u - x*)) / (1 + 2ζωh + ω²h²)    implicit Euler; x* predicted, u what q moved by
 //! backstop  c = q - n (b + R);   |x - c| < R:  x ← c + R (x - c)/|x - c|
 //! distance  Δ = x - q;           |Δ| > d:      x ← q + d Δ/|Δ|                    last, so that it has the last word
+//! draw      x, x₀ ← + Δ, at most v h + |u|     of what a bone goes through, before forces act and without speed; v: 2 m/s
 //! ```
 //!
 //! `q` and `n` are the place and the normal that the skin gives a particle. They move within the frame, so that no substep sees a jump.
@@ -16,6 +17,7 @@ mod tangled;
 
 use glam::Vec3;
 
+pub(in crate::solver) use avoid::FASTEST;
 pub use avoid::{AvoidBuffers, Surroundings};
 pub use tangled::TangledLimits;
 

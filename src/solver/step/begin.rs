@@ -7,7 +7,7 @@ use super::{Scratch, StepReport, Stepped, count};
 use crate::solver::body::{Approach, Sheet};
 use crate::solver::integrate::{air, bend, damp};
 use crate::solver::settings::{MembraneModel, Stepping};
-use crate::solver::skinned::Skinned;
+use crate::solver::skinned::{FASTEST, Skinned};
 use crate::solver::state::ClothState;
 
 /// Wind forces are evaluated at least this often `[Hz]`.
@@ -34,6 +34,9 @@ impl Stepped<'_> {
         let settling = scratch.is_settling();
         scratch.bends.fold(&rest.bends, fabric, &state.positions, &mut state.folds);
         self.damp(dt, state, scratch);
+        let Scratch { pierced, tangled_limits, worst_edge, .. } = &mut *scratch;
+        let skinned = input.skinned.map(|skinned| (skinned, &*tangled_limits));
+        pierced.find(input.bodies, skinned, fabric, &rest.springs, *worst_edge, &state.positions);
         self.gather_bodies(dt, state, scratch);
         let (strained, taut) = scratch.judge(fabric);
         self.take_air(settling || strained, state, scratch);
@@ -47,9 +50,6 @@ impl Stepped<'_> {
         scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
         scratch.contacts.leave_out(scratch.pinches.particles());
         scratch.faces.leave_out(scratch.pinches.particles());
-        let Scratch { pierced, tangled_limits, worst_edge, .. } = scratch;
-        let skinned = input.skinned.map(|skinned| (skinned, &*tangled_limits));
-        pierced.find(input.bodies, skinned, fabric, &rest.springs, *worst_edge, &state.positions);
         scratch.contacts.let_through(&scratch.pierced);
         scratch.faces.let_through(&scratch.pierced);
         scratch.frame = Some(Frame {
@@ -108,7 +108,8 @@ impl Stepped<'_> {
     /// Lists the particles and faces that may meet a body within `dt` `[s]`.
     fn gather_bodies(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, input } = *self;
-        let skin = input.skinned.map_or(0.0, Skinned::longest_way);
+        let drawn = if scratch.pierced.drawn().is_empty() { 0.0 } else { FASTEST * dt };
+        let skin = input.skinned.map_or(0.0, Skinned::longest_way) + drawn;
         let approach = Approach {
             dt,
             substep: state.substep,

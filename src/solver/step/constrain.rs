@@ -16,7 +16,7 @@ impl Stepped<'_> {
             scratch.keep_air(state);
         }
         if let Some(skinned) = self.input.skinned {
-            skinned.draw(scratch.pierced.strays(), frame.span(), frame.h, &mut state.positions, &mut state.previous);
+            skinned.draw(scratch.pierced.drawn(), frame.span(), frame.h, &mut state.positions, &mut state.previous);
         }
         scratch.carried.note(state.substep, &state.positions, &state.previous);
         if frame.steps > 1 {
