@@ -48,7 +48,9 @@ impl ClothQuery<'_, '_> {
         self.best(farthest, asks, |_, shown, limit| {
             let origin = (point.as_dvec3() - shown.origin).as_vec3();
             let (low, high) = bounds(&shown.particles);
-            (origin.clamp(low, high).distance(origin) <= limit).then_some((origin, Vec3::ZERO))
+            let off = origin.clamp(low, high).distance(origin);
+            // Farther off than its square can tell, nothing is near, however far one asks.
+            (off <= limit && off.is_finite()).then_some((origin, Vec3::ZERO))
         })
     }
 

@@ -66,4 +66,5 @@ fn nonsense_finds_nothing() {
     assert_eq!(ask(&mut app, move |q| q.cast_ray(ray(Vec3::Y), f32::NAN)), None);
     assert_eq!(ask(&mut app, |q| q.nearest_point(Vec3::NAN, 10.0)), None);
     assert_eq!(ask(&mut app, |q| q.nearest_point(Vec3::ZERO, -1.0)), None);
+    assert_eq!(ask(&mut app, |q| q.nearest_point(Vec3::splat(3.0e38), f32::INFINITY)), None, "no distance is that far");
 }

@@ -182,7 +182,7 @@ impl Island {
     }
 
     /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that [`Stepped::finish`] moved it, which gave
-    /// it no speed. To be stopped there gives a settling cloth none either, nor does it what its skin draws; to others it is a brake: without it edges of a strip that is overwound get seven
+    /// it no speed. To be stopped there gives a settling cloth none either; to others it is a brake: without it edges of a strip that is overwound get seven
     /// times as long.
     fn clamp_motion(&mut self, cloths: &mut [Member<'_>], finished: bool) {
         if self.contacts.is_empty() {
@@ -204,7 +204,7 @@ impl Island {
             self.contacts.scatter_clamped(part, |i, now| {
                 if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
                     let to = now - offset;
-                    if silent || scratch.is_drawn(i as u32) {
+                    if silent {
                         *old += to - *x;
                     }
                     *x = to;

@@ -102,11 +102,6 @@ impl Scratch {
         self.carried.end();
     }
 
-    /// Whether the skin draws a particle out of a bone in this frame.
-    pub(crate) fn is_drawn(&self, particle: u32) -> bool {
-        self.pierced.drawn().binary_search(&particle).is_ok()
-    }
-
     /// Notes which particles lie on cloth, once the frame has begun: no air is between.
     pub fn lies_on_cloth(&mut self, particles: impl Iterator<Item = u32>) {
         self.carried.leave_out(particles);

@@ -204,9 +204,9 @@ pub fn ask(stage: &mut Stage, slot: usize, rng: &mut Rng) -> String {
         (cloths.cast_ray(ray, farthest), cloths.nearest_point(at, farthest), places, depths)
     });
     let Ok((ray, near, places, depths)) = asked else { return "no answer".into() };
-    // What is farther than that is at no distance.
+    // A ray from farther than that hits by chance.
     let is_there = at.abs().max_element() < 1.0e15;
-    for hit in ray.iter().chain(&near).filter(|_| is_there) {
+    for hit in ray.iter().filter(|_| is_there).chain(&near) {
         let finite = hit.point.is_finite() && hit.distance.is_finite() && hit.normal.is_finite() && hit.barycentric.is_finite();
         assert!(finite, "an answer that is not finite: {hit:?} of {at} within {farthest}");
     }
