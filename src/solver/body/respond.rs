@@ -84,21 +84,22 @@ impl Plane {
     }
 }
 
-/// Where the particle and its previous position go, in body space.
+/// Where a particle goes that is pushed out and rubs, in body space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Response {
+    /// Where it ends the substep `[m]`, and the way that its previous position takes `[m]`.
     pub(crate) end: Vec3A,
     pub(crate) shift: Vec3A,
+    /// Running mean of the push `[m]`, this substep included.
     pub(crate) load: f32,
-    /// Push of this substep, recovery aside `[m]`.
+    /// Push of this substep without what recovery lifted it `[m]`.
     pub(crate) push: f32,
     /// Whether static friction holds it.
     pub(crate) sticks: bool,
 }
 
-/// `start`, `wanted`: the path of this substep; `end`: where a sweep stopped it (equal to `wanted` without one); `rise`: how far over where it began
-/// what bounces ends `[m]`, 0: it does not.
+/// As [`push_out`], and rubs: with the running mean `load` of the push before this substep `[m]`.
 #[inline]
 #[expect(clippy::too_many_arguments, reason = "one contact, in numbers that particles and faces have in other places")]
 pub(crate) fn respond(
@@ -132,13 +133,15 @@ pub(crate) fn slip(normal: Vec3A, way: Vec3A) -> Vec3A {
 /// Where a particle and its previous position go that is pushed out, and does not rub.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pushed {
+    /// Where it ends the substep `[m]`, and the way that its previous position takes `[m]`.
     pub(crate) end: Vec3A,
     pub(crate) shift: Vec3A,
-    /// Recovery aside `[m]`.
+    /// Push of this substep without what recovery lifted it `[m]`.
     pub(crate) push: f32,
 }
 
-/// As [`respond`], without friction.
+/// Pushes a particle out to the plane. `start`, `wanted`: its way in this substep `[m]`; `end`: where a sweep stopped it (equal to `wanted` without one)
+/// `[m]`; `recovery`: how far at most an overlap is brought out `[m]`; `rise`: how far over where it began what bounces ends `[m]`, 0: it does not.
 #[inline]
 pub(crate) fn push_out(plane: Plane, start: Vec3A, wanted: Vec3A, end: Vec3A, recovery: f32, rise: f32) -> Pushed {
     let n = plane.normal;

@@ -6,7 +6,7 @@
 //!   C*  = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
 //! ```
 //!
-//! The sum is no less than `mᵢ⁻¹ / 16`, so that nothing goes farther than four times `C`. Pushes of all passes add up. Friction comes in the last pass, for the
+//! The sum is no less than `mᵢ⁻¹ / 16`, so that in a pass nothing goes farther than four times `C`; what is cut short goes on in the next. Pushes of all passes add up. Friction comes in the last pass, for the
 //! way of the whole substep, under the mean of what all passes push. Recovery and friction are those of bodies ([`push_out`]), for `δ` in place of a particle.
 //!
 //! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
@@ -101,7 +101,7 @@ impl Constraint {
         mean_load(self.load, self.push)
     }
 
-    /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: without.
+    /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: that of the substeps before it.
     #[inline]
     pub fn mean_drive(&self, before: f32) -> f32 {
         mean_load(before, self.push / self.mobility)

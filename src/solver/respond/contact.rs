@@ -23,7 +23,7 @@ use crate::solver::detect::proximity::{edge_edge, vertex_face};
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1 leaves a pile of three
 /// on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
 const SUPPORT: f32 = 0.02;
-/// No particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
+/// In a pass no particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
 /// where the others are held.
 const MOST_PUSHES: f32 = 4.0;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
