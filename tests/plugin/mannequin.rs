@@ -145,6 +145,7 @@ struct Worn {
     /// Frames with something deeper than 10 mm.
     deep: u32,
     crossing: u32,
+    /// Frames held in a row, at most.
     held: u32,
     worst_edge: f32,
     most_substeps: u32,
@@ -156,10 +157,11 @@ struct Worn {
 fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
     let clothes = clothes(app);
     let mut worn: Vec<(String, Worn)> = clothes.iter().map(|(name, _)| (name.clone(), Worn::default())).collect();
-    let mut before = vec![0; clothes.len()];
+    let (mut before, mut in_a_row) = (vec![0; clothes.len()], vec![0; clothes.len()]);
     for frame in 0..frames {
         run(app, 1);
-        for (((_, cloth), (_, worn)), before) in clothes.iter().zip(&mut worn).zip(&mut before) {
+        let counts = before.iter_mut().zip(&mut in_a_row);
+        for (((_, cloth), (_, worn)), (before, in_a_row)) in clothes.iter().zip(&mut worn).zip(counts) {
             let report = report(app, *cloth).clone();
             if frame < skip {
                 *before = report.restores + report.resets;
@@ -170,7 +172,8 @@ fn wear(app: &mut App, frames: u32, skip: u32) -> Vec<(String, Worn)> {
             worn.deepest = worn.deepest.max(deep);
             worn.deep += u32::from(deep > 0.01);
             worn.crossing += u32::from(report.crossings > 0);
-            worn.held += u32::from(report.held);
+            *in_a_row = if report.held { *in_a_row + 1 } else { 0 };
+            worn.held = worn.held.max(*in_a_row);
             worn.worst_edge = worn.worst_edge.max(report.worst_edge);
             worn.most_substeps = worn.most_substeps.max(report.substeps);
             worn.recoveries = report.restores + report.resets - *before;
@@ -223,11 +226,11 @@ fn over_phases(clip: &str, phases: u32) -> Option<Vec<(String, Worn)>> {
 #[test]
 fn a_human_in_cape_and_skirt_walks_and_runs() {
     // Of what depends on the phase as on a throw of dice, many are asked. One frame in so many may cross, and one in so many have something deep in a bone:
-    // the skin of the cape has an elbow through it, that of the skirt the thighs. At one phase of walking the skirt crosses in 13 frames, at nine in none.
+    // the skin of the cape has an elbow through it, that of the skirt the thighs. Of twenty starts one or two tangle for half a second, others not at all.
     let clips = [
         ("Idle", 1, 100, None),
-        ("Walking_A", 10, 50, Some(3)),
-        ("Running_A", 10, 100, Some(20)),
+        ("Walking_A", 20, 40, Some(4)),
+        ("Running_A", 20, 40, Some(100)),
         ("2H_Melee_Attack_Slice", 1, 100, None),
         ("Sit_Chair_Down", 1, 100, None),
         ("Lie_Down", 1, 100, None),
