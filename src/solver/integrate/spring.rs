@@ -189,7 +189,7 @@ impl Tight {
     }
 }
 
-/// Longest and mean length over rest length of all springs (dimensionless), lanes that repeat counted again. NaN positions give infinity.
+/// Longest and mean length over rest length of all springs (dimensionless), lanes that repeat counted again. Positions that are not finite give infinity.
 #[must_use]
 pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
     let mut worst = Vec4::ZERO;
@@ -201,7 +201,23 @@ pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
         sum += ratio;
     }
     let mean = (sum.x + sum.y + sum.z + sum.w) / (LANES * springs.a.len().max(1)) as f32;
-    if mean.is_finite() { (worst.max_element(), mean) } else { (f32::INFINITY, f32::INFINITY) }
+    if mean.is_finite() { (worst.max_element(), mean) } else { strain_of_far(springs, positions) }
+}
+
+/// As [`strain`], where squares are too large for `f32`: a skin may begin anywhere.
+#[cold]
+fn strain_of_far(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
+    let (mut worst, mut sum, mut count) = (0.0f64, 0.0, 0.0);
+    for (a, b, inverse_square) in springs.each() {
+        let length = positions[a].truncate().as_dvec3().distance(positions[b].truncate().as_dvec3());
+        let ratio = length * f64::from(inverse_square).sqrt();
+        (worst, sum, count) = (worst.max(ratio), sum + ratio, count + 1.0);
+    }
+    if !f64::is_finite(sum) {
+        return (f32::INFINITY, f32::INFINITY);
+    }
+    let bounded = |x: f64| x.min(f64::from(f32::MAX)) as f32;
+    (bounded(worst), bounded(sum / count))
 }
 
 /// Springs that are still too long at the end of a frame, and are shortened without letting time pass.
@@ -228,5 +244,25 @@ impl Overlong {
             let s = Vec4::ONE - Vec4::splat(bound) / ratio;
             scatter([a, b], [pa, pb], d, [s * factors.share_a[k], s * factors.share_b[k]], positions);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::rest::RestShape;
+    use crate::solver::scene::grid;
+
+    #[test]
+    fn the_strain_of_what_is_far_is_finite_and_that_of_nonsense_is_not() {
+        let (rest, _) = RestShape::build(&grid(4, 4, |u, v| glam::vec3(u, 0.0, v))).expect("a sheet");
+        let times = |factor: f32| rest.positions.iter().map(|x| (*x * factor).extend(1.0)).collect::<Vec<Vec4>>();
+        let (worst, mean) = strain(&rest.springs, &times(2.0));
+        assert!((worst - 2.0).abs() < 1.0e-5 && (mean - 2.0).abs() < 1.0e-5, "{worst} {mean}");
+        let (worst, mean) = strain(&rest.springs, &times(1.0e25));
+        assert!((worst / 1.0e25 - 1.0).abs() < 1.0e-5 && (mean / 1.0e25 - 1.0).abs() < 1.0e-5, "{worst} {mean}");
+        let mut positions = times(1.0);
+        positions[5].x = f32::NAN;
+        assert_eq!(strain(&rest.springs, &positions), (f32::INFINITY, f32::INFINITY));
     }
 }
