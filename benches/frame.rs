@@ -53,7 +53,7 @@ fn tangles(c: &mut Criterion) {
     island.finish();
 }
 
-/// Binding: weld, clean, renumber, batches, and the search tree.
+/// Binding: weld, clean, renumber, batches.
 fn bind(c: &mut Criterion) {
     let mut island = c.benchmark_group("bind");
     island.sample_size(10);

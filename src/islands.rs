@@ -275,7 +275,7 @@ fn build(members: &[Member]) -> Option<Island> {
         .map(|Member { rest, collision, thickness, .. }| {
             let (topology, positions) = (&rest.topology, &rest.positions);
             let ClothCollision { garment_layer: layer, self_collision, .. } = *collision;
-            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, &*rest.tree)
+            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, rest.tree())
         })
         .collect();
     match Island::new(&parts) {

@@ -88,7 +88,14 @@ impl RestCache {
             return built.is_some();
         }
         let Some((pool, authored)) = AsyncComputeTaskPool::try_get().zip(begin()) else { return true };
-        let task = pool.spawn(async move { build(&baked(&authored, bake)) });
+        let task = pool.spawn(async move {
+            let built = build(&baked(&authored, bake));
+            // An island would make it while everything waits.
+            if let Ok((shape, _)) = &built {
+                shape.tree();
+            }
+            built
+        });
         self.tasks.insert(key, Building { task, built: None, asked: true });
         false
     }

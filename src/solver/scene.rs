@@ -268,7 +268,7 @@ impl Scene {
             .map(|(rest, thickness, layer)| {
                 let (topology, positions) = (&rest.topology, &rest.positions);
                 let part = PartRef { topology, rest: positions, layer: *layer, self_collision, thickness: *thickness };
-                (part, &*rest.tree)
+                (part, rest.tree())
             })
             .collect();
         self.untangle =

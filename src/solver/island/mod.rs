@@ -156,10 +156,7 @@ impl Island {
         let parts: Vec<PartRef<'_>> = cloths.iter().map(|(part, _)| *part).collect();
         let trees: Vec<(&Tree, u32)> = cloths.iter().map(|(part, tree)| (*tree, part.topology.particles)).collect();
         let surface = Surface::new(&parts)?;
-        let joined = Tree::join(&trees);
-        // A shape out of a file comes without its tree.
-        let tree = if joined.len() == surface.topology.faces.len() { joined } else { Tree::new(&surface) };
-        let detector = Detector::with_tree(&surface, tree);
+        let detector = Detector::with_tree(&surface, Tree::join(&trees));
         let untangler = Untangler { detector, resolver: Resolver::default() };
         let n = surface.len();
         let mut island = Self {

@@ -20,10 +20,11 @@ pub use membrane::Membrane;
 pub use source::{BuildReport, RestError, SourceMesh};
 pub use springs::Springs;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
 
+use crate::solver::buffer::Buffer;
 use crate::solver::detect::tree::Tree;
 use crate::solver::detect::{PartRef, Surface};
 use crate::solver::topology::{NONE, Topology};
@@ -53,9 +54,8 @@ pub struct RestShape {
     pub bends: Bends,
     /// Coarse net over the cloth.
     pub coarse: CoarseMesh,
-    /// Search tree over the faces, which islands join; multiples of a shape share it.
-    #[cfg_attr(feature = "record", serde(skip))]
-    pub tree: Arc<Tree>,
+    /// Search tree over the faces, once it was asked for.
+    tree: Buffer<OnceLock<Arc<Tree>>>,
     /// Mean rest length of the edges `[m]`.
     pub mean_edge: f32,
 }
@@ -135,7 +135,6 @@ impl RestShape {
         shape.coarse = CoarseMesh::new(&topology, &positions, shape.mean_edge);
         shape.topology = topology;
         shape.positions = positions;
-        shape.tree = Arc::new(shape.plant());
         shape.attach_isolated(mesh);
         report.particles = shape.positions.len();
         report.faces = shape.topology.faces.len();
@@ -144,10 +143,18 @@ impl RestShape {
         Ok((shape, report))
     }
 
-    /// The search tree over the faces, as in an island of this cloth alone.
-    fn plant(&self) -> Tree {
-        let part = PartRef { topology: &self.topology, rest: &self.positions, layer: 0, self_collision: true, thickness: 0.0 };
-        Surface::new(&[part]).map_or_else(|_| Tree::default(), |surface| Tree::new(&surface))
+    /// The search tree over the faces, which islands join; multiples of a shape share it. Made when it is first asked for: cloth that meets no cloth has none.
+    pub fn tree(&self) -> &Tree {
+        self.shared_tree()
+    }
+
+    /// The same, to be shared.
+    fn shared_tree(&self) -> &Arc<Tree> {
+        self.tree.get_or_init(|| {
+            let part =
+                PartRef { topology: &self.topology, rest: &self.positions, layer: 0, self_collision: true, thickness: 0.0 };
+            Arc::new(Surface::new(&[part]).map_or_else(|_| Tree::default(), |surface| Tree::new(&surface)))
+        })
     }
 
     /// Whether every index is that of a particle, arrays have one length, and constraints that are solved at once share no particle.
@@ -218,7 +225,7 @@ impl RestShape {
             + self.coarse.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
             + self.membrane.bytes()
             + self.bends.bytes()
-            + self.tree.bytes()
+            + self.tree.get().map_or(0, |tree| tree.bytes())
     }
 }
 

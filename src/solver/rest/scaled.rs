@@ -4,9 +4,12 @@
 //!   length [m] s     area [m²] s²     curvature and shares of edges [1/m] s⁻¹     squares of those s⁻²     angles and weights as they are
 //! ```
 
+use std::sync::Arc;
+
 use glam::{Vec3, Vec4};
 
 use super::{Bends, CoarseMesh, Membrane, RestShape, Springs};
+use crate::solver::buffer::Buffer;
 
 impl RestShape {
     /// The shape of the same mesh `s` times as large, as it would be built: to the bit where `s` is a power of two, else to rounding. None where `s`
@@ -16,7 +19,7 @@ impl RestShape {
         if !(s > 0.0 && s.is_finite() && s.recip().is_finite()) {
             return None;
         }
-        let mut shape = self.clone();
+        let mut shape = Self { tree: Buffer(Arc::clone(self.shared_tree()).into()), ..self.clone() };
         let Self { positions, areas, isolated, springs, membrane, bends, coarse, mean_edge, .. } = &mut shape;
         positions.iter_mut().for_each(|x| *x *= s);
         areas.iter_mut().for_each(|area| *area *= s * s);

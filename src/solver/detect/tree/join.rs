@@ -111,7 +111,7 @@ mod tests {
                 .map(|(topology, rest)| PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.01 })
                 .collect();
             let whole = Tree::new(&Surface::new(&parts).expect("cloths"));
-            let trees: Vec<(&Tree, u32)> = shapes[..n].iter().map(|rest| (&*rest.tree, rest.topology.particles)).collect();
+            let trees: Vec<(&Tree, u32)> = shapes[..n].iter().map(|rest| (rest.tree(), rest.topology.particles)).collect();
             assert!(Tree::join(&trees) == whole, "{n} cloths");
         }
     }
@@ -119,8 +119,8 @@ mod tests {
     #[test]
     fn what_has_no_faces_joins_as_an_empty_leaf() {
         let (rest, _) = RestShape::build(&grid(5, 5, |u, v| vec3(u, 0.0, v))).expect("a sheet");
-        let joined = Tree::join(&[(&Tree::default(), 0), (&rest.tree, 25)]);
-        assert_eq!((joined.leaves(), joined.leaf(0).faces.len()), (rest.tree.leaves() + 1, 0));
-        assert_eq!(joined.leaf(1).faces, rest.tree.leaf(0).faces);
+        let joined = Tree::join(&[(&Tree::default(), 0), (rest.tree(), 25)]);
+        assert_eq!((joined.leaves(), joined.leaf(0).faces.len()), (rest.tree().leaves() + 1, 0));
+        assert_eq!(joined.leaf(1).faces, rest.tree().leaf(0).faces);
     }
 }
