@@ -230,7 +230,7 @@ fn a_human_in_cape_and_skirt_walks_and_runs() {
     let clips = [
         ("Idle", 1, 100, None),
         ("Walking_A", 20, 40, Some(4)),
-        ("Running_A", 20, 40, Some(100)),
+        ("Running_A", 20, 60, Some(100)),
         ("2H_Melee_Attack_Slice", 1, 100, None),
         ("Sit_Chair_Down", 1, 100, None),
         ("Lie_Down", 1, 100, None),

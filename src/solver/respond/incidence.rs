@@ -52,27 +52,18 @@ impl Incidence {
 
     /// The pairs that a slot is in.
     pub fn of(&self, slot: u32) -> impl Iterator<Item = usize> + '_ {
-        let mut entry = self.first[slot as usize];
-        core::iter::from_fn(move || {
-            (entry != NONE).then(|| {
-                let (pair, place) = (entry as usize / PER_PAIR, entry as usize % PER_PAIR);
-                entry = self.next[pair][place];
-                pair
-            })
-        })
+        pairs_of(&self.first, &self.next, slot)
     }
 
     /// Says that the pairs of a slot are due in the next pass, and those after pair `at` in this one, too.
     pub fn ask_again(&mut self, slot: u32, at: Option<usize>) {
-        let mut entry = self.first[slot as usize];
-        while entry != NONE {
-            let (pair, place) = (entry as usize / PER_PAIR, entry as usize % PER_PAIR);
+        let Self { first, next, due, due_next } = self;
+        for pair in pairs_of(first, next, slot) {
             let (word, bit) = (pair / u64::BITS as usize, 1 << (pair % u64::BITS as usize));
-            self.due_next[word] |= bit;
+            due_next[word] |= bit;
             if at.is_none_or(|at| pair > at) {
-                self.due[word] |= bit;
+                due[word] |= bit;
             }
-            entry = self.next[pair][place];
         }
     }
 
@@ -90,6 +81,18 @@ impl Incidence {
         self.due[word] &= self.due[word] - 1;
         Some(pair)
     }
+}
+
+/// The pairs in the list of a slot.
+fn pairs_of<'a>(first: &[u32], next: &'a [[u32; PER_PAIR]], slot: u32) -> impl Iterator<Item = usize> + use<'a> {
+    let mut entry = first[slot as usize];
+    core::iter::from_fn(move || {
+        (entry != NONE).then(|| {
+            let (pair, place) = (entry as usize / PER_PAIR, entry as usize % PER_PAIR);
+            entry = next[pair][place];
+            pair
+        })
+    })
 }
 
 #[cfg(test)]

@@ -229,13 +229,13 @@ impl RestShape {
     }
 }
 
-/// Smallest and largest corner `[m]` of a non-empty set of points.
 /// Whether the elements of a batch share no particle; a lane that is left over repeats the first or the one before it.
 fn share_nothing<const N: usize>(batch: [[u32; N]; LANES]) -> bool {
     let mut pairs = (0..LANES).flat_map(|i| (0..i).map(move |j| (i, j)));
     pairs.all(|(i, j)| batch[i] == batch[j] || !batch[i].iter().any(|p| batch[j].contains(p)))
 }
 
+/// Smallest and largest corner `[m]` of a non-empty set of points.
 fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
 }
