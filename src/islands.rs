@@ -11,7 +11,7 @@ use bevy::math::{DVec3, Vec4};
 use bevy::prelude::*;
 
 use crate::components::{ClothCollision, ClothCollisionLayers};
-use crate::simulation::{ClothInputs, ClothParticles};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::detect::PartRef;
 use crate::solver::detect::tree::Tree;
 use crate::solver::island::{Island, Stage, UntangleSettings};
@@ -89,6 +89,11 @@ impl Member {
     /// Whether a surface built from `other` will do: settings may differ, and it may be some times as large.
     fn fits(&self, other: &Self) -> bool {
         self.entity == other.entity && (Arc::ptr_eq(&self.rest, &other.rest) || self.rest.is_multiple_of(&other.rest))
+    }
+
+    /// Whether a cloth is as its island saw it last: of the same shape at rest, and bound no later.
+    pub fn is_as_seen(&self, rest: &ClothRest, particles: &ClothParticles, scratch: &ClothScratch) -> bool {
+        Arc::ptr_eq(&rest.0, &self.rest) && particles.len() == rest.0.positions.len() && scratch.island.is_some()
     }
 }
 

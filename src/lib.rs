@@ -1,4 +1,24 @@
-#![doc = include_str!("../README.md")]
+//! Cloth for [Bevy](https://bevy.org) that does not stretch like rubber.
+//!
+//! [`ClothPlugin`] simulates every mesh with a [`Cloth`]. The other components have defaults; a cloth takes those it needs:
+//!
+//! - what it is made of: [`ClothMaterial`]; what holds it: [`ClothPins`];
+//! - what it meets: [`ClothCollider`], [`ClothBody`], other cloth by [`ClothCollision`]; what blows: [`ClothGlobalWind`], [`ClothWind`], [`ClothWindZone`];
+//! - how it follows a character: [`ClothLimits`], [`ClothDrive`], [`ClothInertia`], [`ClothBlend`];
+//! - how much it may cost: [`ClothSleep`], [`ClothLod`], [`ClothBudget`], [`ClothSolver`];
+//! - what is said of it: [`ClothReport`], [`ClothStatus`], and events such as [`ClothRecovered`].
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_drape::prelude::*;
+//!
+//! fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+//!     let sheet = Plane3d::default().mesh().size(2.0, 2.0).subdivisions(60);
+//!     commands.spawn((Mesh3d(meshes.add(sheet)), Cloth, ClothMaterial::COTTON, ClothPins::where_position(|p| p.z < -0.99)));
+//! }
+//! ```
+//!
+//! Lengths are in metres, masses in kilograms, times in seconds. The solver, [`solver`], knows nothing of the engine and can be used without it.
 #![forbid(unsafe_code)]
 
 // In the order of the data flow.
@@ -43,7 +63,7 @@ pub use components::{
     ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled,
     ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
     ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
-    PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
+    ParryShape, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -56,7 +76,7 @@ pub use plugin::ClothPlugin;
 pub use presets::{ClothPreset, ClothPresetHandle};
 pub use query::ClothQuery;
 #[cfg(feature = "record")]
-pub use recorder::{ClothRecorder, ClothRecorderPlugin};
+pub use recorder::{ClothRecorder, ClothRecorderPlugin, ClothRecordings};
 pub use schedule::ClothSystems;
 pub use simulation::{ClothParticles, ClothPose, ClothRest};
 pub use skin_query::ClothSkinQuery;
@@ -85,12 +105,14 @@ pub mod prelude {
     #[cfg(feature = "presets")]
     pub use crate::{ClothPreset, ClothPresetHandle};
     #[cfg(feature = "record")]
-    pub use crate::{ClothRecorder, ClothRecorderPlugin};
+    pub use crate::{ClothRecorder, ClothRecorderPlugin, ClothRecordings};
 }
 
 /// The code in the guide compiles, too.
 #[cfg(doctest)]
 mod guide {
+    #[doc = include_str!("../README.md")]
+    mod readme {}
     #[doc = include_str!("../docs/characters.md")]
     mod characters {}
     #[doc = include_str!("../docs/components.md")]

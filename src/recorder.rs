@@ -46,15 +46,22 @@ pub struct ClothRecorder {
     pub recovered: bool,
     /// Most files that are written. Default 16.
     pub most: u32,
-    /// Cloths of which a frame is recorded, whatever happens: the next in which they move and meet no others than in the frame before.
+    /// Cloths of which a frame is recorded, whatever happens: the next in which they move, keep their scale, and meet no others than in the frame before.
     pub next: Vec<Entity>,
+}
+
+/// What [`ClothRecorder`] recorded.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ClothRecordings {
     /// The files that were written.
     pub written: Vec<PathBuf>,
+    /// Why a file could not be written: none is written any more until this is taken away.
+    pub error: Option<String>,
 }
 
 impl Default for ClothRecorder {
     fn default() -> Self {
-        Self { folder: "cloth_recordings".into(), held: true, recovered: true, most: 16, next: Vec::new(), written: Vec::new() }
+        Self { folder: "cloth_recordings".into(), held: true, recovered: true, most: 16, next: Vec::new() }
     }
 }
 
@@ -72,6 +79,7 @@ struct UnderWay {
 impl Plugin for ClothRecorderPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<ClothRecorder>()
+            .init_resource::<ClothRecordings>()
             .init_resource::<UnderWay>()
             .add_observer(|on: On<ClothHeld>, recorder: Res<ClothRecorder>, mut frame: ResMut<UnderWay>| {
                 if recorder.held {
@@ -126,7 +134,11 @@ fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<Und
     for island in islands.list.iter().filter(|island| !island.asleep) {
         let entities: Vec<Entity> = island.members.iter().map(|member| member.entity).collect();
         let members: Vec<_> = entities.iter().filter_map(|&entity| cloths.get(entity).ok()).collect();
-        if members.len() != entities.len() {
+        // The island of a cloth whose scale changed, or that was bound anew, is still that of what it was.
+        let seen = island.members.iter().zip(&members);
+        if members.len() != entities.len()
+            || !seen.into_iter().all(|(seen, (.., rest, _, now, scratch))| seen.is_as_seen(rest, now, scratch))
+        {
             continue;
         }
         let together = island.members.iter().any(|member| member.collision.contact);
@@ -214,7 +226,12 @@ fn regroup(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Clot
 }
 
 /// Writes what is wanted of the frame.
-fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths: Query<&ClothParticles, With<Cloth>>) {
+fn end(
+    mut recorder: ResMut<ClothRecorder>,
+    mut recordings: ResMut<ClothRecordings>,
+    mut frame: ResMut<UnderWay>,
+    cloths: Query<&ClothParticles, With<Cloth>>,
+) {
     let next = core::mem::take(&mut recorder.bypass_change_detection().next);
     let mut wanted = core::mem::take(&mut frame.bypass_change_detection().wanted);
     wanted.extend(next.into_iter().map(|entity| (entity, ASKED_FOR)));
@@ -232,7 +249,7 @@ fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths:
         };
         let (entities, mut recording, _) = frame.frames.swap_remove(at);
         recorded.extend(&entities);
-        if recorder.written.len() >= recorder.most as usize {
+        if recordings.error.is_some() || recordings.written.len() >= recorder.most as usize {
             continue;
         }
         recording.reason = reason.to_owned();
@@ -242,12 +259,14 @@ fn end(mut recorder: ResMut<ClothRecorder>, mut frame: ResMut<UnderWay>, cloths:
         match write(&recording, &recorder.folder) {
             Ok(path) => {
                 info!("a frame of cloth that was {reason} is in {}", path.display());
-                recorder.written.push(path);
+                recordings.written.push(path);
             }
             Err(error) => {
                 let folder = recorder.folder.display();
-                warn!("no frame was written to {folder} ({error}), and no more are: set `ClothRecorder::folder` and `most`");
-                recorder.most = 0;
+                warn!(
+                    "no frame was written to {folder} ({error}), and no more are: set `ClothRecorder::folder`, and take `ClothRecordings::error` away"
+                );
+                recordings.error = Some(error.to_string());
             }
         }
     }

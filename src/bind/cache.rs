@@ -28,13 +28,31 @@ type Built = Result<(Arc<RestShape>, BuildReport), RestError>;
 
 /// A rest shape that is built in the background.
 struct Building {
+    /// What it is built of.
+    authored: Arc<Authored>,
     task: Task<Built>,
     built: Option<Built>,
+    /// Whether the mesh was written since, with what it was before or with something else.
+    written: bool,
     /// Whether a cloth asked for it since the last [`RestCache::forget_unasked`].
     asked: bool,
 }
 
 impl Building {
+    fn begin(pool: &AsyncComputeTaskPool, authored: Authored, bake: Mat3) -> Self {
+        let authored = Arc::new(authored);
+        let of = Arc::clone(&authored);
+        let task = pool.spawn(async move {
+            let built = build(&baked(&of, bake));
+            // An island would make it while everything waits.
+            if let Ok((shape, _)) = &built {
+                shape.tree();
+            }
+            built
+        });
+        Self { authored, task, built: None, written: false, asked: true }
+    }
+
     /// What it came to, if it is done; it was asked for.
     fn ask(&mut self) -> Option<&Built> {
         self.asked = true;
@@ -70,13 +88,27 @@ impl RestCache {
     pub fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
         let key = key(source, bake);
         if let Some(building) = self.tasks.get_mut(&key) {
-            return building.ask().is_some();
+            if building.ask().is_none() {
+                return false;
+            }
+            if !core::mem::take(&mut building.written) {
+                return true;
+            }
+            let Some((pool, authored)) = AsyncComputeTaskPool::try_get().zip(begin()) else {
+                self.tasks.remove(&key);
+                return true;
+            };
+            let fits = authored == *building.authored;
+            if !fits {
+                *building = Building::begin(pool, authored, bake);
+            }
+            return fits;
         }
         if self.get(source, bake).is_some() {
             return true;
         }
         // Of a scale that changes meanwhile, what is built will be a multiple of it, or it is built at once.
-        let mut others = self.tasks.iter_mut().filter(|((id, _), _)| *id == source);
+        let mut others = self.tasks.iter_mut().filter(|((id, _), building)| *id == source && !building.written);
         if let Some(((_, bits), building)) = others.next() {
             if multiple(&bake, &Mat3::from_cols_array(&bits.map(f32::from_bits))).is_none() {
                 return true;
@@ -88,15 +120,7 @@ impl RestCache {
             return built.is_some();
         }
         let Some((pool, authored)) = AsyncComputeTaskPool::try_get().zip(begin()) else { return true };
-        let task = pool.spawn(async move {
-            let built = build(&baked(&authored, bake));
-            // An island would make it while everything waits.
-            if let Ok((shape, _)) = &built {
-                shape.tree();
-            }
-            built
-        });
-        self.tasks.insert(key, Building { task, built: None, asked: true });
+        self.tasks.insert(key, Building::begin(pool, authored, bake));
         false
     }
 
@@ -113,7 +137,8 @@ impl RestCache {
         {
             return Some(Ok((shape, known.report)));
         }
-        if let Some(built) = self.tasks.get(&key).and_then(|building| building.built.clone()) {
+        let built = self.tasks.get(&key).filter(|building| !building.written).and_then(|building| building.built.clone());
+        if let Some(built) = built {
             self.remember(key, &built);
             return Some(built);
         }
@@ -151,7 +176,14 @@ impl RestCache {
         self.shapes.insert(key, known);
     }
 
-    /// Forgets the shapes of a mesh that changed.
+    /// Forgets the shapes of a mesh that was written. What is built of it goes on: writing a mesh need not change it, and one that is written in every
+    /// frame would never be built.
+    pub fn forget_shapes(&mut self, source: AssetId<Mesh>) {
+        self.shapes.retain(|(id, _), _| *id != source);
+        self.tasks.iter_mut().filter(|((id, _), _)| *id == source).for_each(|(_, building)| building.written = true);
+    }
+
+    /// Forgets a mesh that is gone.
     pub fn forget(&mut self, source: AssetId<Mesh>) {
         self.shapes.retain(|(id, _), _| *id != source);
         self.tasks.retain(|(id, _), _| *id != source);

@@ -64,9 +64,11 @@ impl Skin {
                 continue;
             }
             let sum: f32 = amount.iter().sum();
+            // With one below 0 the others could be of any size.
+            let is_mean = sum > 0.0 && sum.is_finite() && amount.iter().all(|weight| *weight >= 0.0);
             // Where a weight is 0 exporters leave any index.
             let known = |(&joint, weight): (&u16, f32)| weight == 0.0 || usize::from(joint) < skin.joints.len();
-            if sum > 0.0 && sum.is_finite() && index.iter().zip(amount.iter().copied()).all(known) {
+            if is_mean && index.iter().zip(amount.iter().copied()).all(known) {
                 skin.weights[particle as usize] = (index, amount.map(|w| w / sum));
             }
             skin.points[particle as usize] = point;
@@ -201,4 +203,33 @@ pub(crate) fn skinning_matrices(
         }
     }
     !joints.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::asset::RenderAssetUsages;
+    use bevy::mesh::{Indices, PrimitiveTopology};
+
+    use super::*;
+    use crate::bind::read;
+    use crate::solver::rest::SourceMesh;
+
+    #[test]
+    fn weights_that_are_no_mean_leave_a_vertex_to_its_first_joint() {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let weights = [[1.0, 1.0, 0.0, 0.0], [1.0e38, -1.0e38, 1.0e-6, 0.0], [f32::NAN, 1.0, 0.0, 0.0]];
+        let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(vec![[0, 1, 0, 0]; 3]))
+            .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights.to_vec())
+            .with_inserted_indices(Indices::U32(vec![0, 1, 2]));
+        let authored = read(&mesh).expect("a mesh");
+        let source = SourceMesh { positions: authored.positions.clone(), triangles: vec![[0, 1, 2]], ..Default::default() };
+        let (rest, _) = RestShape::build(&source).expect("a shape");
+        let joints = vec![(Entity::PLACEHOLDER, Affine3A::IDENTITY); 2];
+        let skin = Skin::new(&mesh, &authored, &rest, joints).expect("a skin");
+        let matrices = [Vec3::ZERO, Vec3::Y].map(Affine3A::from_translation);
+        let posed = [0, 1, 2].map(|v| skin.pose(&matrices, rest.particle_of_vertex[v] as usize));
+        assert_eq!(posed, [Vec3::new(0.0, 0.5, 0.0), Vec3::X, Vec3::Y]);
+    }
 }

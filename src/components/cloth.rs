@@ -53,9 +53,8 @@ use super::{
 )]
 pub struct Cloth;
 
-/// Switches the cloth of its entity off for as long as it is there: it is neither stepped nor looked at, costs nothing, meets no other cloth,
-/// and is shown as it is, in the space of its entity; one that was never simulated is drawn as it was authored. When this is removed the
-/// cloth goes on from where it was, with the speed it had.
+/// Switches the cloth of its entity off for as long as it is there. The cloth is not simulated, costs nothing and meets no other cloth. It keeps its last
+/// shape in the space of its entity, or the authored mesh if it never ran. When this is removed the cloth goes on from where it was, with the speed it had.
 ///
 /// What carries it may move meanwhile: a long way is a teleport ([`ClothSolver::teleport`](crate::ClothSolver::teleport)), a short one that of
 /// a single frame. A cloth that is to stay where others lie on it is paused, with a [`time_scale`](field@crate::ClothSolver::time_scale) of 0.

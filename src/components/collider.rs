@@ -9,7 +9,7 @@ use super::shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit, ParrySha
 
 /// Pushes cloth away from its entity.
 ///
-/// It moves with the entity, fast or slow, and is not moved by the cloth. Which cloths it touches is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers).
+/// It moves with the entity, fast or slow. Cloth does not move it without [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay). Which cloths it touches is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers).
 /// Entities with [`ClothColliderDisabled`] or `Disabled` push nothing; on a cloth it pushes other cloths, not its own.
 ///
 /// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that moves fast

@@ -13,11 +13,9 @@ pub struct ClothCollision {
     /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths pass through
     /// each other and are untangled afterwards.
     pub contact: bool,
-    /// Place in the order of clothes that are worn over each other: of two cloths that cross, the one with the higher number is brought
-    /// outside, which is where the front of their triangles faces; cloth that lies there in another order is found, too. Default 0; equal
-    /// numbers have no order. Where pins of both hold them in another order, that of the pins counts, and a warning says so. What meets at
-    /// all is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers). Files may call it `layer`.
-    #[cfg_attr(feature = "presets", serde(alias = "layer"))]
+    /// Order of garments. Where two cloths cross, the one with the higher number moves outside, to the front of the triangles. Cloth that lies there in
+    /// another order is found, too. Default 0; equal numbers have no order. Where pins of both hold them in another order, that of the pins counts, and a warning says so. What meets at
+    /// all is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers).
     pub garment_layer: i32,
 }
 

@@ -11,8 +11,8 @@ use super::checked::Checked;
 /// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives a body
 /// something does not sleep ([`ClothSleep`](crate::ClothSleep)).
 ///
-/// A body lighter than the cloth is as stable as a heavier one. One that is heavier takes more substeps to be held, as the root of what it is heavier
-/// by, or for the speed with which it came, and up to eight times as many, until it has gone; cloth that lies on it takes no more. At the default
+/// A body lighter than the cloth is as stable as a heavier one. A heavier body raises the number of substeps up to eightfold, by the square root of the
+/// ratio of the masses or by its speed of impact, until it has gone. Cloth that lies on the body is excepted. At the default
 /// [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz a net of 0.3 kg bears 1 and 3 kg that fall on it from 0.6 m. What is
 /// more than thirty times as heavy may stretch its way through or be thrown out: give it a higher rate. Elastic nets
 /// ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) throw back what falls into them for longer.

@@ -52,7 +52,7 @@ pub use material::ClothMaterial;
 pub use piece::ClothPiece;
 pub use pins::{ClothColorChannel, ClothOnTargetLost, ClothPinSelect, ClothPinSet, ClothPins, PositionPredicate};
 pub use report::{ClothBuildReport, ClothReport};
-pub use shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit};
+pub use shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit, ParryShape};
 pub use skip::{ClothSkipFrame, ClothSkipPolicy};
 pub use sleep::{ClothSleep, ClothSleepDisabled, ClothSlept, ClothWoke};
 pub use solver::{ClothGravity, ClothMembrane, ClothSolver, ClothTeleportMode};

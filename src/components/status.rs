@@ -180,8 +180,8 @@ pub struct ClothHeld {
     pub entity: Entity,
 }
 
-/// A cloth has been tangled for so long that the last resorts are used: regions and ways apart for every contour, more directions, and at
-/// the end the tangled part is drawn to the animated pose or to the shape at rest. Methods other than
+/// Untangling did not succeed for a second, so stronger means are used: first regions and separations for every contour in more directions, at last the
+/// animated pose or the shape at rest, to which the tangled part is drawn. Methods other than
 /// [`ByEndType`](crate::ClothUntanglingMethod::ByEndType) have only the last of these; with
 /// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled) there is none, and no event.
 #[derive(EntityEvent, Clone, Copy, Debug)]

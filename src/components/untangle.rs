@@ -30,7 +30,7 @@ pub struct ClothUntangling {
     /// range 0 to 10. 0 moves only the particles at the contour, which the rest of a fine cloth holds back.
     pub spread: f32,
     /// Iterations without progress after which something else is tried. Default 10, range 1 to 1000.
-    pub patience: u32,
+    pub stall_iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
     /// Most work of a frame beyond what is in proportion to the size of the cloth, in visits of particles, crossings and pairs of faces for each face. Default
@@ -44,8 +44,8 @@ pub struct ClothUntangling {
     pub at_load: bool,
 }
 
-/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, but for where it crosses;
-/// crossings are counted all the same. Without it, [`ClothUntangling`] says how it comes apart.
+/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, except where the cloth crosses.
+/// Crossings are still counted. Without it, [`ClothUntangling`] says how it comes apart.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -107,7 +107,7 @@ impl Default for ClothUntangling {
             step: 0.1,
             pace: 5.0,
             spread: 0.5,
-            patience: 10,
+            stall_iterations: 10,
             relaxations: 2,
             effort: 512,
             at_load: false,
@@ -130,7 +130,7 @@ impl ClothUntangling {
                 step: checked.within("untangle.step", self.step, 0.1, 0.001, 1.0),
                 pace: checked.within("untangle.pace", self.pace, 5.0, 1.0, 50.0),
                 spread: checked.within("untangle.spread", self.spread, 0.5, 0.0, 10.0),
-                patience: checked.count("untangle.patience", self.patience, 1, 1000),
+                stall_iterations: checked.count("untangle.stall_iterations", self.stall_iterations, 1, 1000),
             },
             iterations: checked.count("untangle.iterations", self.iterations, 0, 64),
             relaxations: checked.count("untangle.relaxations", self.relaxations, 0, 16),

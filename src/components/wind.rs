@@ -93,8 +93,8 @@ pub struct ClothWindZone {
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothWindZoneShape {
-    /// In a box around the origin.
-    Box {
+    /// In a cuboid around the origin.
+    Cuboid {
         /// Half its lengths `[m]`.
         half_size: Vec3,
     },
@@ -121,7 +121,7 @@ impl ClothWindZone {
     /// Wind of `velocity` `[m/s]` in a box of lengths `size` `[m]`.
     #[must_use]
     pub fn cuboid(size: Vec3, velocity: Vec3) -> Self {
-        Self { shape: ClothWindZoneShape::Box { half_size: 0.5 * size }, velocity, ..Self::default() }
+        Self { shape: ClothWindZoneShape::Cuboid { half_size: 0.5 * size }, velocity, ..Self::default() }
     }
 
     /// Wind of `velocity` `[m/s]` in a sphere of `radius` `[m]`.
@@ -133,7 +133,7 @@ impl ClothWindZone {
     pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
         Self {
             shape: match self.shape {
-                ClothWindZoneShape::Box { half_size } => ClothWindZoneShape::Box {
+                ClothWindZoneShape::Cuboid { half_size } => ClothWindZoneShape::Cuboid {
                     half_size: checked.vector("zone.half_size", half_size, Vec3::ZERO, 1.0e6).max(Vec3::ZERO),
                 },
                 ClothWindZoneShape::Sphere { radius } => {

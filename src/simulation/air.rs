@@ -19,7 +19,7 @@ pub(crate) struct WorldAir {
 /// Whether a zone may reach into a box `[m]`.
 pub(crate) fn reaches(zone: &ClothWindZone, at: &Isometry3d, low: Vec3, high: Vec3) -> bool {
     let radius = match zone.shape {
-        ClothWindZoneShape::Box { half_size } => half_size.length(),
+        ClothWindZoneShape::Cuboid { half_size } => half_size.length(),
         ClothWindZoneShape::Sphere { radius } => radius,
     };
     let center = Vec3::from(at.translation);

@@ -24,7 +24,7 @@ pub enum SkipPolicy {
     /// Hold the tangled part for a few frames at most, then show the best there is.
     #[default]
     Ladder,
-    /// The paper's own: keep the whole last clean shape until the cloth is clean again, but no longer than `max` frames.
+    /// As Wen et al. 2009: keep the whole last clean shape until the cloth is clean again, but no longer than `max` frames.
     UntilClean {
         /// Most frames held in a row.
         max: u32,

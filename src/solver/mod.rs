@@ -1,8 +1,17 @@
 //! The cloth solver, free of the engine.
 //!
 //! Nothing below this module knows of entities, worlds, handles or clocks: it takes slices of numbers in
-//! SI units and gives numbers back, so that tests, benchmarks and other engines can call it directly.
-//! Modules stand in the order of the data flow.
+//! SI units and gives numbers back. Tests, benchmarks and other engines call it directly.
+//! Modules stand in the order of the data flow. What is public serves one of these:
+//!
+//! | to do this | use |
+//! |---|---|
+//! | step a scene of cloths, bodies and wind | [`scene`] |
+//! | make a shape at rest of triangles | [`rest`], [`topology`] |
+//! | step one cloth, or those of an island | [`step`], [`island`], with [`state`], [`anchors`], [`skinned`], [`body`], [`couple`], [`wind`], [`settings`] |
+//! | find crossings and take them apart | [`detect`], [`resolve`], [`verdict`] |
+//! | decide what to show, and take back what blew up | [`evaluate`], [`recover`] |
+//! | step a recorded frame again | `recording` (feature `record`) |
 
 pub mod settings;
 mod buffer;
@@ -18,7 +27,7 @@ pub mod wind;
 pub(crate) mod integrate;
 pub mod step;
 pub mod detect;
-pub mod effort;
+pub(crate) mod effort;
 pub mod verdict;
 pub mod resolve;
 pub mod evaluate;

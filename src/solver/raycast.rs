@@ -61,7 +61,7 @@ pub fn nearest(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, point: Vec3, farthe
 }
 
 /// Weights of the corners at the point of a triangle that is nearest to `p` (Ericson 2005, section 5.1.5).
-fn closest_weights(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+pub(super) fn closest_weights(p: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
     if d1 <= 0.0 && d2 <= 0.0 {

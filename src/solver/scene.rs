@@ -2,7 +2,6 @@
 //! benchmarks and programs measure on it.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use glam::{Vec3, vec3};
 
@@ -168,7 +167,9 @@ pub struct Scene {
     pub drive: Option<fn(&mut Self, f32)>,
     /// Untangling; none: cloths pass through each other.
     pub untangle: Option<Untangling>,
-    /// What the last frame cost.
+    /// What the time is `[s]`, to measure [`Self::times`] by; a clock that stands still by default.
+    pub clock: fn() -> f64,
+    /// What the last frame cost by [`Self::clock`].
     pub times: StageTimes,
 }
 
@@ -247,6 +248,7 @@ impl Scene {
             time: 0.0,
             drive: None,
             untangle: None,
+            clock: || 0.0,
             times: StageTimes::default(),
         }
     }
@@ -299,12 +301,12 @@ impl Scene {
 
     /// Runs `stages` of a frame of `dt` `[s]` of the island; nothing without untangling.
     fn run(&mut self, stages: &[Stage], dt: f32) {
-        let mut times = self.times;
+        let (mut times, clock) = (self.times, self.clock);
         let Some((Untangling { island, settings, roster, .. }, mut members)) = self.together(dt) else { return };
         for &stage in stages {
-            let start = Instant::now();
+            let start = clock();
             island.run(stage, dt, settings, &mut members);
-            *times.of(stage) = since(start);
+            *times.of(stage) = 1.0e3 * (clock() - start);
         }
         roster.keep(members);
         self.times = times;
@@ -348,7 +350,7 @@ impl Scene {
 
     /// Advances every cloth by `dt` `[s]`, one after the other or, where they touch, side by side, and untangles.
     pub fn step(&mut self, dt: f32) {
-        let start = Instant::now();
+        let start = (self.clock)();
         self.steer(dt);
         if self.untangle.as_ref().is_some_and(|untangling| untangling.contact) {
             self.run(&[Stage::Integrate], dt);
@@ -363,19 +365,19 @@ impl Scene {
             self.cloths.iter_mut().for_each(|cloth| cloth.step(&input));
         }
         self.wind.advance(dt);
-        self.times = StageTimes { integrate: since(start), ..StageTimes::default() };
+        self.times = StageTimes { integrate: 1.0e3 * ((self.clock)() - start), ..StageTimes::default() };
         self.settle(dt);
     }
 
     /// Runs what follows after the cloths were stepped by `dt` `[s]`, and decides what is shown.
     pub fn settle(&mut self, dt: f32) {
         self.run(&Stage::AFTER_INTEGRATE, dt);
-        let Self { cloths, untangle: Some(Untangling { island, skip, .. }), times, .. } = self else { return };
-        let start = Instant::now();
+        let Self { cloths, untangle: Some(Untangling { island, skip, .. }), clock, times, .. } = self else { return };
+        let start = clock();
         for (part, SceneCloth { display, state, .. }) in cloths.iter_mut().enumerate() {
             display.settle(&island.verdict(part), state, island.weights(part), Pose::default(), dt, skip);
         }
-        times.evaluate += since(start);
+        times.evaluate += 1.0e3 * (clock() - start);
     }
 
     /// Looks for crossings as the cloths lie, and moves nothing.
@@ -403,9 +405,4 @@ impl Scene {
     pub fn is_held(&self) -> bool {
         self.cloths.iter().map(|c| c.display.outcome()).any(|Outcome { shown, .. }| shown == Shown::Held)
     }
-}
-
-/// Time since then `[ms]`.
-fn since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1.0e3
 }

@@ -158,7 +158,7 @@ fn blow(air: &mut Wind, wind: &ClothGlobalWind) {
 /// A zone as its entity's scale makes it.
 fn scaled(zone: ClothWindZone, scale: Vec3) -> ClothWindZone {
     let shape = match zone.shape {
-        ClothWindZoneShape::Box { half_size } => ClothWindZoneShape::Box { half_size: half_size * scale },
+        ClothWindZoneShape::Cuboid { half_size } => ClothWindZoneShape::Cuboid { half_size: half_size * scale },
         ClothWindZoneShape::Sphere { radius } => ClothWindZoneShape::Sphere { radius: radius * scale.max_element() },
     };
     ClothWindZone { shape, ..zone }
@@ -284,7 +284,7 @@ pub(crate) fn surroundings(
         let zones = air.zones.iter().filter(|(_, zone, at)| blows(zone, at));
         inputs.wind.zones.extend(zones.map(|(_, zone, at)| wind::WindZone {
             shape: match zone.shape {
-                ClothWindZoneShape::Box { half_size } => ZoneShape::Box { half_extents: half_size },
+                ClothWindZoneShape::Cuboid { half_size } => ZoneShape::Box { half_extents: half_size },
                 ClothWindZoneShape::Sphere { radius } => ZoneShape::Sphere { radius },
             },
             center: (Vec3::from(at.translation).as_dvec3() - origin).as_vec3(),

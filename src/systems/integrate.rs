@@ -1,8 +1,6 @@
 //! Integrate: a frame of every cloth, in parallel over cloths. Each writes only its own data, so the result has the same bits for
 //! any number of threads.
 
-use std::sync::Arc;
-
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
 
@@ -86,9 +84,7 @@ fn batches() -> BatchingStrategy {
 /// Whether the members of an island are stepped side by side: they touch, and all are as they were when it was looked at.
 fn steps_together(island: &ClothIsland, cloths: &Stepping) -> bool {
     let fits = |member: &Member| {
-        cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| {
-            Arc::ptr_eq(&rest.0, &member.rest) && particles.len() == rest.0.positions.len() && scratch.island.is_some()
-        })
+        cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| member.is_as_seen(rest, particles, scratch))
     };
     !island.asleep && island.members.iter().any(|m| m.collision.contact) && island.members.iter().all(fits)
 }

@@ -14,7 +14,7 @@ pub(crate) fn watch(mut events: MessageReader<AssetEvent<Mesh>>, mut sources: Re
         match *event {
             AssetEvent::Modified { id } if !sources.is_instance(id) => {
                 sources.modified.insert(id);
-                cache.forget(id);
+                cache.forget_shapes(id);
             }
             AssetEvent::Added { id } | AssetEvent::LoadedWithDependencies { id } if !sources.is_instance(id) => {
                 sources.added.insert(id);

@@ -40,7 +40,6 @@ fn a_sheet_hangs_from_its_pins() {
     assert!(report(&app, cloth).worst_edge < 1.1, "{:?}", report(&app, cloth));
 }
 
-/// F08
 #[test]
 fn a_mesh_that_is_split_at_every_edge_hangs_in_one_piece() {
     let mut app = app();
@@ -71,7 +70,6 @@ fn a_mesh_that_is_split_at_every_edge_hangs_in_one_piece() {
     assert!(report(&app, cloth).worst_edge < 1.2, "{:?}", report(&app, cloth));
 }
 
-/// F09, F10, F11, F16
 #[test]
 fn bad_triangles_are_dropped_and_counted_and_drawing_keeps_them() {
     let mut app = app();
@@ -97,7 +95,6 @@ fn bad_triangles_are_dropped_and_counted_and_drawing_keeps_them() {
     assert!(rides.is_finite() && rides.length() < 3.0, "the isolated vertex is at {rides}");
 }
 
-/// F12
 #[test]
 fn strips_and_meshes_without_indices_are_cloths() {
     let strip = PrimitiveTopology::TriangleStrip;
@@ -121,7 +118,6 @@ fn strips_and_meshes_without_indices_are_cloths() {
     }
 }
 
-/// F12
 #[test]
 fn what_cannot_be_simulated_is_drawn_as_authored_and_says_why() {
     use ClothErrorKind::{BadMesh, NoPositions, NotTriangles};
@@ -157,7 +153,6 @@ fn what_cannot_be_simulated_is_drawn_as_authored_and_says_why() {
     }
 }
 
-/// F13
 #[test]
 fn a_mesh_that_is_only_in_the_render_world_fails_with_the_cure_in_the_text() {
     let mut app = app();
@@ -184,7 +179,6 @@ fn a_failure_lifts_itself_when_the_mesh_is_fixed() {
     assert_eq!(error(&app, cloth), None);
 }
 
-/// F14
 #[test]
 fn a_mesh_that_arrives_late_is_waited_for() {
     let mut app = app();
@@ -198,7 +192,6 @@ fn a_mesh_that_arrives_late_is_waited_for() {
     assert!(lowest(&world_positions(&app, cloth)) < -0.1);
 }
 
-/// F14
 #[test]
 fn a_mesh_that_fails_to_load_is_an_error_and_not_waited_for() {
     let mut app = app();
@@ -214,7 +207,6 @@ fn a_mesh_that_fails_to_load_is_an_error_and_not_waited_for() {
     assert_eq!(error(&app, cloth), Some(ClothErrorKind::LoadFailed), "{:?}", status(&app, cloth));
 }
 
-/// F15
 #[test]
 fn a_mesh_reloaded_with_the_same_triangles_keeps_the_state() {
     let mut app = app();
@@ -232,7 +224,6 @@ fn a_mesh_reloaded_with_the_same_triangles_keeps_the_state() {
     assert!(shown(&app, cloth).contains_attribute(Mesh::ATTRIBUTE_COLOR));
 }
 
-/// F15
 #[test]
 fn a_mesh_reloaded_with_other_triangles_starts_anew() {
     let mut app = app();
@@ -248,7 +239,6 @@ fn a_mesh_reloaded_with_other_triangles_starts_anew() {
     assert!(finite(&app, cloth) && lowest(&world_positions(&app, cloth)) < -0.5);
 }
 
-/// F15
 #[test]
 fn a_swapped_mesh_is_bound_and_the_old_instance_is_gone() {
     let mut app = app();
@@ -263,7 +253,6 @@ fn a_swapped_mesh_is_bound_and_the_old_instance_is_gone() {
     assert!(!app.world().resource::<Assets<Mesh>>().contains(old), "the old instance mesh was left behind");
 }
 
-/// F15
 #[test]
 fn our_own_writing_does_not_bind_again() {
     let mut app = app();
@@ -299,7 +288,6 @@ fn two_cloths_of_one_mesh_share_the_rest_shape_and_not_the_mesh() {
     assert!(low(a).min(low(b)) < low(pinned), "one falls, one hangs");
 }
 
-/// F21
 #[test]
 fn a_transform_without_scale_is_waited_for() {
     for scale in [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::splat(f32::NAN)] {
@@ -314,7 +302,6 @@ fn a_transform_without_scale_is_waited_for() {
     }
 }
 
-/// F21
 #[test]
 fn scale_is_in_the_rest_lengths_and_a_new_scale_makes_new_ones() {
     let mut app = app();
@@ -332,7 +319,6 @@ fn scale_is_in_the_rest_lengths_and_a_new_scale_makes_new_ones() {
     assert!(report(&app, cloth).worst_edge < 1.15, "{:?}", report(&app, cloth));
 }
 
-/// F21
 #[test]
 fn a_mirrored_cloth_keeps_its_normals_outside() {
     let mut app = app();
@@ -343,7 +329,6 @@ fn a_mirrored_cloth_keeps_its_normals_outside() {
     }
 }
 
-/// F30
 #[test]
 fn both_widths_of_indices_are_kept_and_large_meshes_work() {
     let mut app = app();
@@ -358,7 +343,6 @@ fn both_widths_of_indices_are_kept_and_large_meshes_work() {
     assert!(finite(&app, wide) && lowest(&world_positions(&app, wide)) < 0.0);
 }
 
-/// F21
 #[test]
 fn a_scale_at_which_fewer_vertices_are_welded_starts_anew() {
     let mut app = app();
@@ -382,7 +366,6 @@ fn a_scale_at_which_fewer_vertices_are_welded_starts_anew() {
     }
 }
 
-/// F21
 #[test]
 fn a_new_scale_takes_the_pins_along() {
     let mut app = app();

@@ -95,7 +95,6 @@ fn a_collider_that_is_off_sweeps_nothing_on_its_way() {
     assert!(is_hit(false), "on");
 }
 
-/// F18
 #[test]
 fn a_collider_despawned_at_any_time_is_forgotten() {
     let mut app = app();

@@ -157,7 +157,6 @@ fn colliders_go_with_the_component_and_with_the_body() {
     assert_eq!(names(&mut app).len(), 0, "despawned");
 }
 
-/// F18
 #[test]
 fn a_joint_takes_its_colliders_along_and_the_rest_is_fitted_without_it() {
     let lines = warnings(app(), |app| {
@@ -274,7 +273,6 @@ fn bodies_with_one_skeleton_are_fitted_as_one() {
     assert_eq!(names(&mut app).len(), 0);
 }
 
-/// F20
 #[test]
 fn a_clone_shares_the_colliders_of_shared_joints_and_has_its_own_on_its_own_joints() {
     let mut app = app();

@@ -9,7 +9,6 @@ use bevy_drape::{
 
 use crate::common::*;
 
-/// F05
 #[test]
 fn a_frame_without_length_changes_nothing() {
     let mut app = app();
@@ -25,7 +24,6 @@ fn a_frame_without_length_changes_nothing() {
     assert!(finite(&app, cloth) && positions(&app, cloth) != before);
 }
 
-/// F05
 #[test]
 fn pausing_the_clock_stops_the_cloth_and_writes_no_mesh() {
     let mut app = app();
@@ -41,7 +39,6 @@ fn pausing_the_clock_stops_the_cloth_and_writes_no_mesh() {
     assert_eq!(written, 0, "writes of a mesh that does not move");
 }
 
-/// F06
 #[test]
 fn a_huge_frame_is_cut_and_the_rest_is_counted_as_lost() {
     let mut app = app();
@@ -56,7 +53,6 @@ fn a_huge_frame_is_cut_and_the_rest_is_counted_as_lost() {
     assert!(finite(&app, cloth) && report.worst_edge < 1.2, "{report:?}");
 }
 
-/// F06
 #[test]
 fn frame_rates_from_twenty_to_a_thousand_look_alike() {
     let bottom = |rate: f32| {
@@ -86,7 +82,6 @@ fn time_scale_slows_one_cloth_and_zero_stops_it() {
     assert!(lowest(&world_positions(&app, still)).abs() < 1.0e-6);
 }
 
-/// F07
 #[test]
 fn a_teleport_carries_the_cloth_rigidly_and_tells() {
     let mut app = app();
@@ -107,7 +102,6 @@ fn a_teleport_carries_the_cloth_rigidly_and_tells() {
     assert!(finite(&app, cloth));
 }
 
-/// F07
 #[test]
 fn a_quick_turn_counts_as_a_teleport_and_slow_motion_does_not() {
     // Whether it is turned at the end or not, its edges are as long: it is carried rigidly, and a turn about the vertical changes nothing.
@@ -134,7 +128,6 @@ fn a_quick_turn_counts_as_a_teleport_and_slow_motion_does_not() {
     assert!((turned / worst - 1.0).abs() < 0.05, "{worst}, turned {turned}");
 }
 
-/// F07
 #[test]
 fn a_teleport_can_reset_the_cloth() {
     let mut app = app();
@@ -147,7 +140,6 @@ fn a_teleport_can_reset_the_cloth() {
     assert!(lowest(&world_positions(&app, cloth)) > -0.05, "{}", lowest(&world_positions(&app, cloth)));
 }
 
-/// F02, F03, F04
 #[test]
 fn one_particle_that_is_not_a_number_is_gone_in_the_next_frame_and_other_cloths_do_not_notice() {
     let run_with = |poison: bool| {
@@ -172,7 +164,6 @@ fn one_particle_that_is_not_a_number_is_gone_in_the_next_frame_and_other_cloths_
     assert_eq!(run_with(true), run_with(false), "another cloth has other bits");
 }
 
-/// F02
 #[test]
 fn a_cloth_that_blows_up_every_frame_is_frozen_and_starts_again_when_it_is_tuned() {
     let mut app = app();
@@ -200,7 +191,6 @@ fn a_cloth_that_blows_up_every_frame_is_frozen_and_starts_again_when_it_is_tuned
     assert!(lowest(&world_positions(&app, cloth)) < -0.3);
 }
 
-/// F22
 #[test]
 fn numbers_out_of_range_are_clamped_and_named_and_never_shown() {
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, -1.0, 1.0e30] {
@@ -261,7 +251,6 @@ fn a_transform_that_is_not_a_number_waits_and_comes_back() {
     }
 }
 
-/// F30
 #[test]
 fn ten_kilometres_from_the_origin_it_moves_as_at_the_origin() {
     let fly = |at: Vec3| {

@@ -43,7 +43,6 @@ fn despawning_leaves_no_mesh_behind() {
     assert_eq!(app.world().resource::<Assets<Mesh>>().len(), before);
 }
 
-/// F19
 #[test]
 fn a_cloth_despawned_in_the_frame_it_is_bound_or_fails_is_no_panic() {
     let mut app = app();
@@ -70,7 +69,6 @@ fn a_cloth_despawned_in_the_frame_it_is_bound_or_fails_is_no_panic() {
     assert_eq!(app.world_mut().query::<&Cloth>().iter(app.world()).count(), 0);
 }
 
-/// F19
 #[test]
 fn an_observer_may_despawn_a_cloth_while_it_is_bound() {
     let mut app = app();
@@ -82,7 +80,6 @@ fn an_observer_may_despawn_a_cloth_while_it_is_bound() {
     assert_eq!(app.world_mut().query::<&Cloth>().iter(app.world()).count(), 0);
 }
 
-/// F20
 #[test]
 fn a_cloned_cloth_binds_anew_from_the_authored_mesh() {
     let mut app = app();
@@ -102,7 +99,6 @@ fn a_cloned_cloth_binds_anew_from_the_authored_mesh() {
     assert!(lowest(&world_positions(&app, clone)) < -0.5, "the clone lives on");
 }
 
-/// F20
 #[test]
 fn a_clone_made_and_its_original_despawned_in_one_frame_still_binds() {
     let mut app = app();

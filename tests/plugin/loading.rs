@@ -132,3 +132,19 @@ fn a_large_cloth_that_turns_or_grows_while_it_is_built_begins() {
     }
     assert!(cloths.iter().all(|&cloth| finite(&app, cloth)));
 }
+
+#[test]
+fn a_mesh_that_is_written_in_every_frame_without_being_changed_is_built() {
+    let mut app = loading();
+    let cloth = spawn(&mut app, sheet(60), border());
+    let handle = app.world().get::<Mesh3d>(cloth).expect("a mesh").0.clone();
+    let start = Instant::now();
+    app.update();
+    while status(&app, cloth) == ClothStatus::Waiting(WaitingFor::Build) {
+        assert!(start.elapsed() < Duration::from_secs(60), "the mesh is never built");
+        // Its normals, say.
+        app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&handle).expect("a mesh").compute_normals();
+        app.update();
+    }
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+}

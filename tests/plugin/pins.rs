@@ -16,7 +16,6 @@ fn pinned(app: &App, entity: Entity) -> u32 {
     report(app, entity).pinned
 }
 
-/// F17
 #[test]
 fn pins_past_the_end_are_ignored_and_listed() {
     let mut app = app();
@@ -145,7 +144,6 @@ fn a_target_turns_and_scales_what_it_holds() {
     }
 }
 
-/// F18
 #[test]
 fn a_target_that_is_gone_holds_releases_or_despawns() {
     for reaction in [ClothOnTargetLost::Hold, ClothOnTargetLost::Release, ClothOnTargetLost::Despawn] {
@@ -195,7 +193,6 @@ fn pins_can_change_while_it_moves_and_hold_what_they_find() {
     assert!(lowest(&world_positions(&app, cloth)) < -3.0, "it falls again");
 }
 
-/// F29
 #[test]
 fn pins_do_not_move_when_the_mesh_is_reloaded() {
     let mut app = app();
@@ -271,7 +268,6 @@ fn a_disabled_cloth_gets_its_mesh_and_skin_back() {
     assert!(entity.contains::<SkinnedMesh>() && !entity.contains::<NoAutoAabb>() && !entity.contains::<ClothParticles>());
 }
 
-/// F29
 #[test]
 fn a_skinned_mesh_is_simulated_in_place_of_being_skinned_and_its_pins_follow_the_skin() {
     let mut app = app();
@@ -357,7 +353,6 @@ fn pin_sets_that_change_places_or_targets_do_not_drag_what_they_hold() {
     }
 }
 
-/// F18
 #[test]
 fn a_skinned_cloth_whose_first_joint_breaks_or_goes_stays_where_the_joint_was() {
     let mut app = app();

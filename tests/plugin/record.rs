@@ -47,16 +47,47 @@ fn a_recorded_frame_has_the_same_bits_when_it_is_stepped_again() {
             }
             app.update();
         }
-        let recorder = app.world().resource::<ClothRecorder>();
+        let recordings = app.world().resource::<ClothRecordings>();
         // What sleeps waits until it moves.
         let least = if name == "asleep" { 0 } else { 8 };
-        assert!(recorder.written.len() >= least, "{name}: {} were written", recorder.written.len());
-        for path in &recorder.written {
+        assert!(recordings.written.len() >= least, "{name}: {} were written", recordings.written.len());
+        for path in &recordings.written {
             let replay = read(path).replay();
             assert_eq!((replay.differ, replay.recovered), (0, false), "{name}: {}: {replay:?}", path.display());
         }
-        std::fs::remove_dir_all(&recorder.folder).ok();
+        forget(&app);
     }
+}
+
+/// Removes the files.
+fn forget(app: &App) {
+    std::fs::remove_dir_all(&app.world().resource::<ClothRecorder>().folder).ok();
+}
+
+/// The files that were written.
+fn written(app: &App) -> &[PathBuf] {
+    &app.world().resource::<ClothRecordings>().written
+}
+
+#[test]
+fn a_frame_in_which_the_scale_of_a_cloth_changed_is_left_out() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(8), border());
+    record(&mut app, folder("scale"));
+    run(&mut app, 5);
+    for frame in 0..12 {
+        ask(&mut app);
+        if frame % 2 == 0 {
+            app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::splat(1.01 + 0.01 * frame as f32);
+        }
+        app.update();
+    }
+    assert_eq!(written(&app).len(), 6, "a frame of two");
+    for path in written(&app) {
+        let replay = read(path).replay();
+        assert_eq!((replay.differ, replay.recovered), (0, false), "{}: {replay:?}", path.display());
+    }
+    forget(&app);
 }
 
 #[test]
@@ -72,14 +103,13 @@ fn a_frame_that_is_held_or_blows_up_is_recorded() {
     run(&mut app, 40);
     app.world_mut().get_mut::<ClothParticles>(wild).expect("a cloth").state_mut().positions[50].y += 40.0;
     run(&mut app, 20);
-    let recorder = app.world().resource::<ClothRecorder>();
-    let recordings: Vec<Recording> = recorder.written.iter().map(read).collect();
+    let recordings: Vec<Recording> = written(&app).iter().map(read).collect();
     let of = |reason: &str| recordings.iter().find(|recording| recording.reason == reason).cloned();
     let recovered = of("recovered").expect("it blew up").replay();
     assert_eq!((recovered.differ, recovered.recovered), (0, true), "{recovered:?}");
     let held = of("held").expect("a tangle that is not untangled is held").replay();
     assert_eq!((held.differ, held.held), (0, true), "{held:?}");
-    std::fs::remove_dir_all(&recorder.folder).ok();
+    forget(&app);
 }
 
 #[test]
@@ -94,8 +124,7 @@ fn what_is_no_recording_is_refused() {
     run(&mut app, 3);
     ask(&mut app);
     run(&mut app, 3);
-    let recorder = app.world().resource::<ClothRecorder>();
-    let whole = std::fs::read(&recorder.written[0]).expect("a file");
+    let whole = std::fs::read(&written(&app)[0]).expect("a file");
     assert!(Recording::read(&whole[..]).is_ok());
     for cut in (8..whole.len()).step_by(97) {
         let error = Recording::read(&whole[..cut]).expect_err("cut");
@@ -105,7 +134,7 @@ fn what_is_no_recording_is_refused() {
         let error = Recording::read(&changed[..]).expect_err("changed");
         assert!(matches!(error, RecordingError::Damaged(_)), "{cut}: {error}");
     }
-    std::fs::remove_dir_all(&recorder.folder).ok();
+    forget(&app);
 }
 
 #[test]
@@ -121,7 +150,7 @@ fn files_of_earlier_runs_stay_and_cloths_that_meet_are_one_file() {
         ask(&mut app);
         run(&mut app, 5);
         let files = std::fs::read_dir(&folder).expect("a folder").count();
-        assert_eq!((app.world().resource::<ClothRecorder>().written.len(), files), (1, times));
+        assert_eq!((written(&app).len(), files), (1, times));
     }
     std::fs::remove_dir_all(&folder).ok();
 }
@@ -137,8 +166,8 @@ fn a_folder_that_cannot_be_made_ends_recording_and_nothing_else() {
     run(&mut app, 5);
     ask(&mut app);
     run(&mut app, 5);
-    let recorder = app.world().resource::<ClothRecorder>();
-    assert_eq!((recorder.written.len(), recorder.most), (0, 0));
+    let recordings = app.world().resource::<ClothRecordings>();
+    assert!(recordings.written.is_empty() && recordings.error.is_some(), "{recordings:?}");
     assert!(finite(&app, cloth));
     std::fs::remove_file(file).ok();
 }

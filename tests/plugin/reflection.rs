@@ -378,7 +378,7 @@ fn components_are_written_in_bsn() {
     );
     assert_eq!(world.get::<ClothCollision>(entity).map(|c| c.garment_layer), Some(2));
     assert_eq!(world.get::<ClothCollisionLayers>(entity), Some(&ClothCollisionLayers::new(2, u32::MAX)));
-    assert_eq!(world.get::<ClothUntangling>(entity).map(|u| (u.iterations, u.patience)), Some((6, 10)));
+    assert_eq!(world.get::<ClothUntangling>(entity).map(|u| (u.iterations, u.stall_iterations)), Some((6, 10)));
     assert_eq!(world.get::<ClothSkipFrame>(entity).map(|s| s.max_held_frames), Some(1));
     assert_eq!(world.get::<ClothPins>(entity), Some(&ClothPins::vertices([0, 4])));
     let path = world.get::<ClothPresetHandle>(entity).and_then(|h| h.0.path().map(ToString::to_string));

@@ -76,7 +76,6 @@ fn every_other_attribute_is_untouched() {
     assert_eq!(shown.attributes().count(), mesh.attributes().count());
 }
 
-/// F25
 #[test]
 fn bounds_hold_every_vertex_and_follow_it() {
     let mut app = app();

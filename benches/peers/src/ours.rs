@@ -9,10 +9,6 @@ use crate::peer::{FRAME, Peer, Scene, Solved};
 /// Tethers of a free particle: one to each island of touching pins, and no more than this.
 const TETHERS: u64 = 2;
 
-/// A frame that starts with an edge beyond this many strain limits sweeps the springs [`TAUT_SWEEPS`] times in each substep.
-const TAUT: f32 = 2.0;
-const TAUT_SWEEPS: u64 = 3;
-
 /// One of the crate's scenes.
 pub struct Ours {
     scene: scenes::Scene,
@@ -33,15 +29,16 @@ impl Ours {
 
 impl Peer for Ours {
     fn step(&mut self) -> Solved {
-        let sweeps: Vec<u64> = self.scene.cloths.iter().map(sweeps).collect();
         self.scene.step(FRAME);
         let mut solved = Solved::default();
-        for (cloth, sweeps) in self.scene.cloths.iter().zip(sweeps) {
+        for cloth in &self.scene.cloths {
             let substeps = u64::from(cloth.report.substeps);
-            let springs = cloth.rest.springs.count as u64 * sweeps * substeps;
-            let bending = cloth.rest.bends.count as u64 * substeps;
+            let steps = substeps * u64::from(cloth.report.inner_steps);
+            let springs = cloth.rest.springs.count as u64 * steps;
+            let bending = cloth.rest.bends.count as u64 * steps;
             solved.springs += springs;
-            solved.all += springs + bending + tethers(cloth) * substeps;
+            // Tethers hold in every second substep.
+            solved.all += springs + bending + tethers(cloth) * substeps / 2;
         }
         solved
     }
@@ -61,11 +58,6 @@ impl Peer for Ours {
         }
         cloth.rest.topology.edges.iter().map(|e| e.map(|p| vertex[p as usize])).collect()
     }
-}
-
-/// Sweeps over the springs in each substep of the next frame.
-fn sweeps(cloth: &SceneCloth) -> u64 {
-    if cloth.report.worst_edge > 1.0 + TAUT * cloth.fabric.strain_limit { TAUT_SWEEPS } else { 1 }
 }
 
 /// Tethers to pins of which no two touch.

@@ -109,9 +109,9 @@ pub(super) const UNTANGLE: [Setting; 10] = [
     ),
     Setting::new(
         Part::Untangle,
-        "patience",
+        "stall_iterations",
         "",
-        Kind::Count(Scale::whole(1.0, 1000.0).slider(1.0, 200.0).log(), |s| Some(&mut s.untangle.patience)),
+        Kind::Count(Scale::whole(1.0, 1000.0).slider(1.0, 200.0).log(), |s| Some(&mut s.untangle.stall_iterations)),
         [
             "Iterations without progress after which something else is tried.",
             "Gives up ways that would have led out.",

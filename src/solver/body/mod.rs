@@ -40,17 +40,17 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-pub use contacts::{Approach, BodyContacts};
+pub(crate) use contacts::{Approach, BodyContacts};
 pub use depth::depths;
-pub use faces::{FaceContacts, Sheet};
+pub(crate) use faces::{FaceContacts, Sheet};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
-pub use pierce::Pierced;
-pub use pinch::Pinches;
-pub use provisional::{Grounds, Provisional};
+pub(crate) use pierce::Pierced;
+pub(crate) use pinch::Pinches;
+pub(crate) use provisional::{Grounds, Provisional};
 pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
 pub use shape::ShapeError;
-pub use snug::Snug;
+pub(crate) use snug::Snug;
 pub(super) use take_out::take_out;
 pub use touch::Touch;
 

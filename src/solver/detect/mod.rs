@@ -9,7 +9,7 @@
 mod quiet;
 pub(super) mod four;
 pub mod crossing;
-pub mod orient;
+pub(crate) mod orient;
 mod parts;
 pub mod proximity;
 pub(super) mod seams;

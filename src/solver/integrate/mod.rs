@@ -1,14 +1,14 @@
 //! Substeps: prediction under forces, then constraints, one pass each (small-step XPBD, Macklin et al. 2019).
 
-pub mod damp;
-pub mod predict;
-pub mod pull;
-pub mod air;
-pub mod anchor;
-pub mod bend;
-pub mod tether;
-pub mod coarse;
-pub mod follow_the_leader;
-pub mod spring;
-pub mod membrane;
+pub(crate) mod damp;
+pub(crate) mod predict;
+pub(crate) mod pull;
+pub(crate) mod air;
+pub(crate) mod anchor;
+pub(crate) mod bend;
+pub(crate) mod tether;
+pub(crate) mod coarse;
+pub(crate) mod follow_the_leader;
+pub(crate) mod spring;
+pub(crate) mod membrane;
 mod rows;

@@ -20,8 +20,8 @@ pub mod contour;
 pub mod gradient;
 #[cfg(feature = "research")]
 pub mod history;
-pub mod tracked;
-pub mod region;
+pub(crate) mod tracked;
+pub(crate) mod region;
 mod between;
 mod brake;
 mod facing;
@@ -108,7 +108,7 @@ pub struct ResolveSettings {
     /// Default 0.1. Smaller is slower; much larger overshoots and folds triangles over.
     pub step: f32,
     /// Iterations without progress after which a contour's strategy is changed; doubled with every change. Default 10.
-    pub patience: u32,
+    pub stall_iterations: u32,
     /// Largest growth of the step of a contour that keeps moving in one direction. Default 5. More is faster on deep tangles and tears at
     /// the edges around a pushed region; 1 keeps every step the same.
     pub pace: f32,
@@ -119,7 +119,7 @@ pub struct ResolveSettings {
 
 impl Default for ResolveSettings {
     fn default() -> Self {
-        Self { method: Method::default(), step: 0.1, patience: 10, pace: 5.0, spread: 0.5 }
+        Self { method: Method::default(), step: 0.1, stall_iterations: 10, pace: 5.0, spread: 0.5 }
     }
 }
 
@@ -304,7 +304,7 @@ impl Resolver {
         if self.plans.is_live(tracked.plan) {
             return true;
         }
-        if tracked.stale < settings.patience && self.separate(view, contour, settings.pace * step) {
+        if tracked.stale < settings.stall_iterations && self.separate(view, contour, settings.pace * step) {
             return true;
         }
         let tracked = &mut self.tracked.now[contour];
@@ -340,7 +340,7 @@ impl Resolver {
         for (tracked, contour) in tracked.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
             // A region needs a while to gather pace, the longer the more edges it hangs on.
             let edges = if tracked.strategy == Strategy::Push { tracked.longest / contour.edge } else { 0.0 };
-            if tracked.stale > (settings.patience + edges as u32 / 4) << tracked.turns.min(4) {
+            if tracked.stale > (settings.stall_iterations + edges as u32 / 4) << tracked.turns.min(4) {
                 let pushable =
                     matches!(tracked.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
                 tracked.turn_to(match tracked.strategy {

@@ -8,9 +8,10 @@
 //!
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
 //! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
-//! share particles, so passes are repeated until none cuts anything. What still passes then goes, relative to the mean motion of all that is free, no farther
-//! than half of what may close of the gap to what is nearest, and momentum is not kept: the displacement bound of Offset Geometric Contact (section 3.5), under which two that are bound do not meet. What is held
-//! cannot be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
+//! share particles, so passes are repeated until none cuts anything. Pairs that still pass are bounded:
+//! relative to the mean motion of free particles, each moves at most half of the gap that may close (Offset Geometric Contact, section 3.5), so that two that are
+//! bound do not meet. Momentum is not kept there. What is held cannot be cut: what meets it moves as it does, and is as held for what it meets in turn.
+//! Between two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
 

@@ -91,8 +91,8 @@ const PASSES: u32 = 6;
 /// one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
 const RESTITUTION_PASSES: u32 = 3;
 
-/// From one level to the next, and the substeps (22 ms at the default rate) after which what has left a body lies on nothing: longer, what bounces is
-/// carried in the air; shorter, a pile of so many layers never learns what it lies on, since each pass brings that up by one.
+/// Levels for each layer. It is also after how many substeps (22 ms at the default rate) what has left a body lies on nothing: longer carries bouncing
+/// cloth in the air; shorter hides deep piles from their ground, since each pass brings support up by one layer.
 const LEVEL: u8 = 8;
 /// Level of a particle that lies on nothing, or on some thirty layers.
 const FREE: u8 = u8::MAX;

@@ -1,4 +1,4 @@
-//! The whole frame of one cloth as one function: what systems, tests, benches and docs call.
+//! A frame of a cloth that no island steps, as one function; [`Island::run`](crate::solver::island::Island::run) steps those that touch.
 //!
 //! ```text
 //! begin ─► (constrain ─► project)* ─► finish
