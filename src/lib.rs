@@ -59,11 +59,11 @@ pub use components::{
     ClothContactEvents, ClothContactStarted, ClothContacts, ClothCoupling, ClothDetail, ClothDisabled, ClothDrive, ClothError,
     ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits,
     ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPiece,
-    ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction, ClothRecovered, ClothReport, ClothRigidBody,
-    ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothTangled,
-    ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
-    ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision,
-    ParryShape, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction, ClothRecovered, ClothRenderMesh, ClothReport,
+    ClothReset, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver,
+    ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled,
+    ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone,
+    ClothWindZoneShape, ClothWoke, NoClothCollision, ParryShape, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -91,11 +91,11 @@ pub mod prelude {
         ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLoading, ClothLod,
         ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPiece,
         ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPose, ClothPriority, ClothQuery, ClothReaction,
-        ClothRecovered, ClothReport, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
-        ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled, ClothTargetLost,
-        ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
-        ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke,
-        NoClothCollision,
+        ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
+        ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled,
+        ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
+        ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
+        ClothWoke, NoClothCollision,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -30,8 +30,8 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, poses,
-    release, resolve, respond, skin, sleep, sources, sync, touch,
+    bind, budget, carriers, character, colliders, couple, detect, drawn, evaluate, grab, inputs, integrate, lod, pieces, poses,
+    release, render_mesh, resolve, respond, skin, sleep, sources, sync, touch,
 };
 use crate::time;
 
@@ -97,7 +97,8 @@ impl Plugin for ClothPlugin {
             .init_resource::<WorldAir>()
             .init_resource::<ClothIslands>()
             .add_observer(release::on_remove_cloth)
-            .add_observer(pieces::on_remove_piece)
+            .add_observer(drawn::on_remove_piece)
+            .add_observer(drawn::on_remove_render_mesh)
             .add_observer(release::on_remove_body)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
@@ -135,6 +136,7 @@ impl Plugin for ClothPlugin {
                 (
                     time::tick,
                     sources::watch,
+                    poses::hand_down,
                     bind::bind,
                     character::bodies,
                     colliders::shapes,
@@ -147,7 +149,7 @@ impl Plugin for ClothPlugin {
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
                         skin::change,
-                        (carriers::travel, carriers::inertia, carriers::aim, poses::take).chain(),
+                        (carriers::travel, carriers::inertia, carriers::aim, poses::reset, poses::take).chain(),
                         grab::grabs,
                         sleep::watch,
                         inputs::surroundings,
@@ -173,7 +175,17 @@ impl Plugin for ClothPlugin {
                 (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
             ),
         )
-        .add_systems(shows, (sync::shape, pieces::follow, sync::write, pieces::write).chain().in_set(ClothSystems::Sync));
+        .add_systems(
+            shows,
+            (
+                sync::shape,
+                (pieces::follow, render_mesh::follow),
+                sync::write,
+                (pieces::write, (render_mesh::shape, render_mesh::write).chain()),
+            )
+                .chain()
+                .in_set(ClothSystems::Sync),
+        );
 
         #[cfg(feature = "avian")]
         {

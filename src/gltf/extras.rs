@@ -24,6 +24,8 @@ impl Problem {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct NodeExtras {
     pub cloth: Option<ClothExtras>,
+    /// The object that is simulated in place of this one.
+    pub proxy: Option<String>,
     pub collider: Option<ColliderExtras>,
 }
 
@@ -93,11 +95,30 @@ pub(crate) fn node(text: &str, problems: &mut Vec<Problem>) -> NodeExtras {
             keys.insert(flat.into(), value.clone());
         }
     }
+    let proxy = match keys.remove("proxy") {
+        None => None,
+        Some(Value::String(name)) => Some(name),
+        Some(value) => {
+            let what = format!("is {}: it must be the name of the object that is simulated", kind(&value));
+            problems.push(Problem::new("cloth.proxy", what));
+            None
+        }
+    };
+    if proxy.is_some() {
+        if !keys.is_empty() {
+            problems.push(Problem::new(
+                "cloth.proxy",
+                "is beside other `cloth.…` keys, which count on the object that is simulated: move them there",
+            ));
+        }
+        (is_cloth, keys) = (false, Map::new());
+    }
     if !is_cloth && !keys.is_empty() {
         problems.push(Problem::new("cloth", "is missing or false beside `cloth.…` keys: set it to true"));
     }
     NodeExtras {
         cloth: is_cloth.then(|| cloth(&keys, problems)),
+        proxy,
         collider: extras.get("collider").and_then(|value| collider(value, problems)),
     }
 }
@@ -160,7 +181,8 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.substep_rate.is_none().then_some("a number of hertz")
             }
             _ => {
-                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive";
+                let known =
+                    "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, proxy";
                 problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }

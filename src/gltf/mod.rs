@@ -15,6 +15,7 @@
 //! | `cloth.max_distance` | metres from the skin; or `[low, high]` over the attribute `_CLOTH_MAXDIST`; or `{"map": "color.g", "low": 0, "high": 0.4}`: [`ClothLimits`](crate::ClothLimits) |
 //! | `cloth.backstop` | metres behind the skin, or `true` for 0; or `[low, high]` over `_CLOTH_BACKSTOP`; or `{"distance": …, "radius": …, "map": …}` |
 //! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
+//! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
 //!
 //! | scene extras | value |
@@ -50,6 +51,7 @@ mod extras;
 mod join;
 mod maps;
 mod order;
+mod proxy;
 
 use bevy::ecs::system::SystemParam;
 use bevy::gltf::{GltfExtras, GltfPlugin, GltfSceneExtras};
@@ -60,7 +62,7 @@ use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
     Cloth, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
-    ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothSolver,
+    ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh, ClothSolver,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
@@ -128,10 +130,17 @@ pub(crate) fn nodes(
     mut known: Local<join::Known>,
     server: Option<Res<AssetServer>>,
 ) {
+    // Which nodes are drawn in place of which.
+    let proxies: Vec<(Entity, Result<Entity, Problem>)> = added
+        .iter()
+        .filter_map(|(entity, extras, ..)| {
+            Some((entity, nodes.simulated(entity, &extras::node(&extras.value, &mut Vec::new()).proxy?)))
+        })
+        .collect();
     for (entity, extras, name, children) in &added {
         let mut problems = Vec::new();
         let node = extras::node(&extras.value, &mut problems);
-        if node.cloth.is_none() && node.collider.is_none() && problems.is_empty() {
+        if node.cloth.is_none() && node.proxy.is_none() && node.collider.is_none() && problems.is_empty() {
             continue;
         }
         let file = file_of(entity, &nodes.parents, &nodes.roots);
@@ -148,7 +157,17 @@ pub(crate) fn nodes(
         if primitives.is_empty() && matches!(fit, Some(ColliderFit::Mesh(_))) && !lone_plane {
             problems.push(Problem::new("collider", "needs a mesh on the node to be fitted to"));
         }
+        match proxies.iter().find(|(drawn, _)| *drawn == entity) {
+            None => {}
+            Some((_, Err(problem))) => problems.push(problem.clone()),
+            Some((_, Ok(cloth))) => {
+                for &primitive in &primitives {
+                    commands.entity(primitive).try_insert(ClothRenderMesh { cloth: *cloth });
+                }
+            }
+        }
         if let Some(cloth) = &node.cloth {
+            let is_proxy = proxies.iter().any(|(_, of)| of.as_ref().is_ok_and(|of| *of == entity));
             let listed = matches!(&cloth.pin, Some(ClothPinSelect::Vertices(vertices)) if !vertices.is_empty());
             if listed && primitives.len() > 1 && primitives.iter().any(|p| nodes.orders.contains(*p)) {
                 let what = "lists vertices but a primitive of several has no normals, so that its vertices are numbered anew: \
@@ -167,7 +186,11 @@ pub(crate) fn nodes(
                     bearer.try_insert(skin);
                 }
                 for (&primitive, first) in primitives.iter().zip(firsts) {
-                    commands.entity(primitive).try_insert(ClothPiece { cloth: entity, first });
+                    if is_proxy {
+                        commands.entity(primitive).try_remove::<(Mesh3d, SkinnedMesh)>();
+                    } else {
+                        commands.entity(primitive).try_insert(ClothPiece { cloth: entity, first });
+                    }
                 }
             } else {
                 if let Some(Err(error)) = joined {
@@ -181,7 +204,18 @@ pub(crate) fn nodes(
                     let mesh = meshes.get(primitive).ok().and_then(|mesh| assets.get(&mesh.0));
                     let renumbered = nodes.orders.get(primitive).ok().and_then(|order| order.renumber(cloth.pin.as_ref()));
                     let pin = renumbered.as_ref().or(cloth.pin.as_ref());
-                    make_cloth(&mut commands, (primitive, mesh), cloth, pin, &file, server.as_deref(), &mut problems);
+                    // What is not drawn has no material: the mesh goes to the node.
+                    let bearer = if is_proxy && primitives.len() == 1 { entity } else { primitive };
+                    make_cloth(&mut commands, (bearer, mesh), cloth, pin, &file, server.as_deref(), &mut problems);
+                    if bearer != primitive {
+                        if let Ok(mesh) = meshes.get(primitive) {
+                            commands.entity(bearer).try_insert(mesh.clone());
+                        }
+                        if let Ok(skin) = nodes.skinned.get(primitive) {
+                            commands.entity(bearer).try_insert(skin.clone());
+                        }
+                        commands.entity(primitive).try_remove::<(Mesh3d, SkinnedMesh)>();
+                    }
                 }
             }
         }
@@ -223,6 +257,7 @@ pub(crate) struct Nodes<'w, 's> {
     parents: Query<'w, 's, &'static ChildOf>,
     children: Query<'w, 's, &'static Children>,
     extras: Query<'w, 's, &'static GltfExtras>,
+    names: Query<'w, 's, &'static Name>,
     orders: Query<'w, 's, &'static VerticesOfFile>,
     skinned: Query<'w, 's, &'static SkinnedMesh>,
     roots: Query<'w, 's, &'static WorldAssetRoot>,

@@ -34,7 +34,7 @@ pub(crate) struct Binding {
     pub on_skin: bool,
 }
 
-/// Which mesh a piece of a cloth was made from.
+/// Which mesh a piece of a cloth, or a render mesh, was made from.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct PieceBinding {

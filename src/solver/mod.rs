@@ -40,5 +40,6 @@ pub mod scene;
 pub(crate) mod fit;
 pub mod recover;
 pub(crate) mod surface;
+pub(crate) mod embed;
 pub(crate) mod raycast;
 pub(crate) mod impulse;

@@ -19,7 +19,8 @@ use crate::bind::{
 };
 use crate::components::{
     Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothLoading,
-    ClothMaterial, ClothPiece, ClothPinSet, ClothPins, ClothReport, ClothSolver, ClothStatus, WaitingFor,
+    ClothMaterial, ClothPiece, ClothPinSet, ClothPins, ClothRenderMesh, ClothReport, ClothReset, ClothSolver, ClothStatus,
+    WaitingFor,
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
@@ -47,6 +48,7 @@ pub(crate) struct Bindable {
     material: Ref<'static, ClothMaterial>,
     limits: Option<&'static ClothLimits>,
     drive: Option<&'static ClothDrive>,
+    reset: Has<ClothReset>,
     solver: Ref<'static, ClothSolver>,
     waiting: Option<&'static mut WaitingSince>,
     skinned: Option<&'static SkinnedMesh>,
@@ -71,6 +73,14 @@ pub(crate) struct Assembly<'w, 's> {
     sources: ResMut<'w, Sources>,
     transforms: Transforms<'w, 's>,
     pieces: Query<'w, 's, &'static ClothPiece, Without<Cloth>>,
+    render_meshes: Query<'w, 's, &'static ClothRenderMesh, Without<Cloth>>,
+}
+
+impl Assembly<'_, '_> {
+    /// Whether other meshes are drawn in place of that of a cloth.
+    fn is_drawn_by_others(&self, cloth: Entity) -> bool {
+        self.pieces.iter().any(|piece| piece.cloth == cloth) || self.render_meshes.iter().any(|mesh| mesh.cloth == cloth)
+    }
 }
 
 /// What keeps a cloth from being bound.
@@ -230,7 +240,7 @@ fn news(assembly: &Assembly, cloth: &BindableItem) -> Change {
     let source = binding.source.id();
     let failed = cloth.error.is_some();
     let unstable = cloth.error.is_some_and(|e| e.kind == ClothErrorKind::Unstable);
-    let tuned = unstable && (cloth.material.is_changed() || cloth.solver.is_changed());
+    let tuned = unstable && (cloth.material.is_changed() || cloth.solver.is_changed() || cloth.reset);
     let followed = cloth.inputs.as_ref().is_some_and(|inputs| inputs.followed.asked.is_of(cloth.limits, cloth.drive));
     let repinned = cloth.pins.is_changed() || (cloth.inputs.is_some() && !followed);
     let arrived = assembly.sources.modified.contains(&source) || (failed && assembly.sources.added.contains(&source));
@@ -306,8 +316,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     }
     let surface = Surface::new(mesh, &authored);
     let instance = if *change == Change::Mesh {
-        // Pieces are drawn in its place.
-        let usage = if assembly.pieces.iter().any(|piece| piece.cloth == cloth.entity) {
+        let usage = if assembly.is_drawn_by_others(cloth.entity) {
             RenderAssetUsages::MAIN_WORLD
         } else {
             RenderAssetUsages::default()

@@ -22,7 +22,7 @@ use crate::bind::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sour
 use crate::character::{BoneCollider, FitSettings, SkinnedBody, fit};
 use crate::components::body::{FittedBody, FittedColliders, FittedTo, MadeOf, Stage};
 use crate::components::checked::Checked;
-use crate::components::{Cloth, ClothBody, ClothCollider, ClothCollisionLayers, ClothPiece};
+use crate::components::{Cloth, ClothBody, ClothCollider, ClothCollisionLayers, ClothPiece, ClothRenderMesh};
 use crate::notices::{Notices, PATIENCE, label};
 
 /// Most entities between a joint and the joint above it.
@@ -39,8 +39,16 @@ pub(crate) struct Body {
     skin: Option<Ref<'static, SkinnedMesh>>,
     is_cloth: Has<Cloth>,
     is_piece: Has<ClothPiece>,
+    is_render_mesh: Has<ClothRenderMesh>,
     layers: Option<&'static ClothCollisionLayers>,
     fitted: Option<&'static mut FittedBody>,
+}
+
+impl BodyItem<'_, '_> {
+    /// Whether its mesh is that of a cloth, or one that follows a cloth.
+    fn shows_cloth(&self) -> bool {
+        self.is_cloth || self.is_piece || self.is_render_mesh
+    }
 }
 
 /// Where meshes and skeletons come from.
@@ -121,6 +129,7 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
     let takes_part = |stage: Stage| matches!(stage, Stage::New | Stage::Made);
     let mut is_stale = false;
     for mut body in bodies {
+        let shows_cloth = body.shows_cloth();
         let Some(state) = &mut body.fitted else {
             // A clone has none.
             commands.entity(body.entity).try_insert(FittedBody::default());
@@ -130,7 +139,7 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
         let made_of = MadeOf {
             mesh: body.mesh.map(|mesh| sources.authored(&mesh.0).id()),
             skin: body.skin.as_ref().map(|skin| skin.inverse_bindposes.id()),
-            is_cloth: body.is_cloth || body.is_piece,
+            is_cloth: shows_cloth,
             layers: body.layers.copied(),
         };
         let arrived = made_of.mesh.is_some_and(|mesh| {
@@ -143,7 +152,7 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
             continue;
         }
         state.made_of = made_of;
-        let next = match anatomy.obstacle(body.mesh, body.skin.as_deref(), body.is_cloth || body.is_piece) {
+        let next = match anatomy.obstacle(body.mesh, body.skin.as_deref(), shows_cloth) {
             None => Stage::New,
             Some(Obstacle::Wait(wait)) => {
                 let since = if let Stage::Waiting { since } = state.stage { since } else { now };

@@ -1,12 +1,12 @@
-//! Prepare: puts cloths into poses out of save games.
+//! Prepare: puts cloths into poses: those out of save games, and those in which they begin.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::components::Cloth;
+use crate::components::{Cloth, ClothReset};
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
-use crate::simulation::{ClothInputs, ClothParticles, ClothPose, ClothScratch, FIRST_FRAMES};
+use crate::simulation::{ClothInputs, ClothParticles, ClothPose, ClothRest, ClothScratch, FIRST_FRAMES};
 use crate::solver::impulse::{FASTEST, SUBSTEP};
 use crate::solver::step::Scratch;
 
@@ -35,11 +35,51 @@ pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut isl
             continue;
         }
         put(pose, &mut particles);
-        // What touched it touches it no more.
-        (scratch.solver, scratch.fresh) = (Scratch::default(), true);
-        if let Some((island, _)) = scratch.island.take() {
-            islands.forget(island);
+        forget_contacts(&mut scratch, &mut islands);
+    }
+}
+
+/// What touched a cloth touches it no more.
+fn forget_contacts(scratch: &mut ClothScratch, islands: &mut ClothIslands) {
+    (scratch.solver, scratch.fresh) = (Scratch::default(), true);
+    if let Some((island, _)) = scratch.island.take() {
+        islands.forget(island);
+    }
+}
+
+/// Hands [`ClothReset`] down from what is no cloth to the cloths below it.
+pub(crate) fn hand_down(
+    mut commands: Commands,
+    resets: Query<Entity, (With<ClothReset>, Without<Cloth>)>,
+    children: Query<&Children>,
+    cloths: Query<(), With<Cloth>>,
+) {
+    for entity in &resets {
+        for cloth in children.iter_descendants(entity).filter(|below| cloths.contains(*below)) {
+            commands.entity(cloth).try_insert(ClothReset);
         }
+        commands.entity(entity).try_remove::<ClothReset>();
+    }
+}
+
+type Reset<'w, 's, 'a> = Query<
+    'w,
+    's,
+    (Entity, &'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
+    (With<Cloth>, With<ClothReset>),
+>;
+
+/// Puts cloths to where they begin, once what carries them is where it is in this frame.
+pub(crate) fn reset(mut commands: Commands, mut islands: ResMut<ClothIslands>, mut cloths: Reset) {
+    for (entity, rest, mut inputs, mut particles, mut scratch) in &mut cloths {
+        if !inputs.active {
+            continue;
+        }
+        commands.entity(entity).try_remove::<ClothReset>();
+        let origin = particles.origin;
+        particles.place(inputs.pose(&rest.0, origin));
+        inputs.stay();
+        forget_contacts(&mut scratch, &mut islands);
     }
 }
 

@@ -9,7 +9,8 @@ use bevy::prelude::*;
 
 use crate::components::body::{ColliderBody, FittedBody, FittedColliders, Stage};
 use crate::components::{
-    Cloth, ClothBody, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothPiece, ClothReport, ClothStatus, ClothWindZone,
+    Cloth, ClothBody, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothPiece, ClothRenderMesh, ClothReport,
+    ClothStatus, ClothWindZone,
 };
 use crate::notices::Notices;
 use crate::simulation::{
@@ -126,6 +127,7 @@ pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
                 || entity.contains::<ClothCoupling>()
                 || entity.contains::<ClothGrab>()
                 || entity.contains::<ClothPiece>()
+                || entity.contains::<ClothRenderMesh>()
                 || entity.contains::<ClothWindZone>()
         });
         if let Some(mut notices) = world.get_resource_mut::<Notices>().filter(|_| !is_meant) {

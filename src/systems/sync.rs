@@ -11,7 +11,7 @@ use super::stopwatch;
 use crate::bind::{is_near, seen_from};
 use crate::components::{Cloth, ClothReport};
 use crate::schedule::ClothClock;
-use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown};
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown, VertexBuffers};
 use crate::solver::rest::RestShape;
 use crate::solver::surface;
 
@@ -155,17 +155,21 @@ pub(crate) fn write(
         let Some(instance) = &binding.instance else { continue };
         let Some(mut mesh) = meshes.get_mut(instance) else { continue };
         shown.writes = shown.writes.wrapping_add(1);
-        let vertices = &mut shown.vertices;
-        swap(&mut mesh, Mesh::ATTRIBUTE_POSITION, &mut vertices.positions);
-        swap(&mut mesh, Mesh::ATTRIBUTE_NORMAL, &mut vertices.normals);
-        if let Ok(VertexAttributeValues::Float32x4(tangents)) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_TANGENT)
-            && tangents.len() == vertices.tangents.len()
-        {
-            for (out, t) in tangents.iter_mut().zip(&vertices.tangents) {
-                *out = t.to_array();
-            }
-        }
+        hand_over(&mut mesh, &mut shown.vertices);
         report.sync_ms += clock();
+    }
+}
+
+/// Hands positions, normals and tangents to a mesh, as far as it has as many.
+pub(super) fn hand_over(mesh: &mut Mesh, vertices: &mut VertexBuffers) {
+    swap(mesh, Mesh::ATTRIBUTE_POSITION, &mut vertices.positions);
+    swap(mesh, Mesh::ATTRIBUTE_NORMAL, &mut vertices.normals);
+    if let Ok(VertexAttributeValues::Float32x4(tangents)) = mesh.try_attribute_mut(Mesh::ATTRIBUTE_TANGENT)
+        && tangents.len() == vertices.tangents.len()
+    {
+        for (out, t) in tangents.iter_mut().zip(&vertices.tangents) {
+            *out = t.to_array();
+        }
     }
 }
 

@@ -18,6 +18,7 @@ use bevy_drape::solver::step::Scratch;
 use drape_scenes::{self as scenes, Scene, Tangle};
 
 use crate::common::*;
+use crate::skinned;
 
 /// FNV-1a, 64 bits.
 struct Hash(u64);
@@ -187,7 +188,19 @@ pub fn in_apps() -> Vec<InApp> {
     );
     net.world_mut().spawn(body);
     spawn(&mut net, sheet(16), (border(), ClothMaterial::RUBBER));
+    let mut worn = app();
+    let (limits, drive) = (
+        ClothLimits { max_distance: ClothMap::Uniform(0.15), ..default() },
+        ClothDrive { frequency: ClothMap::Uniform(0.5), ..default() },
+    );
+    let (_, joints) = skinned::dressed(&mut worn, 12, (limits, drive, ClothInertia::CHARACTER));
+    let dance = move |app: &mut App, frame: u32| {
+        for (which, joint) in joints.into_iter().enumerate() {
+            skinned::put(app, joint, skinned::dance(frame as f32 / 60.0, which as f32));
+        }
+    };
     vec![
+        InApp { name: "skinned", app: worn, frames: 120, happen: Box::new(dance) },
         InApp { name: "fabrics", app: fabrics, frames: 60, happen: Box::new(|_, _| {}) },
         InApp { name: "sleep and waking", app: rest, frames: 300, happen: Box::new(wake) },
         InApp { name: "teleport", app: moved, frames: 90, happen: Box::new(carry) },

@@ -290,6 +290,59 @@ fn a_node_of_several_primitives_is_one_cloth() {
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }
 
+#[test]
+fn an_object_is_drawn_in_place_of_its_proxy() {
+    let folder = folder("proxy");
+    let drawn = |name: &str, proxy: &str| node(name, &format!(r#"{{"cloth.proxy": {proxy}}}"#));
+    write_gltf(
+        &folder.join("cape.gltf"),
+        &[drawn("Drawn", r#""Simulated""#), node("Simulated", r#"{"cloth": {"pin": "_PIN"}}"#)],
+        "{}",
+    );
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "cape.gltf");
+        run(app, 60);
+        let world = app.world_mut();
+        let cloth = world.query_filtered::<(Entity, &Name), With<Cloth>>().single(world).expect("one cloth");
+        assert_eq!(cloth.1.as_str(), "Simulated", "the node, which has no material");
+        let cloth = cloth.0;
+        assert_eq!(report(app, cloth).pinned, 5);
+        let meshes = app.world().get::<Children>(cloth).expect("primitives").iter();
+        assert!(meshes.map(|child| app.world().get::<Mesh3d>(child)).all(|mesh| mesh.is_none()), "it is not drawn");
+        let drawn = primitive(app, "Drawn");
+        assert_eq!(app.world().get::<ClothRenderMesh>(drawn), Some(&ClothRenderMesh { cloth }));
+        assert!(lowest(&world_positions(app, drawn)) < -0.2, "it hangs");
+    });
+    assert_eq!(lines, Vec::<String>::new());
+    write_gltf(
+        &folder.join("wrong.gltf"),
+        &[
+            drawn("Gone", r#""Nobody""#),
+            drawn("Bare", r#""Table""#),
+            drawn("Number", "3"),
+            node("Table", "{}"),
+            node("Both", r#"{"cloth": true, "cloth.pin": [0], "cloth.proxy": "Cloth"}"#),
+            node("Cloth", r#"{"cloth": true}"#),
+        ],
+        "{}",
+    );
+    let lines = warnings(gltf_app(&folder), |app| {
+        load(app, "wrong.gltf");
+        run(app, 20);
+    });
+    for words in [
+        ["`Gone`", "`Nobody`", "no other object of that name"],
+        ["`Bare`", "`Table`", "set `cloth` to true on that object"],
+        ["`Number`", "`cloth.proxy`", "the name of the object"],
+        ["`Both`", "`cloth.proxy`", "move them there"],
+    ] {
+        let count = lines.iter().filter(|line| words.iter().all(|word| line.contains(word))).count();
+        assert_eq!(count, 1, "{words:?} in {lines:#?}");
+    }
+    assert_eq!(lines.len(), 4, "{lines:#?}");
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
 /// A glTF of a character: an armature with the extras above a body of two primitives, a thigh and a calf, and a skirt on the same skin.
 fn write_character(path: &std::path::Path, extras: &str) {
     const COUNT: usize = 21 * 16;

@@ -226,3 +226,60 @@ fn what_is_removed_from_one_of_two_cloths_that_touch_stops_nothing() {
     without::<GlobalTransform>();
     without::<Mesh3d>();
 }
+
+#[test]
+fn a_reset_puts_a_cloth_back_to_where_it_begins() {
+    let mut app = app();
+    let root = app.world_mut().spawn((Transform::default(), ClothCharacter)).id();
+    let hanging = spawn(&mut app, sheet(12), (border(), ChildOf(root)));
+    let fallen = spawn(&mut app, sheet(12), Transform::from_xyz(0.0, 0.3, 0.0));
+    app.update();
+    let [first, above] = [hanging, fallen].map(|cloth| world_positions(&app, cloth));
+    run(&mut app, 40);
+    assert!(lowest(&world_positions(&app, hanging)) < -0.5);
+    app.world_mut().entity_mut(root).insert(ClothReset);
+    // Where it begins is where its character is now.
+    app.world_mut().get_mut::<Transform>(root).expect("a transform").translation = Vec3::new(0.3, 0.0, 0.0);
+    app.world_mut().entity_mut(fallen).insert(ClothReset);
+    frame_length(&mut app, 1.0e-3);
+    app.update();
+    for (cloth, first, by) in [(hanging, first, Vec3::X * 0.3), (fallen, above, Vec3::ZERO)] {
+        let now = world_positions(&app, cloth);
+        let off = now.iter().zip(&first).map(|(now, first)| now.distance(*first + by)).fold(0.0, f32::max);
+        assert!(off < 1.0e-3, "{off} m");
+        let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state().clone();
+        let fastest = (0..now.len()).map(|i| state.velocity(i).length()).fold(0.0, f32::max);
+        assert!(fastest < 0.02, "{fastest} m/s: a millisecond of gravity");
+    }
+    assert!([root, hanging, fallen].iter().all(|&entity| !app.world().entity(entity).contains::<ClothReset>()));
+    frame_length(&mut app, FRAME);
+    run(&mut app, 40);
+    assert!(lowest(&world_positions(&app, hanging)) < -0.5, "it hangs again");
+
+    app.world_mut().entity_mut(hanging).insert((ClothDisabled, ClothReset));
+    run(&mut app, 5);
+    assert!(app.world().entity(hanging).contains::<ClothReset>(), "it waits");
+    app.world_mut().entity_mut(hanging).remove::<ClothDisabled>();
+    run(&mut app, 1);
+    assert!(lowest(&world_positions(&app, hanging)) > -0.01);
+}
+
+#[test]
+fn a_reset_revives_a_cloth_that_was_stopped() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(8), border());
+    run(&mut app, 5);
+    for _ in 0..400 {
+        if status(&app, cloth) == ClothStatus::Failed {
+            break;
+        }
+        app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth").state_mut().positions[50].y = f32::NAN;
+        app.update();
+    }
+    assert_eq!(status(&app, cloth), ClothStatus::Failed);
+    run(&mut app, 5);
+    app.world_mut().entity_mut(cloth).insert(ClothReset);
+    run(&mut app, 60);
+    assert_eq!(status(&app, cloth), ClothStatus::Active);
+    assert!(app.world().get::<ClothError>(cloth).is_none() && lowest(&world_positions(&app, cloth)) < -0.5);
+}

@@ -28,6 +28,7 @@ mod pieces;
 mod pins;
 mod query;
 mod record;
+mod render_mesh;
 mod rest;
 mod skinned;
 mod sleep;

@@ -7,7 +7,7 @@ use bevy_drape::prelude::*;
 use crate::common::*;
 
 /// A sheet that hangs on the skin of two joints: its first half follows the first.
-fn dressed(app: &mut App, n: u32, extra: impl Bundle) -> (Entity, [Entity; 2]) {
+pub fn dressed(app: &mut App, n: u32, extra: impl Bundle) -> (Entity, [Entity; 2]) {
     let mut mesh = sheet(n);
     let rest = vectors(&mesh, Mesh::ATTRIBUTE_POSITION);
     let index = |p: &Vec3| if p.x < 0.0 { [0, 9, 9, 9] } else { [1, 9, 9, 9] };
@@ -23,7 +23,7 @@ fn dressed(app: &mut App, n: u32, extra: impl Bundle) -> (Entity, [Entity; 2]) {
     (spawn(app, mesh, (SkinnedMesh { inverse_bindposes, joints: joints.to_vec() }, extra)), joints)
 }
 
-fn put(app: &mut App, entity: Entity, at: Transform) {
+pub fn put(app: &mut App, entity: Entity, at: Transform) {
     *app.world_mut().get_mut::<Transform>(entity).expect("a transform") = at;
 }
 
@@ -36,7 +36,7 @@ fn strays(app: &App, n: u32, cloth: Entity, joints: [Entity; 2]) -> f32 {
 }
 
 /// A dance: to and fro at up to 4 m/s, and turning.
-fn dance(time: f32, which: f32) -> Transform {
+pub fn dance(time: f32, which: f32) -> Transform {
     let sway = 8.0 * time;
     Transform {
         translation: Vec3::new(0.5 * sway.sin(), 0.1 * (2.0 * sway).cos() + 0.02 * which, 0.0),

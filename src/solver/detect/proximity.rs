@@ -11,6 +11,7 @@ use glam::{Vec3, Vec4};
 
 use super::crossing::Detector;
 use super::surface::Surface;
+use crate::solver::effort::Meter;
 
 /// Which primitives came close.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,12 +57,14 @@ impl Default for ProximitySettings {
 }
 
 impl Detector {
-    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`.
+    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`; those that come last are left out where there is too
+    /// much work.
     pub fn proximities(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
         settings: &ProximitySettings,
+        meter: &Meter,
         found: &mut Vec<Proximity>,
     ) {
         found.clear();
@@ -76,7 +79,8 @@ impl Detector {
                 found.push(pair);
             }
         };
-        self.tree.pairs(surface, settings.distance, |f, g| {
+        let mut pair = |f: u32, g: u32| {
+            meter.spend(1);
             let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
             if tf.iter().all(|&v| positions[v as usize].w == 0.0) && tg.iter().all(|&v| positions[v as usize].w == 0.0) {
                 return;
@@ -100,7 +104,8 @@ impl Detector {
                     }
                 }
             }
-        });
+        };
+        self.tree.meetings(surface, settings.distance, meter, |tree, met| tree.pairs_of(met, &mut pair));
         // Pairs were met once per pair of faces around them: order them and keep each once.
         found.sort_unstable_by_key(|p| (p.kind as u8, p.particles));
         found.dedup_by_key(|p| (p.kind as u8, p.particles));

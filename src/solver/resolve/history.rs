@@ -10,6 +10,7 @@
 use glam::{Vec3, Vec4};
 
 use crate::solver::detect::{Detector, Proximity, ProximityKind, ProximitySettings, Surface};
+use crate::solver::effort::Meter;
 
 /// Sides remembered, sorted by particle and face.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,19 +26,19 @@ pub type Push = (u32, Vec3);
 
 impl History {
     /// Looks for close pairs within `reach` `[m]`, remembers new ones, and returns where those on the wrong side should be pushed, until they
-    /// are `thickness` `[m]` on the right one.
+    /// are `thickness` `[m]` on the right one. Pairs that `meter` leaves out are forgotten.
     pub fn pushes(
         &mut self,
         surface: &Surface,
         detector: &mut Detector,
         positions: &[Vec4],
-        reach: f32,
-        thickness: f32,
+        (reach, thickness): (f32, f32),
+        meter: &Meter,
         out: &mut Vec<Push>,
     ) {
         out.clear();
         let settings = ProximitySettings { distance: reach, edges: false, ..ProximitySettings::default() };
-        detector.proximities(surface, positions, &settings, &mut self.close);
+        detector.proximities(surface, positions, &settings, meter, &mut self.close);
         core::mem::swap(&mut self.sides, &mut self.before);
         self.sides.clear();
         let mut known = self.before.iter().copied().peekable();

@@ -358,7 +358,9 @@ impl Resolver {
     fn remember(&mut self, surface: &Surface, detector: &mut Detector, positions: &[Vec4], step: f32) {
         let thickness = surface.parts.iter().map(|p| p.thickness).fold(0.0, f32::max);
         let reach = thickness + 0.5 * surface.mean_edge;
-        self.history.pushes(surface, detector, positions, reach, thickness, &mut self.pushes);
+        let meter = self.effort.meter();
+        self.history.pushes(surface, detector, positions, (reach, thickness), &meter, &mut self.pushes);
+        self.effort.spend(meter.spent());
         for &(v, by) in &self.pushes {
             self.shift.add(v, by, step * surface.mean_edge);
         }

@@ -109,8 +109,9 @@ pub fn poke(stage: &mut Stage, slot: usize, other: usize, rng: &mut Rng) -> Stri
 /// Another way to untangle.
 pub fn method(stage: &mut Stage, slot: usize, rng: &mut Rng) -> String {
     let Some(entity) = stage.live(slot) else { return format!("{slot}: nothing to untangle") };
-    let patience = rng.u32(0..4);
-    let untangling = ClothUntangling { patience, at_load: rng.bool(), effort: one_of(rng, &[16, 64, 512]), ..default() };
+    let stall_iterations = rng.u32(0..4);
+    let untangling =
+        ClothUntangling { stall_iterations, at_load: rng.bool(), effort: one_of(rng, &[16, 64, 512]), ..default() };
     let untangling = untangling.with_method(one_of(rng, ClothUntanglingMethod::ALL));
     let skip = one_of(rng, &[ClothSkipPolicy::Ladder, ClothSkipPolicy::UntilClean { max: 5 }, ClothSkipPolicy::Off]);
     stage.world().entity_mut(entity).insert((untangling, ClothSkipFrame { policy: skip, ..default() }));
