@@ -19,6 +19,7 @@ pictures=(
     "character.png character --outfit dress --clip Turn --width 960 --frames 80 --out"
     "cape.png character --outfit cape --clip Run --width 960 --frames 90 --out"
     "crowd.png crowd --budget 60 --width 960 --frames 70 --out"
+    "render_mesh.png render_mesh --frames 150 --out"
     "twist.gif twist --frames 240 --out"
     "funnel.gif funnel --frames 240 --out"
     "two_sheets.gif two_sheets --width 640 --frames 240 --out"

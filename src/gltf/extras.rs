@@ -4,7 +4,9 @@ use bevy::math::Vec3;
 use serde_json::{Map, Value};
 
 use super::maps::{self, BackstopExtras};
-use crate::components::{ClothColorChannel, ClothDrive, ClothMap, ClothMaterial, ClothMeshFit, ClothPaint, ClothPinSelect};
+use crate::components::{
+    ClothColorChannel, ClothDrive, ClothInertia, ClothMap, ClothMaterial, ClothMeshFit, ClothPaint, ClothPinSelect,
+};
 use crate::notices::shortened;
 
 /// A key that could not be used.
@@ -42,6 +44,9 @@ pub(crate) struct ClothExtras {
     pub max_distance: Option<ClothMap>,
     pub backstop: Option<BackstopExtras>,
     pub drive: Option<ClothDrive>,
+    pub inertia: Option<ClothInertia>,
+    /// How much of it is simulated (dimensionless).
+    pub blend: Option<f32>,
 }
 
 /// The `cloth.material` key.
@@ -164,6 +169,14 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.drive = maps::drive(value, problems);
                 continue;
             }
+            "inertia" => {
+                cloth.inertia = inertia(value, problems);
+                continue;
+            }
+            "blend" => {
+                cloth.blend = number(value);
+                cloth.blend.is_none().then_some("a number from 0, animated, to 1, simulated")
+            }
             "self_collision" => {
                 cloth.self_collision = boolean(value);
                 cloth.self_collision.is_none().then_some("true or false")
@@ -181,8 +194,7 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.substep_rate.is_none().then_some("a number of hertz")
             }
             _ => {
-                let known =
-                    "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, proxy";
+                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, proxy";
                 problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }
@@ -224,6 +236,47 @@ fn material(value: &Value, problems: &mut Vec<Problem>) -> Option<MaterialExtras
             problems.push(Problem::new(key, format!("is {}: it must be a name, a path or an object", kind(value))));
             None
         }
+    }
+}
+
+fn inertia(value: &Value, problems: &mut Vec<Problem>) -> Option<ClothInertia> {
+    let key = "cloth.inertia";
+    match value {
+        Value::Object(fields) => {
+            let mut inertia = ClothInertia::default();
+            for (field, value) in fields {
+                let slot = match field.as_str() {
+                    "linear" => &mut inertia.linear,
+                    "angular" => &mut inertia.angular,
+                    "max_speed" => &mut inertia.max_speed,
+                    "max_turn" => &mut inertia.max_turn,
+                    _ => {
+                        let known = "linear, angular, max_speed, max_turn";
+                        let what = format!("is not known: the keys are {known}");
+                        problems.push(Problem::new(format!("{key}.{}", shortened(field)), what));
+                        continue;
+                    }
+                };
+                match number(value) {
+                    Some(number) => *slot = number,
+                    None => {
+                        let what = format!("is {}: it must be a number", kind(value));
+                        problems.push(Problem::new(format!("{key}.{field}"), what));
+                    }
+                }
+            }
+            Some(inertia)
+        }
+        _ => match (number(value), value.as_str()) {
+            (Some(share), _) => Some(ClothInertia { linear: share, angular: share, ..ClothInertia::default() }),
+            (_, Some("world")) => Some(ClothInertia::default()),
+            (_, Some("character")) => Some(ClothInertia::CHARACTER),
+            _ => {
+                let what = format!("is {}: it must be a number from 0 to 1, `world`, `character` or an object", given(value));
+                problems.push(Problem::new(key, what));
+                None
+            }
+        },
     }
 }
 
@@ -394,6 +447,30 @@ mod tests {
         assert_eq!(pin(r#"{"cloth": {"pin": "_PIN"}}"#), Some(ClothPinSelect::Attribute("_PIN".into())));
         assert_eq!(pin(r#"{"cloth": {"pin": "color.g"}}"#), Some(ClothPinSelect::Color(ClothColorChannel::G)));
         assert_eq!(pin(r#"{"cloth": 1, "cloth.pin": [7]}"#), Some(ClothPinSelect::Vertices(vec![7])));
+    }
+
+    #[test]
+    fn inertia_is_a_number_a_word_or_an_object_and_blend_a_number() {
+        let of = |value: &str| {
+            let (node, problems) = read(&format!(r#"{{"cloth": true, "cloth.inertia": {value}}}"#));
+            (node.cloth.and_then(|cloth| cloth.inertia), problems)
+        };
+        let good = |value: &str| {
+            let (inertia, problems) = of(value);
+            assert_eq!(problems, [""; 0], "{value}");
+            inertia
+        };
+        assert_eq!(good("0.5"), Some(ClothInertia { linear: 0.5, angular: 0.5, ..ClothInertia::default() }));
+        assert_eq!(good(r#""world""#), Some(ClothInertia::default()));
+        assert_eq!(good(r#""character""#), Some(ClothInertia::CHARACTER));
+        let fields = r#"{"linear": 0.2, "max_speed": 3}"#;
+        assert_eq!(good(fields), Some(ClothInertia { linear: 0.2, max_speed: 3.0, ..ClothInertia::default() }));
+        for bad in [r#""sea""#, "true", r#"{"speed": 1}"#, r#"{"linear": "all"}"#] {
+            assert_eq!(of(bad).1.len(), 1, "{bad}");
+        }
+        let blend = |value: &str| read(&format!(r#"{{"cloth": {{"blend": {value}}}}}"#));
+        assert_eq!(blend("0.25").0.cloth.and_then(|cloth| cloth.blend), Some(0.25));
+        assert_eq!(blend(r#""half""#).1.len(), 1);
     }
 
     #[test]

@@ -15,6 +15,8 @@
 //! | `cloth.max_distance` | metres from the skin; or `[low, high]` over the attribute `_CLOTH_MAXDIST`; or `{"map": "color.g", "low": 0, "high": 0.4}`: [`ClothLimits`](crate::ClothLimits) |
 //! | `cloth.backstop` | metres behind the skin, or `true` for 0; or `[low, high]` over `_CLOTH_BACKSTOP`; or `{"distance": …, "radius": …, "map": …}` |
 //! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
+//! | `cloth.inertia` | share of the motion of its character that it feels; or `"character"`, `"world"`; or `{"linear": …, "angular": …, "max_speed": …, "max_turn": …}`: [`ClothInertia`](crate::ClothInertia) |
+//! | `cloth.blend` | how much of it is simulated, 0 to 1: [`ClothBlend`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
 //!
@@ -61,7 +63,7 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
-    Cloth, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
+    Cloth, ClothBlend, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
     ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh, ClothSolver,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
@@ -340,6 +342,12 @@ fn make_cloth(
     }
     if let Some(drive) = drive.filter(|drive| !drive.frequency.is_off()) {
         entity.try_insert(drive);
+    }
+    if let Some(inertia) = extras.inertia {
+        entity.try_insert(inertia);
+    }
+    if let Some(weight) = extras.blend {
+        entity.try_insert(ClothBlend { weight, ..default() });
     }
 }
 

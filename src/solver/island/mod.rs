@@ -140,9 +140,11 @@ pub struct Island {
     skins: Skins,
     /// What untangling at load did so far, while it goes on.
     loading: Option<LoadReport>,
-    /// Work that a look and the untangling of a frame may be, and that of the looks within this frame.
+    /// Work that a look, the CCD and the untangling of a frame may be, and that of the looks within this frame.
     most: Effort,
     within: Effort,
+    /// Work that the pairs were that the CCD of this frame asked again.
+    asked: Effort,
     /// What untangling was in the last frame `[visits]`.
     worked: u64,
 }

@@ -157,7 +157,7 @@ impl Island {
         if self.contacts.is_empty() || self.start.len() != self.positions.len() {
             return;
         }
-        let Self { surface, contacts, positions, previous, start, weights, weighed, caught, .. } = self;
+        let Self { surface, contacts, positions, previous, start, weights, weighed, caught, asked, .. } = self;
         contacts.begin_start();
         contacts.begin_gather();
         for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
@@ -168,7 +168,7 @@ impl Island {
         let weights = if *weighed { weights.as_slice() } else { &[] };
         let tangled =
             |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
-        if contacts.clamp_motion_except(|a, b| tangled(a) && tangled(b)) {
+        if contacts.clamp_motion_except(asked, |a, b| tangled(a) && tangled(b)) {
             for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
                 contacts.scatter_clamped(part, |i, x| {
                     let v = range + i;

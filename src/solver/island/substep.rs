@@ -24,7 +24,7 @@ impl Island {
             }
         }
         self.rolls_back &= self.rollback.knows();
-        self.within = self.most;
+        (self.within, self.asked) = (self.most, self.most);
         self.count = count;
         // Share of the time looked ahead that passes in a substep.
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
@@ -196,7 +196,7 @@ impl Island {
                 None => Vec4::NAN,
             });
         }
-        if !self.contacts.clamp_motion() {
+        if !self.contacts.clamp_motion(&mut self.asked) {
             return;
         }
         for (part, Member { state, scratch, offset, .. }) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {

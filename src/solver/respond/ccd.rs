@@ -20,6 +20,7 @@ use super::contact::Contact;
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::four::Four;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
+use crate::solver::effort::Effort;
 
 /// Passes in which pairs keep their mean motion, and all.
 const MEAN_PASSES: u8 = 6;
@@ -32,13 +33,14 @@ const KEPT: f32 = 0.2;
 const FLOOR: f32 = 0.02;
 
 impl Contacts {
-    /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`]; whether any.
-    pub fn clamp_motion(&mut self) -> bool {
-        self.clamp_motion_except(|_, _| false)
+    /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`]; whether any. Once `effort` is spent
+    /// on pairs that are asked again, what still passes is bounded at once.
+    pub fn clamp_motion(&mut self, effort: &mut Effort) -> bool {
+        self.clamp_motion_except(effort, |_, _| false)
     }
 
     /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
-    pub fn clamp_motion_except(&mut self, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
+    pub fn clamp_motion_except(&mut self, effort: &mut Effort, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
         let Self { pairs, start, now, cut, bounds, particles, incidence, .. } = self;
         let start: &[Vec4] = start;
         let is_free = |pair: &Contact| {
@@ -60,7 +62,7 @@ impl Contacts {
         }
         while any && ways.pass < MOST_PASSES {
             any = false;
-            ways.pass += 1;
+            ways.pass = if effort.is_spent() { ways.pass.max(MEAN_PASSES) + 1 } else { ways.pass + 1 };
             incidence.turn();
             if ways.pass == MEAN_PASSES + 1 {
                 ways.shared = shared_motion(ways.start, ways.now);
@@ -74,6 +76,7 @@ impl Contacts {
             let mut next = 0;
             while let Some(i) = incidence.take(next) {
                 next = i;
+                effort.spend(1);
                 let bound = |slot| bound(incidence.of(slot).map(|i| &pairs[i]).filter(|pair| !is_free(pair)), start);
                 if ways.clamp(&pairs[i], &is_free, bound) {
                     any = true;
@@ -299,6 +302,10 @@ mod tests {
         (pair, from.iter().map(mass).collect(), to.iter().map(mass).collect())
     }
 
+    fn effort() -> Effort {
+        Effort::UNBOUNDED
+    }
+
     /// Signed volume of the tetrahedron: its sign changes where the four meet in a plane.
     fn volume(x: &[Vec4]) -> f64 {
         let [a, b, c, d] = [0, 1, 2, 3].map(|i| x[i].truncate().as_dvec3());
@@ -332,7 +339,7 @@ mod tests {
         let particles = (0..10).collect();
         let mut contacts =
             Contacts { pairs: pairs.to_vec(), particles, start: Buffer(start), now: Buffer(now), ..Contacts::default() };
-        assert!(contacts.clamp_motion());
+        assert!(contacts.clamp_motion(&mut effort()));
         let height = |i: usize| contacts.now[i].z;
         assert_eq!(height(9), -1.9, "a pin goes where it is told");
         for (below, above) in [(0..3, 9..10), (3..6, 0..3), (6..9, 3..6)] {
@@ -367,7 +374,7 @@ mod tests {
             let particles = (0..15).collect();
             let (from, to) = (Buffer(start.clone()), Buffer(now));
             let mut contacts = Contacts { pairs, particles, start: from, now: to, ..Contacts::default() };
-            assert!(contacts.clamp_motion());
+            assert!(contacts.clamp_motion(&mut effort()));
             for layer in 0..4 {
                 let face = |k: usize| contacts.now[3 * layer + 3 + k].truncate();
                 let normal = (face(1) - face(0)).cross(face(2) - face(0));
@@ -406,7 +413,7 @@ mod tests {
                 now: Buffer(end.clone()),
                 ..Contacts::default()
             };
-            contacts.clamp_motion();
+            contacts.clamp_motion(&mut effort());
             assert!(!passes(&contacts.now), "{n} {kind:?}");
             cut += u32::from(*contacts.now != end);
             let momentum = |x: &[Vec4]| x.iter().map(|x| x.truncate()).sum::<Vec3>();
