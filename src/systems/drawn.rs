@@ -11,6 +11,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::release::{forget, give_back};
+use super::render_mesh::Hanging;
 use crate::bind::{Sources, instance_of, unreadable};
 use crate::components::{Cloth, ClothPiece, ClothRenderMesh};
 use crate::notices::{Notices, label};
@@ -147,7 +148,10 @@ pub(crate) fn on_remove_piece(removed: On<Remove, ClothPiece>, commands: Command
 }
 
 /// Gives the authored mesh back when `ClothRenderMesh` is removed.
-pub(crate) fn on_remove_render_mesh(removed: On<Remove, ClothRenderMesh>, commands: Commands, meshes: Released) {
+pub(crate) fn on_remove_render_mesh(removed: On<Remove, ClothRenderMesh>, mut commands: Commands, meshes: Released) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<Hanging>();
+    }
     on_remove(removed.entity, commands, meshes);
 }
 
