@@ -427,6 +427,8 @@ mod tests {
             max_distance: Some(ClothMap::Uniform(0.3)),
             backstop: Some(BackstopExtras { distance: ClothMap::Uniform(0.02), radius: Some(0.1) }),
             drive: Some(ClothDrive { frequency: ClothMap::Uniform(4.0), damping_ratio: 0.5 }),
+            inertia: None,
+            blend: None,
         };
         assert_eq!(node.cloth, Some(expected));
         assert_eq!(node.collider, Some(ColliderExtras { fit: ColliderFit::Mesh(ClothMeshFit::Capsule), friction: Some(0.1) }));
