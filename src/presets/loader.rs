@@ -195,14 +195,6 @@ mod tests {
     }
 
     #[test]
-    fn the_old_name_of_the_garment_layer_is_read() {
-        for text in ["(collision: (layer: 3))", "(collision: (garment_layer: 3))"] {
-            let preset = ClothPreset::from_ron(text, "").expect("a preset");
-            assert_eq!(preset.collision.map(|collision| collision.garment_layer), Some(3), "{text}");
-        }
-    }
-
-    #[test]
     fn an_unknown_field_is_refused_with_its_place_and_the_nearest_known_name() {
         let nested = "(\n    material: (\n        density: 0.3,\n        bend_stifness: 1e-4,\n    ),\n)";
         assert_eq!(wrong(nested), "a.cloth.ron:4:9: `material.bend_stifness` is not known: did you mean `bend_stiffness`?");
