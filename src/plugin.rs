@@ -30,7 +30,7 @@ use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, budget, carriers, character, colliders, couple, detect, drawn, evaluate, grab, inputs, integrate, lod, pieces, poses,
+    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, poses,
     release, render_mesh, resolve, respond, skin, sleep, sources, sync, touch,
 };
 use crate::time;
@@ -97,8 +97,8 @@ impl Plugin for ClothPlugin {
             .init_resource::<WorldAir>()
             .init_resource::<ClothIslands>()
             .add_observer(release::on_remove_cloth)
-            .add_observer(drawn::on_remove_piece)
-            .add_observer(drawn::on_remove_render_mesh)
+            .add_observer(pieces::on_remove_piece)
+            .add_observer(render_mesh::on_remove_render_mesh)
             .add_observer(release::on_remove_body)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)

@@ -11,9 +11,8 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::release::{forget, give_back};
-use super::render_mesh::Hanging;
 use crate::bind::{Sources, instance_of, unreadable};
-use crate::components::{Cloth, ClothPiece, ClothRenderMesh};
+use crate::components::Cloth;
 use crate::notices::{Notices, label};
 use crate::simulation::{Binding, PieceBinding, TakenSkin};
 
@@ -139,23 +138,12 @@ fn release(entity: &mut EntityCommands, mesh: Option<&mut Mesh3d>, binding: &Pie
     give_back(entity, binding.own_bounds, taken);
 }
 
-type Released<'w, 's, 'a> =
+/// Entities that show a cloth, and what to give back to them.
+pub(crate) type Released<'w, 's, 'a> =
     Query<'w, 's, (Option<&'a mut Mesh3d>, &'a PieceBinding, Option<&'a TakenSkin>, Has<Cloth>), Allow<Disabled>>;
 
-/// Gives the authored mesh back when `ClothPiece` is removed.
-pub(crate) fn on_remove_piece(removed: On<Remove, ClothPiece>, commands: Commands, pieces: Released) {
-    on_remove(removed.entity, commands, pieces);
-}
-
-/// Gives the authored mesh back when `ClothRenderMesh` is removed.
-pub(crate) fn on_remove_render_mesh(removed: On<Remove, ClothRenderMesh>, mut commands: Commands, meshes: Released) {
-    if let Ok(mut entity) = commands.get_entity(removed.entity) {
-        entity.try_remove::<Hanging>();
-    }
-    on_remove(removed.entity, commands, meshes);
-}
-
-fn on_remove(removed: Entity, mut commands: Commands, mut drawn: Released) {
+/// Gives the authored mesh back when what made an entity show a cloth is removed.
+pub(super) fn on_remove(removed: Entity, mut commands: Commands, mut drawn: Released) {
     forget(&mut commands, removed);
     let Ok((mesh, binding, taken, is_cloth)) = drawn.get_mut(removed) else { return };
     let Ok(mut entity) = commands.get_entity(removed) else { return };

@@ -4,7 +4,7 @@ use bevy::camera::primitives::Aabb;
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
 
-use super::drawn::{Drawn, Exchange, vertices_of};
+use super::drawn::{Drawn, Exchange, Released, on_remove, vertices_of};
 use crate::components::{Cloth, ClothPiece, ClothRenderMesh};
 use crate::notices::label;
 use crate::simulation::{Binding, ClothShown, PieceBinding};
@@ -42,6 +42,11 @@ pub(crate) fn follow(
             drawn.take("piece", source, &mut exchange);
         }
     }
+}
+
+/// Gives the authored mesh back when `ClothPiece` is removed.
+pub(crate) fn on_remove_piece(removed: On<Remove, ClothPiece>, commands: Commands, pieces: Released) {
+    on_remove(removed.entity, commands, pieces);
 }
 
 /// What of a cloth its pieces show.

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
 
-use super::drawn::{Drawn, Exchange, vertices_of};
+use super::drawn::{Drawn, Exchange, Released, on_remove, vertices_of};
 use super::sync::hand_over;
 use crate::bind::{is_near, seen_from};
 use crate::components::{Cloth, ClothLoading, ClothRenderMesh};
@@ -259,4 +259,12 @@ pub(crate) fn write(mut meshes: ResMut<Assets<Mesh>>, mut drawn: Query<(&PieceBi
             }
         }
     }
+}
+
+/// Gives the authored mesh back when `ClothRenderMesh` is removed.
+pub(crate) fn on_remove_render_mesh(removed: On<Remove, ClothRenderMesh>, mut commands: Commands, meshes: Released) {
+    if let Ok(mut entity) = commands.get_entity(removed.entity) {
+        entity.try_remove::<Hanging>();
+    }
+    on_remove(removed.entity, commands, meshes);
 }
