@@ -179,9 +179,12 @@ impl Plugin for ClothPlugin {
             shows,
             (
                 sync::shape,
-                (pieces::follow, render_mesh::follow),
+                pieces::follow,
+                render_mesh::follow,
                 sync::write,
-                (pieces::write, (render_mesh::shape, render_mesh::write).chain()),
+                pieces::write,
+                render_mesh::shape,
+                render_mesh::write,
             )
                 .chain()
                 .in_set(ClothSystems::Sync),

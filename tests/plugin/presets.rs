@@ -67,7 +67,7 @@ fn the_fabrics_in_files_are_those_in_code() {
 #[test]
 fn a_cloth_takes_over_what_its_file_holds_and_again_when_the_file_changes() {
     let folder = folder("reload");
-    let all = "(material: (density: 0.7), solver: (substep_rate: 500), collision: (layer: 3), untangle: (iterations: 9), \
+    let all = "(material: (density: 0.7), solver: (substep_rate: 500), collision: (garment_layer: 3), untangle: (iterations: 9), \
                skip_frame: (max_held_frames: 5), limits: (max_distance: Uniform(9), scale: 0.5), drive: (frequency: Uniform(0.1)), \
                wind: (velocity: (0, 0, 2)))";
     write(&folder, all);

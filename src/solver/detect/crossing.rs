@@ -269,7 +269,7 @@ impl Detector {
         &self.crossings
     }
 
-    /// Work that the last look was, in [visits](crate::solver::effort).
+    /// Work that the last look was, in visits: what is done about one particle, edge, crossing or pair of faces.
     #[must_use]
     pub fn visits(&self) -> usize {
         self.visits

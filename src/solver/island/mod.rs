@@ -75,7 +75,7 @@ pub struct UntangleSettings {
     pub iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
     pub relaxations: u32,
-    /// Most work of a frame beyond what is in proportion to its size, in [visits](crate::solver::effort) for each face: of each look, of the looks
+    /// Most work of a frame beyond what is in proportion to its size, in visits for each face, each of one particle, edge, crossing or pair: of each look, of the looks
     /// within it, and of untangling. Default 512, range 16 to 1,000,000. What is more goes on in the next frame. A garment of many layers that starts tangled takes 170; less
     /// keeps them tangled for longer, and lets piles that land hard cross. More holds up the frame where a heap crosses all over.
     pub effort: u32,
