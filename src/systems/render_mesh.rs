@@ -194,18 +194,17 @@ pub(crate) fn follow(
                     );
                 }
             }
+            Some(Some(_)) if is_known => {}
             Some(Some(farthest)) => {
                 let (low, high) =
                     rest.0.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
-                if !is_known && farthest > low.distance(high) && exchange.notices.first(drawn.entity, "render mesh far away") {
+                if farthest > low.distance(high) && exchange.notices.first(drawn.entity, "render mesh far away") {
                     let [name, cloth] = [label(drawn.entity, drawn.name), label(cloth, None)];
                     warn!(
                         "render mesh {name} is up to {farthest} m away from its cloth {cloth}: author both in the same place"
                     );
                 }
-                if !is_known {
-                    drawn.take(words[0], source, &mut exchange);
-                }
+                drawn.take(words[0], source, &mut exchange);
             }
         }
     }
