@@ -5,6 +5,7 @@
 mod checker;
 mod apart;
 mod contact;
+mod gusts;
 mod shown;
 
 use bevy_drape::solver::evaluate::EvaluateSettings;

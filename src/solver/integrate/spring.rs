@@ -228,15 +228,23 @@ pub struct Overlong {
 }
 
 impl Overlong {
-    /// Shortens what is longer than `bound` times its length at rest (dimensionless), `passes` times over.
-    pub fn shorten(&mut self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
+    /// Lists what is longer than `bound` times its length at rest (dimensionless); whether any is longer than `far` times.
+    pub fn find(&mut self, springs: &Springs, [bound, far]: [f32; 2], positions: &[Vec4]) -> bool {
         self.batches.clear();
+        let mut worst = Vec4::ZERO;
         for (batch, ((a, b), &inverse_square)) in (0_u32..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
             let (_, _, d) = gather(a, b, positions);
-            if (lengths_squared(d) * inverse_square).cmpgt(Vec4::splat(bound * bound)).any() {
+            let square = lengths_squared(d) * inverse_square;
+            if square.cmpgt(Vec4::splat(bound * bound)).any() {
+                worst = worst.max(square);
                 self.batches.push(batch);
             }
         }
+        worst.max_element() > far * far
+    }
+
+    /// Shortens what was [listed](Self::find) and is longer than `bound` times its length at rest (dimensionless), `passes` times over.
+    pub fn shorten(&self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
         for k in (0..passes).flat_map(|_| &self.batches).map(|&batch| batch as usize) {
             let (a, b) = (&springs.a[k], &springs.b[k]);
             let (pa, pb, d) = gather(a, b, positions);

@@ -62,6 +62,11 @@ const LOOK_AGAIN: f32 = 1.0 / 120.0;
 /// often, cross.
 const CROWDED: usize = 2;
 
+/// Time for which frames take twice as many substeps after one was rolled back, as an integrator that rejects a step goes on with shorter ones `[s]`: not on
+/// bodies, where a character's cape then was twice as often in a bone. Light cloth in gusts, eight seeds each at 40² and 30²: 280 of 4,800 frames cross
+/// without it, 51 with this.
+const REFINED_TIME: f32 = 0.25;
+
 /// Time in which a tangle is drawn to a pose, the last resort `[s]`.
 const BLEND_TIME: f32 = 0.25;
 
@@ -127,6 +132,8 @@ pub struct Island {
     pose: Buffer<Vec<Vec3>>,
     /// Substeps that the last frame took.
     count: u32,
+    /// For how long frames are still to take twice as many, since one was rolled back `[s]`.
+    refined_for: f32,
     /// Time for which pairs were looked for `[s]`, and the share of it that has passed.
     horizon: f32,
     share: f32,

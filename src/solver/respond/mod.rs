@@ -349,6 +349,12 @@ impl Contacts {
         debug_assert!(self.is_consistent());
     }
 
+    /// Pushes pairs that touched in the substep apart again, when something has moved them since.
+    pub(crate) fn push_apart(&mut self) {
+        let Self { now, constraints, .. } = self;
+        constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
+    }
+
     /// Whether every particle has the slot that has it, weights of every pair add up to zero, and normals have a length of one.
     fn is_consistent(&self) -> bool {
         let slots = self.particles.iter().zip(0..).all(|(&p, s)| self.slots.get(p as usize) == Some(&s));

@@ -66,6 +66,11 @@ impl Rollback {
         self.was_restored.get(particle as usize).is_some_and(|&was_restored| was_restored)
     }
 
+    /// Whether any particle was rolled back in the frame that ended last.
+    pub fn restored_any(&self) -> bool {
+        self.was_restored.contains(&true)
+    }
+
     /// Whether it is known where everything was when nothing crossed.
     pub fn knows(&self) -> bool {
         !self.clean.is_empty()

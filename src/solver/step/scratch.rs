@@ -92,6 +92,11 @@ impl Scratch {
         self.contacts.touching().chain(self.faces.touching())
     }
 
+    /// Whether any particle may touch a body in this frame.
+    pub(super) fn is_near_bodies(&self) -> bool {
+        self.contacts.candidates() + self.faces.candidates() > 0
+    }
+
     /// The time over which velocities were the last substep's `[s]`: that of its last inner step.
     pub(super) fn last_step(&self, state: &ClothState) -> f32 {
         state.substep / self.inner_steps.max(1) as f32

@@ -1,5 +1,7 @@
 //! Shortens edges that are overlong at the end of a frame.
 
+use glam::Vec4;
+
 use super::{FrameInput, Scratch, Stepped};
 use crate::solver::body::Touch;
 use crate::solver::integrate::spring;
@@ -22,6 +24,7 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
     let x = &mut state.positions;
     let before = &mut *scratch.before;
     before.clone_from(x);
+    scratch.overlong.find(&rest.springs, [bound; 2], x);
     scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
     // A cloth that is stretched as a whole would be crumpled.
     if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.follow_the_leader.is_empty() {
@@ -29,6 +32,7 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
         (*scratch.displaced).clone_from(x);
         scratch.follow_the_leader.solve(rest, bound, x);
         // Each particle was drawn to the last of its neighbours: even that out.
+        scratch.overlong.find(&rest.springs, [bound; 2], x);
         scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
         // Where what was drawn to one pin meets what was drawn to another, it does not fit.
         if spring::strain(&rest.springs, x).0 > worst {
@@ -37,17 +41,22 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
     }
     // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked for.
     let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
-    for (x, before) in x.iter_mut().zip(&*before) {
-        let way = *x - *before;
-        let square = way.length_squared();
-        if square > farthest * farthest {
-            *x = *before + way * (farthest / square.sqrt());
-        }
-    }
+    limit_ways(x, before, farthest);
     let slip = Touch::frictionless(fabric);
     scratch.contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, &mut scratch.coupling);
     scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
+    }
+}
+
+/// Brings what went farther than so many `[m]` from where it was `before` back on its way.
+pub(super) fn limit_ways(positions: &mut [Vec4], before: &[Vec4], farthest: f32) {
+    for (x, before) in positions.iter_mut().zip(before) {
+        let way = *x - *before;
+        let square = way.length_squared();
+        if square > farthest * farthest {
+            *x = *before + way * (farthest / square.sqrt());
+        }
     }
 }

@@ -1,13 +1,15 @@
-//! Holds a taut cloth to its strain limit.
+//! Holds a cloth to its strain limit within a substep: springs before bodies are met, and whatever contacts have stretched after.
 
 use glam::Vec4;
 
 use super::frame::Frame;
+use super::shorten::limit_ways;
+use super::strain::{TAUT, WILD};
 use super::{Scratch, Stepped};
 use crate::solver::body::{Grounds, Touch};
 use crate::solver::state::ClothState;
 
-/// Sweeps for the strain limit in each substep of a taut cloth.
+/// Sweeps for the strain limit in each substep of a taut cloth, and in each turn with contacts.
 const TAUT_SWEEPS: u32 = 2;
 
 /// The same near bodies that are finer than the mesh: cloth hangs on their corners.
@@ -46,5 +48,30 @@ impl Stepped<'_> {
             tight.solve(&rest.springs, springs, fabric.strain_limit, positions);
         }
         provisional.restore(positions);
+    }
+
+    /// Whether neither bodies nor a skin are near, which stretch cloth, too, and which it would be drawn through.
+    pub(crate) fn stands_alone(&self, scratch: &Scratch) -> bool {
+        self.input.skinned.is_none() && !scratch.is_near_bodies()
+    }
+
+    /// Shortens edges that cloth holds beyond the strain limit, if one is [far beyond](WILD) it, or when `again` still [taut](TAUT); whether it is. No particle
+    /// goes farther than a thickness in a substep. Only where cloth [stands alone](Self::stands_alone).
+    pub(crate) fn shorten_overlong(&self, again: bool, state: &mut ClothState, scratch: &mut Scratch) -> bool {
+        let Self { rest, fabric, .. } = *self;
+        let bound = 1.0 + fabric.strain_limit;
+        let from = if again { TAUT } else { WILD };
+        let x = &mut state.positions;
+        let alone = self.stands_alone(scratch);
+        let Scratch { overlong, springs, displaced: before, .. } = scratch;
+        if !alone || !overlong.find(&rest.springs, [bound, 1.0 + from * fabric.strain_limit], x) {
+            return false;
+        }
+        if !again {
+            (**before).clone_from(x);
+        }
+        overlong.shorten(&rest.springs, springs, bound, TAUT_SWEEPS, x);
+        limit_ways(x, before, fabric.thickness);
+        true
     }
 }

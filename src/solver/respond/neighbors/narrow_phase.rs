@@ -194,7 +194,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let [mut may, mut close] = [[0; LEAF]; 2];
         let [a, b] = met.leaves;
         let lanes = self.patches.lanes(tree, b, self.positions, self.ahead);
-        let within = 3.0 * DRIFT * MARGIN * self.thickest;
+        let within = 3.0 * DRIFT * self.thickest;
         for (i, &t) in tree.leaf(a).corners.iter().enumerate() {
             let hits = met.hits[i] & !flat[i];
             if hits != 0 {

@@ -7,11 +7,10 @@ use super::{Contacts, MARGIN, Moment, NeighborList};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 
-/// How far particles may drift from where they were at the last look for it to hold in the next frame, too. As a share of the
-/// margin. What drifted is looked at where it is, against others that may drift from one side of where they were to the other.
-/// Two that nobody knew come to within `1 + MARGIN - 3 DRIFT MARGIN` thicknesses, a half, before they are known. Cloth is
-/// thinner there for a moment, and far from crossing.
-pub(super) const DRIFT: f32 = 1.0;
+/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, in thicknesses. What drifted is looked at where it
+/// is, against others that may drift from one side of where they were to the other. Two that nobody knew come to within `1 + MARGIN - 3 DRIFT` thicknesses, a
+/// half, before they are known. Cloth is thinner there for a moment, and far from crossing.
+pub(super) const DRIFT: f32 = (0.5 + MARGIN) / 3.0;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
@@ -35,7 +34,7 @@ impl NeighborList {
         let mut drifted = 0;
         for ((part, &h), touch) in surface.parts.iter().zip(moment.substep).zip(moment.touch) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
-            let limit = DRIFT * MARGIN * touch.thickness;
+            let limit = DRIFT * touch.thickness;
             for v in part.particles.start as usize..part.particles.end as usize {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
                 let motion = foreseen(moment, v, scale, self.before[v], 1.0);
