@@ -22,7 +22,7 @@ fn along_pins(n: u32, speed: f32, seed: u64) -> Scene {
     untangled(scene, true)
 }
 
-/// The worst edge of all `frames`, the first of which are not counted, and how many frames end crossing.
+/// The worst edge of all `frames`, and how many of them end crossing.
 fn worst(scene: &mut Scene, frames: u32) -> (f32, u32) {
     let (mut worst, mut crossing) = (0.0f32, 0);
     for _ in 0..frames {

@@ -56,7 +56,7 @@ impl Stepped<'_> {
     }
 
     /// Shortens edges that cloth holds beyond the strain limit, if one is [far beyond](WILD) it, or when `again` still [taut](TAUT); whether it is. No particle
-    /// goes farther than a thickness in a substep. Only where cloth [stands alone](Self::stands_alone).
+    /// goes farther than a thickness in a substep. Only where cloth [stands alone](Self::stands_alone); `again` only what was shortened in the first turn.
     pub(crate) fn shorten_overlong(&self, again: bool, state: &mut ClothState, scratch: &mut Scratch) -> bool {
         let Self { rest, fabric, .. } = *self;
         let bound = 1.0 + fabric.strain_limit;
@@ -64,6 +64,11 @@ impl Stepped<'_> {
         let x = &mut state.positions;
         let alone = self.stands_alone(scratch);
         let Scratch { overlong, springs, displaced: before, .. } = scratch;
+        if !again {
+            before.clear();
+        } else if before.is_empty() {
+            return false;
+        }
         if !alone || !overlong.find(&rest.springs, [bound, 1.0 + from * fabric.strain_limit], x) {
             return false;
         }
