@@ -40,6 +40,8 @@ mod project;
 mod push;
 mod setting;
 mod stop;
+#[cfg(test)]
+mod tests;
 
 use glam::{Vec3, Vec4};
 use parry3d::math::Pose;
