@@ -17,6 +17,8 @@ use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 use crate::solver::effort::{Effort, Meter};
 use crate::solver::topology::NONE;
 
+use super::beside::{are_beside, lies_beside};
+use super::four::{Four, WIDE, each};
 use super::orient::{Plane, Point, Side, Ties, orient};
 use super::parts::Parts;
 use super::quiet::QuietPairs;
@@ -26,10 +28,6 @@ use super::tree::{Meeting, Tree};
 /// Visits that it costs to ask whether two faces cross, and those of a crossing, which is worked out, traced and recognized.
 const PAIR: usize = 4;
 const CROSSING: usize = 64;
-
-/// Height over the plane of a face from which on its sign is sure in `f32`, as a share of what the lengths of edges and way come to (dimensionless): five
-/// times what rounding can be.
-const BESIDE: f32 = 1.0e-5;
 
 /// An edge passing through a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -215,8 +213,11 @@ impl Detector {
     pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
         let meter = Effort::UNBOUNDED.meter();
         self.cross(surface, positions, &meter, |_, crosser| {
-            for &[f, g] in pairs {
-                crosser.ask(f, g);
+            for four in pairs.chunks(WIDE) {
+                let beside = crosser.are_beside(four);
+                for (_, &[f, g]) in (0..).zip(four).filter(|(k, _)| beside & (1 << k) == 0) {
+                    crosser.ask(f, g);
+                }
             }
         });
         self.parts.note_whole();
@@ -314,6 +315,16 @@ impl Crosser<'_> {
         !self.crossings.is_empty()
     }
 
+    /// Which of up to four pairs of faces are sure to lie beside each other, a bit for each.
+    #[inline]
+    fn are_beside(&self, pairs: &[[u32; 2]]) -> u32 {
+        let Some(last) = pairs.len().checked_sub(1) else { return 0 };
+        let corners = |side: usize| each(|k| self.surface.topology.faces[pairs[k.min(last)][side] as usize]);
+        let at = |of: &[[u32; 3]; WIDE], c: usize| Four::of(each(|k| self.positions[of[k][c] as usize]));
+        let [f, g] = [corners(0), corners(1)].map(|of| [at(&of, 0), at(&of, 1), at(&of, 2)]);
+        are_beside(&f, &g)
+    }
+
     /// Asks two faces; whether they, or others before, cross.
     #[inline]
     pub fn ask(&mut self, f: u32, g: u32) -> bool {
@@ -373,25 +384,6 @@ fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u3
         return;
     }
     cross_close_faces(surface, positions, asks, [f, g], [tf, tg], [shared, near_g], ties, out);
-}
-
-/// Whether all corners of face `g` lie on one side of the plane of face `f`, but those that they have in `common`, farther off than rounding can tell. Most
-/// faces of layers do, which the line between their centres does not divide.
-#[inline]
-fn lies_beside(positions: &[Vec4], f: [u32; 3], g: [u32; 3], common: [bool; 3]) -> bool {
-    let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
-    let origin = at(f[0]);
-    let (u, v) = (at(f[1]) - origin, at(f[2]) - origin);
-    let (normal, scale) = (u.cross(v), u.length_squared() * v.length_squared());
-    let (mut low, mut high, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f32);
-    for (&corner, _) in g.iter().zip(common).filter(|(_, common)| !common) {
-        let w = at(corner) - origin;
-        let height = normal.dot(w);
-        (low, high, farthest) = (low.min(height), high.max(height), farthest.max(w.length_squared()));
-    }
-    // Rounding of all this is some `2e-6 |u| |v| |w|`; squares keep their sign, and NaN passes no comparison.
-    let slack = BESIDE * BESIDE * scale * farthest;
-    low * low.abs() > slack || -high * high.abs() > slack
 }
 
 #[expect(clippy::too_many_arguments, reason = "buffers that are borrowed apart from the detector")]

@@ -40,6 +40,15 @@ impl Four {
         self.dot(self)
     }
 
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - other.y * self.z,
+            y: self.z * other.x - other.z * self.x,
+            z: self.x * other.y - other.x * self.y,
+        }
+    }
+
     /// Each vector times a number of its own.
     #[inline(always)]
     pub fn times(self, by: Vec4) -> Self {

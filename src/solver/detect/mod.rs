@@ -7,6 +7,7 @@
 //! ```
 
 mod quiet;
+pub(super) mod beside;
 pub(super) mod four;
 pub mod crossing;
 pub(crate) mod orient;

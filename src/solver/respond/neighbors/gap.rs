@@ -3,6 +3,7 @@
 use glam::{Vec3A, Vec4};
 
 use super::patch::Lanes;
+use crate::solver::detect::beside::are_beside;
 use crate::solver::detect::four::{Four, WIDE};
 use crate::solver::detect::tree::{Bounds, LEAF};
 
@@ -40,6 +41,19 @@ pub(super) fn near(now: [Vec4; 3], ahead: [Vec3A; 3], others: &Lanes, faces: u8,
         do_now |= ((!far_now).bitmask() << (WIDE * half)) as u8;
     }
     [may & faces, may & do_now & faces]
+}
+
+/// Of the `faces` of a leaf, a bit each, those that may cross a face that is where it is `now`: the others are sure to lie beside it.
+#[inline]
+pub(super) fn may_cross(now: [Vec4; 3], others: &Lanes, faces: u8) -> u8 {
+    let f =
+        [Four::splat(Vec3A::from_vec4(now[0])), Four::splat(Vec3A::from_vec4(now[1])), Four::splat(Vec3A::from_vec4(now[2]))];
+    let mut may = 0;
+    for half in (0..LEAF / WIDE).filter(|half| faces >> (WIDE * half) & 0xf != 0) {
+        let g = [others.now[0][half], others.now[1][half], others.now[2][half]];
+        may |= (!are_beside(&f, &g) & 0xf) << (WIDE * half);
+    }
+    may as u8 & faces
 }
 
 /// How far faces `f` are beyond faces `g` along an axis, times its length `[m²]`.

@@ -6,7 +6,7 @@ use glam::{Vec3A, Vec4};
 
 use super::batch::{BATCH, Batch};
 use super::flat::Flatness;
-use super::gap::{near, way};
+use super::gap::{may_cross, near, way};
 use super::near::{Near, rest_matters};
 use super::patch::Patches;
 use super::refresh::DRIFT;
@@ -109,7 +109,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         // A thick cloth does not make the others look farther.
         let reach = if self.touch.len() == 1 { self.reach } else { self.reach_of(u, v) };
         let [flat, loose] = if met.joined { self.flat(a, b, met) } else { [[0; LEAF]; 2] };
-        let [may, close] = self.gaps(tree, met, &flat, reach);
+        let [may, close, asked] = self.gaps(tree, met, &flat, reach);
         if (may, loose) == ([0; LEAF], [0; LEAF]) {
             return;
         }
@@ -125,7 +125,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
                 if close[i] & (1 << k) != 0 || self.anew {
                     self.contacts.close.push(faces);
                 }
-                if cross(faces[0], faces[1]) {
+                if (asked[i] | loose[i]) & (1 << k) != 0 && cross(faces[0], faces[1]) {
                     self.let_go(&pair, met, [i, k], cross);
                     return;
                 }
@@ -187,11 +187,11 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         [flat, loose]
     }
 
-    /// Which faces of two leaves that meet, but those that are `flat`, may come within `reach` `[m]`, and which may cross now: what
-    /// drifts no farther does not meet.
+    /// Which faces of two leaves that meet, but those that are `flat`, may come within `reach` `[m]`; which are so close that they may cross before they are
+    /// looked at again; and which of these may cross now.
     #[inline]
-    fn gaps(&mut self, tree: &Tree, met: &Meeting, flat: &[u8; LEAF], reach: f32) -> [[u8; LEAF]; 2] {
-        let [mut may, mut close] = [[0; LEAF]; 2];
+    fn gaps(&mut self, tree: &Tree, met: &Meeting, flat: &[u8; LEAF], reach: f32) -> [[u8; LEAF]; 3] {
+        let [mut may, mut close, mut cross] = [[0; LEAF]; 3];
         let [a, b] = met.leaves;
         let lanes = self.patches.lanes(tree, b, self.positions, self.ahead);
         let within = 3.0 * DRIFT * self.thickest;
@@ -201,9 +201,10 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
                 let now = [self.positions[t[0] as usize], self.positions[t[1] as usize], self.positions[t[2] as usize]];
                 let ahead = [self.ahead[t[0] as usize], self.ahead[t[1] as usize], self.ahead[t[2] as usize]];
                 [may[i], close[i]] = near(now, ahead, lanes, hits, reach, within);
+                cross[i] = may_cross(now, lanes, close[i]);
             }
         }
-        [may, close]
+        [may, close, cross]
     }
 }
 
