@@ -96,8 +96,10 @@ impl PoseDelta {
 
     /// Moved by `shift` `[m]` and turned by the small rotation vector `turn` `[rad]`.
     fn by(self, shift: Vec3, turn: Vec3) -> Self {
-        let turn = Quat::from_vec4((0.5 * turn).extend(1.0)) * self.turn;
-        Self { shift: self.shift + shift, turn: turn.normalize() }
+        let turned = Quat::from_vec4((0.5 * turn).extend(1.0)) * self.turn;
+        // Of a turn whose square is no number nothing is known; a body that has it spins faster than anything is simulated.
+        let turn = if turned.length_squared().is_finite() { turned.normalize() } else { self.turn };
+        Self { shift: self.shift + shift, turn }
     }
 }
 
@@ -309,5 +311,32 @@ impl Coupling {
     /// Gives bodies what moved their pins since [`Self::place`].
     pub(crate) fn react(&mut self, pull: &Pull<'_>, positions: &mut [Vec4]) {
         self.pins.react(&mut self.slots, pull, positions);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_body_that_is_spun_faster_than_numbers_reach_keeps_a_rotation() {
+        for angular in [1.0e-3, 1.0, 1.0e10, 1.0e25, 1.0e38] {
+            let rigid = Rigid {
+                inverse_mass: Vec3::ONE,
+                inverse_inertia: Mat3::from_diagonal(Vec3::splat(10.0)),
+                ..Rigid::immovable(Vec3::ZERO, Vec3::ZERO)
+            };
+            let mut coupling = Coupling::default();
+            coupling.add(rigid);
+            let slot = coupling.slot_mut(0).expect("a body");
+            let mut gain = BodyImpulse::default();
+            gain.add(angular * Vec3::X, Vec3::Y, Vec3::ZERO);
+            slot.give(&gain, 1.0 / 360.0);
+            for _ in 0..2 {
+                coupling.advance(1.0 / 360.0);
+                let turn = coupling.given(0).turn;
+                assert!(turn.is_normalized(), "{angular}: {turn}");
+            }
+        }
     }
 }

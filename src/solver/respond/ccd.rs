@@ -17,6 +17,7 @@ use glam::{Vec3, Vec4};
 
 use super::Contacts;
 use super::contact::Contact;
+use super::incidence::Incidence;
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::four::Four;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
@@ -41,7 +42,7 @@ impl Contacts {
 
     /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
     pub fn clamp_motion_except(&mut self, effort: &mut Effort, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
-        let Self { pairs, start, now, cut, bounds, particles, incidence, .. } = self;
+        let Self { pairs, start, now, cut, bounds, dividers, particles, incidence, .. } = self;
         let start: &[Vec4] = start;
         let is_free = |pair: &Contact| {
             let ids = pair.slots.map(|s| particles[s as usize]);
@@ -51,12 +52,15 @@ impl Contacts {
         cut.resize(now.len(), 0);
         let (mut any, mut inverted) = (false, false);
         let mut ways = Ways { start, now, cut, bounds, shared: Vec3::ZERO, pass: 1 };
-        for pair in &*pairs {
+        dividers.clear();
+        let mut gaps = Gaps { pairs, start, dividers, is_free };
+        for (i, pair) in pairs.iter().enumerate() {
             inverted |= pair.inverted && !pair.was_inverted;
-            any |= ways.clamp(pair, &is_free, |_| f32::INFINITY);
+            any |= ways.clamp(i, &mut gaps, incidence);
         }
         let is_cut = any;
         if any {
+            gaps.dividers.resize(pairs.len(), Vec4::NAN);
             incidence.list(ways.now.len(), pairs);
             ways.cut_in(1).for_each(|slot| incidence.ask_again(slot, None));
         }
@@ -77,8 +81,7 @@ impl Contacts {
             while let Some(i) = incidence.take(next) {
                 next = i;
                 effort.spend(1);
-                let bound = |slot| bound(incidence.of(slot).map(|i| &pairs[i]).filter(|pair| !is_free(pair)), start);
-                if ways.clamp(&pairs[i], &is_free, bound) {
+                if ways.clamp(i, &mut gaps, incidence) {
                     any = true;
                     let cut = pairs[i].slots.into_iter().filter(|&slot| ways.is_new(slot));
                     cut.for_each(|slot| incidence.ask_again(slot, Some(i)));
@@ -142,9 +145,10 @@ impl Ways<'_> {
         self.cut[slot as usize] >= self.pass
     }
 
-    /// Whether something had to be cut. `bound` tells how far a slot may go relative to the mean motion of all `[m]`.
+    /// Whether something had to be cut of pair number `i`.
     #[inline]
-    fn clamp(&mut self, pair: &Contact, is_free: &impl Fn(&Contact) -> bool, bound: impl Fn(u32) -> f32) -> bool {
+    fn clamp<F: Fn(&Contact) -> bool>(&mut self, i: usize, gaps: &mut Gaps<'_, F>, incidence: &Incidence) -> bool {
+        let pair = &gaps.pairs[i];
         if pair.was_inverted {
             return false;
         }
@@ -152,20 +156,26 @@ impl Ways<'_> {
         let from = [self.start[a], self.start[b], self.start[c], self.start[d]];
         let to = [self.now[a], self.now[b], self.now[c], self.now[d]];
         // Mostly the direction of the contact divides them.
-        !divides(pair.normal, pair.first(), &from, &to) && !is_free(pair) && self.cut(pair, &from, &to, bound)
+        !divides(pair.normal, pair.first(), &from, &to) && !(gaps.is_free)(pair) && self.cut(i, [&from, &to], gaps, incidence)
     }
 
     #[cold]
-    fn cut(&mut self, pair: &Contact, from: &[Vec4; 4], to: &[Vec4; 4], bound: impl Fn(u32) -> f32) -> bool {
+    fn cut<F: Fn(&Contact) -> bool>(
+        &mut self,
+        i: usize,
+        [from, to]: [&[Vec4; 4]; 2],
+        gaps: &mut Gaps<'_, F>,
+        incidence: &Incidence,
+    ) -> bool {
+        let (n, gap) = gaps.of(i);
+        let pair = &gaps.pairs[i];
         let first = pair.first();
-        let n = dividing(pair, from);
-        if divides(n, first, from, to) {
+        if gap > 0.0 && separation(n, first, to) > 0.0 {
             return false;
         }
         let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i].truncate());
         let held = [0, 1, 2, 3].map(|i| !(to[i].w > 0.0) || self.cut[pair.slots[i] as usize] == WITH_HELD);
         let any_held = held.contains(&true);
-        let gap = separation(n, first, from);
         // What started in the same place has no side to stay on.
         if !(gap > 0.0) {
             return false;
@@ -187,7 +197,7 @@ impl Ways<'_> {
                 Vec3::ZERO
             } else if at_last {
                 if self.bounds[slot].is_nan() {
-                    self.bounds[slot] = bound(pair.slots[i]);
+                    self.bounds[slot] = gaps.bound(incidence.of(pair.slots[i]));
                 }
                 let bound = self.bounds[slot];
                 // What was cut to it before is longer by rounding only, and stays.
@@ -204,6 +214,50 @@ impl Ways<'_> {
             }
         }
         any
+    }
+}
+
+/// How far apart the primitives of all pairs were when the substep began.
+struct Gaps<'a, F> {
+    pairs: &'a [Contact],
+    start: &'a [Vec4],
+    /// Of each pair the unit normal of a plane between the two primitives, and in `w` how far they are apart along it `[m]`; not a number where nobody asked, and
+    /// empty until one is asked again.
+    dividers: &'a mut Vec<Vec4>,
+    /// Whether a pair may pass.
+    is_free: F,
+}
+
+impl<F: Fn(&Contact) -> bool> Gaps<'_, F> {
+    /// The unit normal of a plane between the primitives of pair number `i`, and how far they are apart along it `[m]`.
+    fn of(&mut self, i: usize) -> (Vec3, f32) {
+        if let Some(known) = self.dividers.get(i).filter(|known| !known.w.is_nan()) {
+            return (known.truncate(), known.w);
+        }
+        let pair = &self.pairs[i];
+        let from = pair.slots.map(|s| self.start[s as usize]);
+        let n = dividing(pair, &from);
+        let gap = separation(n, pair.first(), &from);
+        if let Some(known) = self.dividers.get_mut(i) {
+            *known = n.extend(gap);
+        }
+        (n, gap)
+    }
+
+    /// How far a particle may go relative to the mean motion of all, so that none of its `pairs` meets `[m]`.
+    fn bound(&mut self, pairs: impl Iterator<Item = usize>) -> f32 {
+        let mut bound = f32::INFINITY;
+        for i in pairs {
+            let pair = &self.pairs[i];
+            if pair.was_inverted || (self.is_free)(pair) {
+                continue;
+            }
+            let gap = self.of(i).1;
+            if gap > 0.0 {
+                bound = bound.min(0.5 * closable(gap, pair.thickness));
+            }
+        }
+        bound
     }
 }
 
@@ -249,16 +303,6 @@ fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
 #[inline]
 fn closable(gap: f32, thickness: f32) -> f32 {
     (gap - (KEPT * gap).max(FLOOR * thickness)).max(0.0)
-}
-
-/// How far a particle may go relative to the mean motion of all, so that none of its `pairs` meets `[m]`.
-fn bound<'a>(pairs: impl Iterator<Item = &'a Contact>, start: &[Vec4]) -> f32 {
-    let half = pairs.filter(|pair| !pair.was_inverted).map(|pair| {
-        let from = pair.slots.map(|s| start[s as usize]);
-        let gap = separation(dividing(pair, &from), pair.first(), &from);
-        if gap > 0.0 { 0.5 * closable(gap, pair.thickness) } else { f32::INFINITY }
-    });
-    half.fold(f32::INFINITY, f32::min)
 }
 
 /// Mean motion by mass `[m]`; of what is held if something is.

@@ -62,6 +62,8 @@ pub struct Contacts {
     cut: Buffer<Vec<u8>>,
     /// How far each particle may go at last, by slot `[m]`.
     bounds: Buffer<Vec<f32>>,
+    /// What divides each pair when the substep begins, where the CCD asks again.
+    dividers: Buffer<Vec<Vec4>>,
     /// The pairs of each slot, where the CCD asks again.
     incidence: Buffer<Incidence>,
     /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
@@ -287,6 +289,8 @@ impl Contacts {
         // For the CCD, which mostly needs neither.
         self.bounds.clear();
         self.bounds.reserve(self.particles.len());
+        self.dividers.clear();
+        self.dividers.reserve(self.pairs.capacity());
         self.incidence.reserve(self.particles.len(), self.pairs.capacity());
     }
 

@@ -43,6 +43,9 @@ pub fn clone(stage: &mut Stage, slot: usize, other: usize, rng: &mut Rng) -> Str
     let twin = entity.clone_and_spawn_with_opt_out(move |cloner| {
         cloner.linked_cloning(linked);
     });
+    // A clone of everything below has no number, and may lose its parent.
+    let below: Vec<Entity> = stage.world().query::<&Children>().query(stage.app.world()).iter_descendants(twin).collect();
+    stage.belongings.extend(below);
     stage.enter(other, twin);
     format!("{slot}: cloned as {other}, linked {linked}")
 }

@@ -59,6 +59,10 @@ impl FaceContacts {
         }
         let cloth = Aabb::new(all.0 - reach, all.1 + reach);
         let near = cloth.transform_by(&from.inverse()).merged(&cloth.transform_by(&to.inverse()));
+        // What is farther than numbers reach meets nothing.
+        if !(near.mins.is_finite() && near.maxs.is_finite()) {
+            return;
+        }
         let flat = feature_edges::flat(sheet.longest_edge, (1.0 - SHARE) * keep);
         let first = self.feature_edges.len();
         self.edge_cache.near(part, &near, flat, &mut self.feature_edges);

@@ -140,3 +140,17 @@ fn a_body_without_a_pose_and_a_frame_without_time_list_nothing() {
     triangle.contacts.gather(&[ball(RADIUS, Vec3::ZERO, Vec3::ZERO)], &sheet, 0.1, 0.0);
     assert_eq!(triangle.contacts.candidates(), 0);
 }
+
+#[test]
+fn cloth_that_is_farther_than_numbers_reach_meets_no_sharp_edges() {
+    let (vertices, triangles) = (vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z], vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]);
+    let surface = shape::trimesh(vertices, triangles).expect("a surface");
+    let turned = Pose::from_rotation(glam::Quat::from_rotation_y(0.3));
+    let body = [Body::at_rest(surface, turned)];
+    for (far, meets) in [(0.0, true), (1.0e20, false), (3.0e38, false)] {
+        let mut triangle = Triangle::new([1.0; 3]);
+        triangle.positions.iter_mut().for_each(|x| *x += Vec3::splat(far).extend(0.0));
+        triangle.gather(&body);
+        assert_eq!(triangle.contacts.candidates() > 0, meets, "{far} m away");
+    }
+}
