@@ -61,9 +61,10 @@ pub use components::{
     ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothPiece,
     ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction, ClothRecovered, ClothRenderMesh, ClothReport,
     ClothReset, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver,
-    ClothStatus, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled,
-    ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone,
-    ClothWindZoneShape, ClothWoke, NoClothCollision, ParryShape, PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothStatus, ClothSubdivision, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
+    ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
+    ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, ParryShape, PositionPredicate, RecoveryCause,
+    RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -92,8 +93,8 @@ pub mod prelude {
         ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles, ClothPiece,
         ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPose, ClothPriority, ClothQuery, ClothReaction,
         ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
-        ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSystems, ClothTangled,
-        ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
+        ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSubdivision, ClothSystems,
+        ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
         ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
         ClothWoke, NoClothCollision,
     };

@@ -31,7 +31,7 @@ pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
     bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, poses,
-    release, render_mesh, resolve, respond, skin, sleep, sources, sync, touch,
+    release, render_mesh, resolve, respond, skin, sleep, sources, subdivide, sync, touch,
 };
 use crate::time;
 
@@ -99,6 +99,7 @@ impl Plugin for ClothPlugin {
             .add_observer(release::on_remove_cloth)
             .add_observer(pieces::on_remove_piece)
             .add_observer(render_mesh::on_remove_render_mesh)
+            .add_observer(subdivide::on_remove_subdivision)
             .add_observer(release::on_remove_body)
             .add_observer(release::on_remove_collider)
             .add_observer(couple::on_remove_coupling)
@@ -136,6 +137,7 @@ impl Plugin for ClothPlugin {
                 (
                     time::tick,
                     sources::watch,
+                    subdivide::meshes,
                     poses::hand_down,
                     bind::bind,
                     character::bodies,

@@ -31,6 +31,7 @@ mod skip;
 mod sleep;
 mod solver;
 mod status;
+mod subdivision;
 mod touch;
 mod untangle;
 mod wind;
@@ -64,6 +65,7 @@ pub use status::{
     ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
     ClothTeleported, ClothUntangled, ClothUntanglingEscalated, RecoveryCause, RecoveryLevel, WaitingFor,
 };
+pub use subdivision::ClothSubdivision;
 pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothTouch};
 pub use untangle::{ClothUntangling, ClothUntanglingDisabled, ClothUntanglingMethod};
 pub use wind::{ClothGlobalWind, ClothWind, ClothWindZone, ClothWindZoneShape};

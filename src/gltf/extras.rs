@@ -47,6 +47,8 @@ pub(crate) struct ClothExtras {
     pub inertia: Option<ClothInertia>,
     /// How much of it is simulated (dimensionless).
     pub blend: Option<f32>,
+    /// Longest edge that is left `[m]`.
+    pub subdivision: Option<f32>,
 }
 
 /// The `cloth.material` key.
@@ -177,6 +179,10 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.blend = number(value);
                 cloth.blend.is_none().then_some("a number from 0, animated, to 1, simulated")
             }
+            "subdivision" => {
+                cloth.subdivision = number(value).filter(|longest| *longest > 0.0);
+                cloth.subdivision.is_none().then_some("a number of metres, of more than 0")
+            }
             "self_collision" => {
                 cloth.self_collision = boolean(value);
                 cloth.self_collision.is_none().then_some("true or false")
@@ -194,7 +200,7 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.substep_rate.is_none().then_some("a number of hertz")
             }
             _ => {
-                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, proxy";
+                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, subdivision, proxy";
                 problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }
@@ -429,6 +435,7 @@ mod tests {
             drive: Some(ClothDrive { frequency: ClothMap::Uniform(4.0), damping_ratio: 0.5 }),
             inertia: None,
             blend: None,
+            subdivision: None,
         };
         assert_eq!(node.cloth, Some(expected));
         assert_eq!(node.collider, Some(ColliderExtras { fit: ColliderFit::Mesh(ClothMeshFit::Capsule), friction: Some(0.1) }));
@@ -473,6 +480,9 @@ mod tests {
         let blend = |value: &str| read(&format!(r#"{{"cloth": {{"blend": {value}}}}}"#));
         assert_eq!(blend("0.25").0.cloth.and_then(|cloth| cloth.blend), Some(0.25));
         assert_eq!(blend(r#""half""#).1.len(), 1);
+        let subdivision = |value: &str| read(&format!(r#"{{"cloth": {{"subdivision": {value}}}}}"#));
+        assert_eq!(subdivision("0.03").0.cloth.and_then(|cloth| cloth.subdivision), Some(0.03));
+        assert!(["0", "-1", "true"].iter().all(|value| subdivision(value).1.len() == 1));
     }
 
     #[test]

@@ -17,6 +17,7 @@
 //! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
 //! | `cloth.inertia` | share of the motion of its character that it feels; or `"character"`, `"world"`; or `{"linear": …, "angular": …, "max_speed": …, "max_turn": …}`: [`ClothInertia`](crate::ClothInertia) |
 //! | `cloth.blend` | how much of it is simulated, 0 to 1: [`ClothBlend`] |
+//! | `cloth.subdivision` | metres: longer edges are split, and drawn so: [`ClothSubdivision`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
 //!
@@ -64,7 +65,7 @@ use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
     Cloth, ClothBlend, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
-    ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh, ClothSolver,
+    ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh, ClothSolver, ClothSubdivision,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
@@ -345,6 +346,9 @@ fn make_cloth(
     }
     if let Some(inertia) = extras.inertia {
         entity.try_insert(inertia);
+    }
+    if let Some(longest_edge) = extras.subdivision {
+        entity.try_insert(ClothSubdivision { longest_edge });
     }
     if let Some(weight) = extras.blend {
         entity.try_insert(ClothBlend { weight, ..default() });

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use bevy::asset::{LoadState, RenderAssetUsages};
-use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb};
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
@@ -15,7 +14,7 @@ use bevy::prelude::*;
 use super::release::take_apart;
 use crate::bind::{
     AnchorSet, AnchorSets, Asked, Authored, Continuing, Followed, Placement, Resolved, RestCache, Skin, Sources, Surface,
-    Transforms, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
+    Transforms, bounds_between, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
     Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothLoading,
@@ -453,7 +452,7 @@ fn give_instance(
     entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
     entity.try_insert(NoAutoAabb);
     if let Some((low, high)) = bounds {
-        entity.try_insert(Aabb::from_min_max(low, high));
+        entity.try_insert(bounds_between(low, high));
     }
 }
 

@@ -23,6 +23,7 @@ pub(crate) mod respond;
 pub(crate) mod skin;
 pub(crate) mod sleep;
 pub(crate) mod sources;
+pub(crate) mod subdivide;
 pub(crate) mod sync;
 pub(crate) mod touch;
 

@@ -5,6 +5,7 @@ use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
 
 use super::drawn::{Drawn, Exchange, Released, on_remove, vertices_of};
+use crate::bind::bounds_between;
 use crate::components::{Cloth, ClothPiece, ClothRenderMesh};
 use crate::notices::label;
 use crate::simulation::{Binding, ClothShown, PieceBinding};
@@ -82,7 +83,7 @@ pub(crate) fn write(
         }
         let (low, high) = shown.bounds;
         if let Some(mut aabb) = aabb.filter(|_| low.is_finite() && high.is_finite()) {
-            *aabb = Aabb::from_min_max(low, high);
+            *aabb = bounds_between(low, high);
         }
     }
 }

@@ -11,7 +11,7 @@ use bevy::tasks::{AsyncComputeTaskPool, Task};
 
 use super::drawn::{Drawn, Exchange, Released, on_remove, vertices_of};
 use super::sync::hand_over;
-use crate::bind::{is_near, seen_from};
+use crate::bind::{bounds_between, is_near, seen_from};
 use crate::components::{Cloth, ClothLoading, ClothRenderMesh};
 use crate::notices::label;
 use crate::simulation::{Binding, ClothInputs, ClothRest, ClothShown, PieceBinding, VertexBuffers};
@@ -254,7 +254,7 @@ pub(crate) fn write(mut meshes: ResMut<Assets<Mesh>>, mut drawn: Query<(&PieceBi
         if let Some(mut mesh) = meshes.get_mut(&binding.instance) {
             hand_over(&mut mesh, &mut hanging.vertices);
             if let Some(mut aabb) = aabb {
-                *aabb = Aabb::from_min_max(low, high);
+                *aabb = bounds_between(low, high);
             }
         }
     }

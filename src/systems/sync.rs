@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::time::Fixed;
 
 use super::stopwatch;
-use crate::bind::{is_near, seen_from};
+use crate::bind::{bounds_between, is_near, seen_from};
 use crate::components::{Cloth, ClothReport};
 use crate::schedule::ClothClock;
 use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown, VertexBuffers};
@@ -150,7 +150,7 @@ pub(crate) fn write(
             continue;
         }
         if let Some(mut aabb) = aabb {
-            *aabb = Aabb::from_min_max(low, high);
+            *aabb = bounds_between(low, high);
         }
         let Some(instance) = &binding.instance else { continue };
         let Some(mut mesh) = meshes.get_mut(instance) else { continue };

@@ -33,6 +33,7 @@ mod rest;
 mod skinned;
 mod sleep;
 mod snapshot;
+mod subdivision;
 mod presets;
 mod reflection;
 mod sync;

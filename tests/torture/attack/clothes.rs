@@ -1,5 +1,6 @@
 //! Cloths that come in.
 
+use bevy::camera::primitives::MeshAabb;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
@@ -53,6 +54,8 @@ pub fn more(stage: &mut Stage, entity: Entity, other: usize, rng: &mut Rng) -> S
 /// A cloth with a sheet, or with any mesh.
 pub fn cloth(stage: &mut Stage, slot: usize, other: usize, wildly: bool, rng: &mut Rng) -> String {
     let (mesh, what) = damage::mesh(rng, wildly);
+    let longest =
+        once_in(rng, 8).then(|| one_of(rng, &[0.1, 0.3]) * mesh.compute_aabb().map_or(1.0, |b| b.half_extents.length()));
     let mesh = stage.add(mesh);
     let pins = pins(stage, other, rng);
     let (name, material) = one_of(rng, &ClothMaterial::PRESETS);
@@ -60,8 +63,11 @@ pub fn cloth(stage: &mut Stage, slot: usize, other: usize, wildly: bool, rng: &m
     let bundle = (Mesh3d(mesh), Cloth, place(rng, 1.0), material, pins, Name::new(format!("slot {slot}")));
     let entity = stage.world().spawn(bundle).id();
     stage.enter(slot, entity);
+    if let Some(longest) = longest {
+        stage.world().entity_mut(entity).insert(ClothSubdivision::new(longest));
+    }
     let more = more(stage, entity, other, rng);
-    format!("{told}{more}")
+    format!("{told}{more}, {longest:?}")
 }
 
 /// Two sheets through each other.

@@ -32,6 +32,10 @@ pub fn kinds(world: &World) -> Vec<Kind> {
             if r.data::<ReflectResource>().is_some() {
                 return None;
             }
+            // Any length of a mesh of any size: that comes in with the mesh.
+            if name == "ClothSubdivision" {
+                return None;
+            }
             let component = r.data::<ReflectComponent>()?.clone();
             Some(Kind { name, component, default: r.data::<ReflectDefault>()?.clone() })
         })
