@@ -11,7 +11,9 @@ mod seeds;
 pub mod skirt;
 mod spin;
 pub mod stack;
+pub mod tablecloth;
 mod tangles;
+pub mod turning_ball;
 pub mod twist;
 mod units;
 
@@ -37,7 +39,9 @@ pub use seeds::{Seed, SeedKind, SeedRun};
 pub use skirt::skirt;
 pub use spin::{spin, spin_of};
 pub use stack::stack;
+pub use tablecloth::tablecloth;
 pub use tangles::Tangle;
+pub use turning_ball::turning_ball;
 pub use twist::twist;
 pub use units::Unit;
 

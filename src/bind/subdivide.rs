@@ -33,6 +33,7 @@ pub(crate) struct Subdivided {
 /// What cannot be read.
 pub(crate) fn subdivide(mesh: &Mesh, longest: f32) -> Result<Subdivided, ClothError> {
     let authored = read(mesh)?;
+    let vertices = authored.positions.len();
     let Split { triangles, parents, is_cut, .. } = Split::new(authored.positions, authored.triangles, longest);
     if parents.is_empty() {
         return Ok(Subdivided { mesh: None, is_cut });
@@ -40,12 +41,19 @@ pub(crate) fn subdivide(mesh: &Mesh, longest: f32) -> Result<Subdivided, ClothEr
     let mut finer = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
     finer.enable_raytracing = mesh.enable_raytracing;
     for (attribute, values) in mesh.try_attributes().map_err(|error| unreadable(&error))? {
-        let mut values = values.clone();
-        interpolate(attribute, &mut values, &parents);
-        finer.insert_attribute(*attribute, values);
+        // Bevy draws none that is not one for each vertex.
+        if values.len() == vertices {
+            let mut values = values.clone();
+            interpolate(attribute, &mut values, &parents);
+            finer.insert_attribute(*attribute, values);
+        }
     }
-    share_joints(&mut finer, &parents);
+    share_joints(&mut finer, vertices, &parents);
     finer.insert_indices(Indices::U32(triangles.concat()));
+    if mesh.skinned_mesh_bounds().is_some() {
+        // For its skin, where it is not simulated; a vertex in the middle may lie outside of the old box of its joint.
+        finer.generate_skinned_mesh_bounds().ok();
+    }
     Ok(Subdivided { mesh: Some(finer), is_cut })
 }
 
@@ -75,14 +83,19 @@ impl Split {
         for &[a, b, c] in &*triangles {
             for [u, v] in [[a, b], [b, c], [c, a]] {
                 let [p, q] = [u, v].map(|v| positions[v as usize]);
-                // The same for both that lie at a seam. What is not a number has no length.
-                let is_long = p.distance_squared(q) > longest * longest && (p - q).is_finite();
+                // The same bits for both sides of a seam whose ends lie in the same place. What is not a number has no length, and far from the origin there may
+                // be none between two.
+                let middle = 0.5 * (p + q);
+                let is_long = p.distance_squared(q) > longest * longest && middle.is_finite() && middle != p && middle != q;
                 if is_long && !middles.contains_key(&ordered(u, v)) {
                     middles.insert(ordered(u, v), positions.len() as u32);
-                    positions.push(0.5 * (p + q));
+                    positions.push(middle);
                     parents.push(ordered(u, v));
                 }
             }
+        }
+        if middles.is_empty() {
+            return false;
         }
         if positions.len() > MOST_VERTICES {
             positions.truncate(known);
@@ -95,7 +108,7 @@ impl Split {
             faces_of(corners, |u, v| middles.get(&ordered(u, v)).copied(), positions, &mut finer);
         }
         self.triangles = finer;
-        !middles.is_empty()
+        true
     }
 }
 
@@ -126,12 +139,10 @@ fn split_two([a, b, c]: [u32; 3], [x, y]: [u32; 2], at: &impl Fn(u32) -> Vec3, f
     faces.extend(if along_a { [[a, b, x], [a, x, y]] } else { [[a, b, y], [b, x, y]] });
 }
 
-/// Gives new vertices the mean of their parents.
+/// Gives new vertices the mean of their parents, or the value of one where there is none between: of integers, and of formats that Bevy's own attributes and maps
+/// do not have.
 fn interpolate(attribute: &MeshVertexAttribute, values: &mut VertexAttributeValues, parents: &[[u32; 2]]) {
     use VertexAttributeValues as Values;
-    fn floats<const N: usize>(values: &mut Vec<[f32; N]>, parents: &[[u32; 2]], mean: impl Fn([f32; N], [f32; N]) -> [f32; N]) {
-        extend(values, parents, mean);
-    }
     fn mean<const N: usize>(a: [f32; N], b: [f32; N]) -> [f32; N] {
         core::array::from_fn(|k| 0.5 * (a[k] + b[k]))
     }
@@ -142,20 +153,19 @@ fn interpolate(attribute: &MeshVertexAttribute, values: &mut VertexAttributeValu
         core::array::from_fn(|k| T::try_from((a[k].into() + b[k].into()) / 2).unwrap_or(a[k]))
     }
     match values {
-        Values::Float32x3(of) if attribute.id == Mesh::ATTRIBUTE_NORMAL.id => floats(of, parents, unit),
-        Values::Float32x4(of) if attribute.id == Mesh::ATTRIBUTE_TANGENT.id => floats(of, parents, |a, b| {
+        Values::Float32x3(of) if attribute.id == Mesh::ATTRIBUTE_NORMAL.id => extend(of, parents, unit),
+        Values::Float32x4(of) if attribute.id == Mesh::ATTRIBUTE_TANGENT.id => extend(of, parents, |a, b| {
             let [x, y, z] = unit([a[0], a[1], a[2]], [b[0], b[1], b[2]]);
             [x, y, z, a[3]]
         }),
         Values::Float32(of) => extend(of, parents, |a, b| 0.5 * (a + b)),
-        Values::Float32x2(of) => floats(of, parents, mean),
-        Values::Float32x3(of) => floats(of, parents, mean),
-        Values::Float32x4(of) => floats(of, parents, mean),
+        Values::Float32x2(of) => extend(of, parents, mean),
+        Values::Float32x3(of) => extend(of, parents, mean),
+        Values::Float32x4(of) => extend(of, parents, mean),
         Values::Unorm8x4(of) | Values::Unorm8x4Bgra(of) => extend(of, parents, numbers),
         Values::Unorm8x2(of) => extend(of, parents, numbers),
         Values::Unorm16x4(of) => extend(of, parents, numbers),
         Values::Unorm16x2(of) => extend(of, parents, numbers),
-        // Numbers that cannot be between two others, and formats that nothing of ours reads.
         Values::Uint8(of) | Values::Unorm8(of) => extend(of, parents, |a, _| a),
         Values::Uint8x2(of) => extend(of, parents, |a, _| a),
         Values::Uint8x4(of) => extend(of, parents, |a, _| a),
@@ -186,25 +196,22 @@ fn interpolate(attribute: &MeshVertexAttribute, values: &mut VertexAttributeValu
     }
 }
 
-/// Appends what is between the values of each two parents, which come before it.
+/// Appends what is between the values of each two parents, which come before it: there is one for each vertex.
 fn extend<T: Copy>(values: &mut Vec<T>, parents: &[[u32; 2]], between: impl Fn(T, T) -> T) {
     for &[a, b] in parents {
-        // An attribute with fewer values than there are vertices stays without.
-        let (Some(&a), Some(&b)) = (values.get(a as usize), values.get(b as usize)) else { return };
-        values.push(between(a, b));
+        values.push(between(values[a as usize], values[b as usize]));
     }
 }
 
 /// Gives new vertices the joints of both parents, of which the four heaviest count.
-fn share_joints(mesh: &mut Mesh, parents: &[[u32; 2]]) {
+fn share_joints(mesh: &mut Mesh, vertices: usize, parents: &[[u32; 2]]) {
     let (Some(VertexAttributeValues::Uint16x4(joints)), Some(VertexAttributeValues::Float32x4(weights))) =
         (mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX), mesh.attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT))
     else {
         return;
     };
     let (mut joints, mut weights) = (joints.clone(), weights.clone());
-    let Some(first) = joints.len().checked_sub(parents.len()).filter(|_| joints.len() == weights.len()) else { return };
-    for (v, &ends) in (first..).zip(parents) {
+    for (v, &ends) in (vertices..).zip(parents) {
         let mut shares: Vec<(u16, f32)> = Vec::with_capacity(8);
         for (joint, weight) in ends.into_iter().flat_map(|end| joints[end as usize].into_iter().zip(weights[end as usize])) {
             match shares.iter_mut().find(|(known, _)| *known == joint) {
@@ -230,6 +237,8 @@ mod tests {
 
     use super::*;
 
+    const MAP: MeshVertexAttribute = MeshVertexAttribute::new("_MAP", 987, bevy::mesh::VertexFormat::Unorm8x4);
+
     fn positions(mesh: &Mesh) -> Vec<Vec3> {
         read(mesh).expect("a mesh").positions
     }
@@ -247,7 +256,9 @@ mod tests {
     fn no_edge_is_longer_and_the_surface_is_the_same() {
         let uneven = {
             let mut mesh = Plane3d::default().mesh().size(1.0, 0.2).subdivisions(1).build();
-            let Some(VertexAttributeValues::Float32x3(at)) = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) else { return };
+            let Some(VertexAttributeValues::Float32x3(at)) = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) else {
+                panic!("positions")
+            };
             at[4][0] = 0.3;
             mesh
         };
@@ -286,7 +297,7 @@ mod tests {
         mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.5, 0.0]]);
         mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-        mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, VertexAttributeValues::Unorm8x4(vec![[0, 0, 0, 255], [200; 4], [0; 4]]));
+        mesh.insert_attribute(MAP, VertexAttributeValues::Unorm8x4(vec![[0, 0, 0, 255], [200; 4], [0; 4]]));
         let joints = vec![[0, 1, 2, 3], [4, 5, 0, 0], [7, 0, 0, 0]];
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints));
         mesh.insert_attribute(
@@ -302,7 +313,7 @@ mod tests {
         assert!(
             value(Mesh::ATTRIBUTE_UV_0).is_some_and(|bytes| bytes.ends_with(&[0.5f32, 0.5].map(f32::to_le_bytes).concat()))
         );
-        assert!(value(Mesh::ATTRIBUTE_COLOR).is_some_and(|bytes| bytes.ends_with(&[100; 4])));
+        assert!(value(MAP).is_some_and(|bytes| bytes.ends_with(&[100; 4])));
         let Some(VertexAttributeValues::Float32x3(normals)) = finer.attribute(Mesh::ATTRIBUTE_NORMAL) else {
             panic!("normals")
         };
@@ -321,14 +332,48 @@ mod tests {
         let plane = Plane3d::default().mesh().size(10.0, 10.0).build();
         let finer = subdivide(&plane, 1.0e-4).expect("triangles");
         assert!(finer.is_cut && finer.mesh.is_some_and(|mesh| mesh.count_vertices() <= MOST_VERTICES));
-        // Indices past the end, and positions that are no numbers, are as before.
-        let mut broken = plane;
-        broken.insert_indices(Indices::U32(vec![0, 1, 2, 7, 8, 9]));
+        // Of one that is as large already and short enough nothing is said.
+        let large = Plane3d::default().mesh().size(1.0, 1.0).subdivisions(230).build();
+        let as_it_was = subdivide(&large, 0.1).expect("triangles");
+        assert!(large.count_vertices() > MOST_VERTICES && !as_it_was.is_cut && as_it_was.mesh.is_none());
+    }
+
+    #[test]
+    fn what_is_no_number_or_past_the_end_is_left_out() {
+        let mut broken = Plane3d::default().mesh().size(10.0, 10.0).build();
+        broken.insert_indices(Indices::U32(vec![0, 1, 2, 7, 8, 9, 1, 2, 3]));
+        let split = subdivide(&broken, 5.0).expect("triangles").mesh.expect("long edges");
+        assert!(read(&split).expect("triangles").triangles.iter().flatten().all(|v| (*v as usize) < split.count_vertices()));
         let Some(VertexAttributeValues::Float32x3(at)) = broken.attribute_mut(Mesh::ATTRIBUTE_POSITION) else {
             panic!("positions")
         };
-        at[0] = [f32::NAN; 3];
-        at[1] = [f32::INFINITY; 3];
-        assert!(subdivide(&broken, 1.0).is_ok());
+        (at[0], at[1], at[2]) = ([f32::NAN; 3], [f32::INFINITY; 3], [3.0e38; 3]);
+        assert!(
+            subdivide(&broken, 1.0)
+                .expect("triangles")
+                .mesh
+                .is_none_or(|mesh| positions(&mesh)[4..].iter().all(|p| p.is_finite()))
+        );
+        // Two neighbouring numbers have none between them.
+        let Some(VertexAttributeValues::Float32x3(at)) = broken.attribute_mut(Mesh::ATTRIBUTE_POSITION) else {
+            panic!("positions")
+        };
+        let next = 1.0e6f32.next_up();
+        (at[0], at[1], at[2], at[3]) = ([1.0e6, 0.0, 0.0], [next, 0.0, 0.0], [1.0e6, 0.0, 0.01], [next, 0.0, 0.01]);
+        assert!(subdivide(&broken, 0.05).expect("triangles").mesh.is_none());
+    }
+
+    #[test]
+    fn an_attribute_that_is_not_one_for_each_vertex_goes() {
+        for count in [1, 3, 5, 100] {
+            let mut mesh = Plane3d::default().mesh().size(1.0, 1.0).build();
+            mesh.insert_attribute(Mesh::ATTRIBUTE_UV_1, vec![[0.5; 2]; count]);
+            mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(vec![[0; 4]; count]));
+            mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[1.0, 0.0, 0.0, 0.0]; count]);
+            let finer = subdivide(&mesh, 0.2).expect("triangles").mesh.expect("long edges");
+            let gone = [Mesh::ATTRIBUTE_UV_1, Mesh::ATTRIBUTE_JOINT_INDEX, Mesh::ATTRIBUTE_JOINT_WEIGHT];
+            assert!(gone.into_iter().all(|attribute| finer.attribute(attribute).is_none()), "{count}");
+            assert_eq!(finer.attribute(Mesh::ATTRIBUTE_UV_0).map(VertexAttributeValues::len), Some(finer.count_vertices()));
+        }
     }
 }

@@ -17,7 +17,7 @@
 //! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
 //! | `cloth.inertia` | share of the motion of its character that it feels; or `"character"`, `"world"`; or `{"linear": …, "angular": …, "max_speed": …, "max_turn": …}`: [`ClothInertia`](crate::ClothInertia) |
 //! | `cloth.blend` | how much of it is simulated, 0 to 1: [`ClothBlend`] |
-//! | `cloth.subdivision` | metres: longer edges are split, and drawn so: [`ClothSubdivision`] |
+//! | `cloth.subdivision` | metres in the space of the mesh: longer edges are split; for meshes of one material: [`ClothSubdivision`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
 //!

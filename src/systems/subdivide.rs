@@ -6,7 +6,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use crate::bind::{MOST_VERTICES, Sources, Subdivided, subdivide};
-use crate::components::{Cloth, ClothSubdivision};
+use crate::components::{Cloth, ClothPiece, ClothSubdivision};
 use crate::notices::{Notices, label};
 
 /// What the mesh of a cloth was made from.
@@ -28,11 +28,12 @@ pub(crate) fn meshes(
     sources: Res<Sources>,
     mut notices: ResMut<Notices>,
     mut known: Local<Made>,
-    mut cloths: Query<(Entity, Option<&Name>, &mut Mesh3d, &ClothSubdivision, Option<&SubdividedFrom>), With<Cloth>>,
+    pieces: Query<&ClothPiece>,
+    mut cloths: Query<
+        (Entity, Option<&Name>, &mut Mesh3d, &ClothSubdivision, Option<&SubdividedFrom>),
+        (With<Cloth>, Allow<Disabled>),
+    >,
 ) {
-    if cloths.is_empty() {
-        return;
-    }
     known.retain(|(source, _), made| meshes.contains(*made) && !sources.modified.contains(source));
     for (cloth, name, mut shown, subdivision, from) in &mut cloths {
         let authored = sources.authored(&shown.0);
@@ -46,6 +47,15 @@ pub(crate) fn meshes(
             if notices.first(cloth, "subdivision.longest_edge") {
                 warn!(
                     "cloth {} has a `subdivision.longest_edge` of {longest_edge}: set a length of more than 0 [m]; its mesh is as it was",
+                    label(cloth, name)
+                );
+            }
+            continue;
+        }
+        if from.is_none() && pieces.iter().any(|piece| piece.cloth == cloth) {
+            if notices.first(cloth, "subdivision of pieces") {
+                warn!(
+                    "cloth {} is drawn by pieces and not subdivided: split the edges of its mesh in the program it was made with, or give it one material",
                     label(cloth, name)
                 );
             }

@@ -1,11 +1,14 @@
 //! Cloth that is finer than its mesh.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::VertexAttributeValues;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
+use bevy_drape::ClothPlugin;
 use bevy_drape::prelude::*;
 
 use crate::common::log::Log;
-use crate::common::{add, app, finite, frame_length, lowest, positions, report, run, shown, spawn, status};
+use crate::common::{add, app, app_with, finite, frame_length, lowest, positions, report, run, shown, spawn, status};
 
 /// A plane of four vertices.
 fn plane() -> Mesh {
@@ -134,4 +137,78 @@ fn maps_are_finer_too() {
     // All along the red side, and weaker from there on.
     assert!(report(&app, cloth).pinned > 50, "{}", report(&app, cloth).pinned);
     assert!(finite(&app, cloth));
+}
+
+#[test]
+fn a_mesh_that_comes_later_is_made_finer_and_one_that_was_switched_off_meanwhile_is_made_anew() {
+    for mut app in [app(), app_with(ClothPlugin::new(FixedPostUpdate))] {
+        let late = app.world().resource::<Assets<Mesh>>().reserve_handle();
+        let cloth = app.world_mut().spawn((Mesh3d(late.clone()), Cloth, ClothSubdivision::new(0.1))).id();
+        run(&mut app, 3);
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Asset));
+        let write =
+            |app: &mut App, mesh: Mesh| app.world_mut().resource_mut::<Assets<Mesh>>().insert(&late, mesh).expect("a mesh");
+        write(&mut app, plane());
+        run(&mut app, 4);
+        let count = vertices(&app, cloth);
+        assert!(count > 100 && status(&app, cloth) == ClothStatus::Active, "{count}");
+        app.world_mut().entity_mut(cloth).insert(Disabled);
+        write(&mut app, Plane3d::default().mesh().size(2.0, 1.0).build());
+        run(&mut app, 3);
+        app.world_mut().entity_mut(cloth).remove::<Disabled>();
+        run(&mut app, 3);
+        assert!(vertices(&app, cloth) > count, "{count} and {}", vertices(&app, cloth));
+    }
+}
+
+#[test]
+fn a_clone_is_as_fine_and_gives_the_same_mesh_back() {
+    let mut app = app();
+    let mesh = add(&mut app, plane());
+    let cloth = app.world_mut().spawn((Mesh3d(mesh.clone()), Cloth, ClothSubdivision::new(0.1))).id();
+    run(&mut app, 2);
+    let clone = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    run(&mut app, 2);
+    assert_eq!(vertices(&app, clone), vertices(&app, cloth));
+    app.world_mut().entity_mut(clone).remove::<ClothSubdivision>();
+    assert!(handle(&app, clone) == mesh);
+    run(&mut app, 2);
+    assert_eq!((vertices(&app, clone), status(&app, clone)), (4, ClothStatus::Active));
+    assert!(vertices(&app, cloth) > 100);
+}
+
+#[test]
+fn a_skin_is_as_fine_as_its_cloth_and_is_bounded_where_it_is_drawn_itself() {
+    let mut app = app();
+    let (cloth, _) = crate::skinned::dressed(&mut app, 3, (ClothSubdivision::new(0.1), ClothLimits::default()));
+    let source = handle(&app, cloth);
+    app.world_mut()
+        .resource_mut::<Assets<Mesh>>()
+        .get_mut(&source)
+        .expect("a mesh")
+        .generate_skinned_mesh_bounds()
+        .expect("a skin");
+    run(&mut app, 3);
+    assert!(vertices(&app, cloth) > 100 && status(&app, cloth) == ClothStatus::Active);
+    app.world_mut().entity_mut(cloth).insert(ClothBlend { weight: 0.0, ..default() });
+    run(&mut app, 30);
+    assert!(app.world().get::<SkinnedMesh>(cloth).is_some(), "it is on its skin");
+    assert!(vertices(&app, cloth) > 100 && shown(&app, cloth).skinned_mesh_bounds().is_some());
+    app.world_mut().entity_mut(cloth).remove::<ClothSubdivision>();
+    run(&mut app, 3);
+    assert!(handle(&app, cloth) == source);
+}
+
+#[test]
+fn what_pieces_draw_is_not_made_finer_and_that_is_told_once() {
+    let mut app = app();
+    let log = Log::default();
+    log.listen(|| {
+        let whole = add(&mut app, plane());
+        let cloth = app.world_mut().spawn((Mesh3d(whole.clone()), Cloth, ClothSubdivision::new(0.1))).id();
+        app.world_mut().spawn((Mesh3d(whole), ClothPiece { cloth, first: 0 }));
+        run(&mut app, 5);
+        assert_eq!((vertices(&app, cloth), status(&app, cloth)), (4, ClothStatus::Active));
+    });
+    assert_eq!(log.read().iter().filter(|line| line.contains("drawn by pieces")).count(), 1);
 }

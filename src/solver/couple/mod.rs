@@ -97,7 +97,7 @@ impl PoseDelta {
     /// Moved by `shift` `[m]` and turned by the small rotation vector `turn` `[rad]`.
     fn by(self, shift: Vec3, turn: Vec3) -> Self {
         let turned = Quat::from_vec4((0.5 * turn).extend(1.0)) * self.turn;
-        // Of a turn whose square is no number nothing is known; a body that has it spins faster than anything is simulated.
+        // A turn whose square is beyond all numbers has no direction left; what spins so fast keeps the one it had.
         let turn = if turned.length_squared().is_finite() { turned.normalize() } else { self.turn };
         Self { shift: self.shift + shift, turn }
     }

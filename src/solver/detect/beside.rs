@@ -11,43 +11,43 @@ const BESIDE: f32 = 1.0e-5;
 
 /// Whether all corners of face `g` lie on one side of the plane of face `f`, except those that they have in `common`.
 #[inline]
-pub(super) fn lies_beside(positions: &[Vec4], f: [u32; 3], g: [u32; 3], common: [bool; 3]) -> bool {
+pub(super) fn lies_beside_plane(positions: &[Vec4], f: [u32; 3], g: [u32; 3], common: [bool; 3]) -> bool {
     let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
     let origin = at(f[0]);
     let (u, v) = (at(f[1]) - origin, at(f[2]) - origin);
     let (normal, scale) = (u.cross(v), u.length_squared() * v.length_squared());
-    let (mut low, mut high, mut farthest) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f32);
+    let (mut low, mut high, mut squares) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f32);
     for (&corner, _) in g.iter().zip(common).filter(|(_, common)| !common) {
         let w = at(corner) - origin;
         let height = normal.dot(w);
-        (low, high, farthest) = (low.min(height), high.max(height), farthest.max(w.length_squared()));
+        (low, high, squares) = (low.min(height), high.max(height), squares + w.length_squared());
     }
-    // Rounding of all this is some `2e-6 |u| |v| |w|`; squares keep their sign, and NaN passes no comparison.
-    let slack = BESIDE * BESIDE * scale * farthest;
+    // Rounding of all this is some `2e-6 |u| |v| |w|`; squares keep their sign. What is not a number is in the sum, and passes no comparison.
+    let slack = BESIDE * BESIDE * scale * squares;
     low * low.abs() > slack || -high * high.abs() > slack
 }
 
 /// Of four pairs of faces, each by its corners `[m]`, those that lie beside each other, a bit for each: either beside the other. With a corner in common none is.
 #[inline]
 pub(in crate::solver) fn are_beside(f: &[Four; 3], g: &[Four; 3]) -> u32 {
-    let mut beside = lie_beside(f, g);
+    let mut beside = lie_beside_plane(f, g);
     if !beside.all() {
-        beside |= lie_beside(g, f);
+        beside |= lie_beside_plane(g, f);
     }
     beside.bitmask()
 }
 
-/// As [`lies_beside`], of four pairs.
+/// As [`lies_beside_plane`], of four pairs; each comes to the same, except where rounding decides.
 #[inline]
-fn lie_beside(f: &[Four; 3], g: &[Four; 3]) -> BVec4A {
+fn lie_beside_plane(f: &[Four; 3], g: &[Four; 3]) -> BVec4A {
     let (u, v) = (f[1] - f[0], f[2] - f[0]);
     let w = [g[0] - f[0], g[1] - f[0], g[2] - f[0]];
     let normal = u.cross(v);
     let height = [normal.dot(w[0]), normal.dot(w[1]), normal.dot(w[2])];
     let low = height[0].min(height[1]).min(height[2]);
     let high = height[0].max(height[1]).max(height[2]);
-    let farthest = w[0].length_squared().max(w[1].length_squared()).max(w[2].length_squared());
-    let slack = Vec4::splat(BESIDE * BESIDE) * (u.length_squared() * v.length_squared()) * farthest;
+    let squares = w[0].length_squared() + w[1].length_squared() + w[2].length_squared();
+    let slack = Vec4::splat(BESIDE * BESIDE) * (u.length_squared() * v.length_squared()) * squares;
     (low * low.abs()).cmpgt(slack) | (-high * high.abs()).cmpgt(slack)
 }
 
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beside_does_not_cross_and_four_at_once_are_told_as_one() {
+    fn what_lies_beside_plane_does_not_cross_and_four_at_once_are_told_as_one() {
         let mut rng = fastrand::Rng::with_seed(8);
         let (mut beside, mut crossing) = (0, 0);
         for round in 0..4_000 {
@@ -83,7 +83,8 @@ mod tests {
             let corners = |first: usize| [0, 1, 2].map(|c: usize| Four::of(each(|k| faces[k][first + c])));
             let together = are_beside(&corners(0), &corners(3));
             for (k, x) in faces.iter().enumerate() {
-                let one = lies_beside(x, [0, 1, 2], [3, 4, 5], [false; 3]) || lies_beside(x, [3, 4, 5], [0, 1, 2], [false; 3]);
+                let one = lies_beside_plane(x, [0, 1, 2], [3, 4, 5], [false; 3])
+                    || lies_beside_plane(x, [3, 4, 5], [0, 1, 2], [false; 3]);
                 assert_eq!(together & (1 << k) != 0, one, "{x:?}");
                 let through =
                     |edges: usize, face: [usize; 3]| (0..3).any(|i| crosses(x, [edges + i, edges + (i + 1) % 3], face));
@@ -93,6 +94,19 @@ mod tests {
             }
         }
         assert!(beside > 1_000 && crossing > 1_000, "{beside} {crossing}");
+    }
+
+    #[test]
+    fn of_what_is_not_a_number_nothing_is_told() {
+        let at = |y: f32| [Vec3A::new(0.0, y, 0.0), Vec3A::new(1.0, y, 0.0), Vec3A::new(0.0, y, 1.0)].map(Four::splat);
+        let mut broken = at(1.0);
+        assert_eq!(are_beside(&at(0.0), &broken), 0b1111);
+        for bad in [f32::NAN, f32::INFINITY] {
+            broken[2] = Four::splat(Vec3A::splat(bad));
+            assert_eq!([are_beside(&at(0.0), &broken), are_beside(&broken, &at(0.0))], [0; 2], "{bad}");
+            let x = [0.0, 1.0, 2.0, 3.0, 4.0, bad].map(|x| Vec4::new(x, x * x, 1.0, 1.0));
+            assert!(!lies_beside_plane(&x, [0, 1, 2], [3, 4, 5], [false; 3]), "{bad}");
+        }
     }
 
     #[test]

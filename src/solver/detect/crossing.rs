@@ -17,7 +17,7 @@ use glam::{BVec3, DVec3, Vec3, Vec3A, Vec4};
 use crate::solver::effort::{Effort, Meter};
 use crate::solver::topology::NONE;
 
-use super::beside::{are_beside, lies_beside};
+use super::beside::{are_beside, lies_beside_plane};
 use super::four::{Four, WIDE, each};
 use super::orient::{Plane, Point, Side, Ties, orient};
 use super::parts::Parts;
@@ -380,7 +380,7 @@ fn cross_faces(surface: &Surface, positions: &[Vec4], asks: &[u8], f: u32, g: u3
         return;
     }
     let near_g = tg.map(|v| tf.contains(&v));
-    if lies_beside(positions, tf, tg, near_g) || lies_beside(positions, tg, tf, shared) {
+    if lies_beside_plane(positions, tf, tg, near_g) || lies_beside_plane(positions, tg, tf, shared) {
         return;
     }
     cross_close_faces(surface, positions, asks, [f, g], [tf, tg], [shared, near_g], ties, out);

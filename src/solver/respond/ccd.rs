@@ -170,16 +170,13 @@ impl Ways<'_> {
         let (n, gap) = gaps.of(i);
         let pair = &gaps.pairs[i];
         let first = pair.first();
-        if gap > 0.0 && separation(n, first, to) > 0.0 {
+        // They never meet; or they started in the same place, and have no side to stay on.
+        if !(gap > 0.0) || separation(n, first, to) > 0.0 {
             return false;
         }
         let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i].truncate());
         let held = [0, 1, 2, 3].map(|i| !(to[i].w > 0.0) || self.cut[pair.slots[i] as usize] == WITH_HELD);
         let any_held = held.contains(&true);
-        // What started in the same place has no side to stay on.
-        if !(gap > 0.0) {
-            return false;
-        }
         let at_last = self.pass > MEAN_PASSES;
         let mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
         let way = motion.map(|m| n.dot(m - mean));
@@ -190,14 +187,14 @@ impl Ways<'_> {
             return false;
         }
         let (mut any, goes_along) = (false, at_last && any_held);
-        for i in (0..4).filter(|&i| !held[i]) {
-            let slot = pair.slots[i] as usize;
-            let own = motion[i] - mean;
+        for k in (0..4).filter(|&k| !held[k]) {
+            let slot = pair.slots[k] as usize;
+            let own = motion[k] - mean;
             let own = if goes_along {
                 Vec3::ZERO
             } else if at_last {
                 if self.bounds[slot].is_nan() {
-                    self.bounds[slot] = gaps.bound(incidence.of(pair.slots[i]));
+                    self.bounds[slot] = gaps.bound(incidence.of(pair.slots[k]));
                 }
                 let bound = self.bounds[slot];
                 // What was cut to it before is longer by rounding only, and stays.
@@ -205,10 +202,10 @@ impl Ways<'_> {
             } else {
                 own * share
             };
-            let end = from[i].truncate() + mean + own;
-            let is_cut = end != to[i].truncate() && (!at_last || own != motion[i] - mean);
+            let end = from[k].truncate() + mean + own;
+            let is_cut = end != to[k].truncate() && (!at_last || own != motion[k] - mean);
             if goes_along || is_cut {
-                self.now[slot] = end.extend(to[i].w);
+                self.now[slot] = end.extend(to[k].w);
                 self.cut[slot] = if goes_along { WITH_HELD } else { self.pass };
                 any = true;
             }

@@ -286,7 +286,7 @@ impl Contacts {
         self.start.resize(self.particles.len(), Vec4::NAN);
         self.velocities.clear();
         self.velocities.resize(self.particles.len(), Vec3A::ZERO);
-        // For the CCD, which mostly needs neither.
+        // For the CCD, which mostly needs none of them.
         self.bounds.clear();
         self.bounds.reserve(self.particles.len());
         self.dividers.clear();

@@ -67,7 +67,8 @@ pub fn cloth(stage: &mut Stage, slot: usize, other: usize, wildly: bool, rng: &m
         stage.world().entity_mut(entity).insert(ClothSubdivision::new(longest));
     }
     let more = more(stage, entity, other, rng);
-    format!("{told}{more}, {longest:?}")
+    let split = longest.map_or_else(String::new, |longest| format!(" ClothSubdivision {longest}"));
+    format!("{told}{split}{more}")
 }
 
 /// Two sheets through each other.

@@ -1,6 +1,6 @@
 //! What is done to entities that are there.
 
-use bevy::camera::primitives::Aabb;
+use bevy::camera::primitives::{Aabb, MeshAabb};
 use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::SkinnedMesh;
@@ -20,7 +20,7 @@ pub fn swap(stage: &mut Stage, slot: usize, other: usize, rng: &mut Rng) -> Stri
     let Some(entity) = stage.live(slot) else { return format!("{slot}: nothing to give a mesh") };
     let handle = stage.app.world().get::<Mesh3d>(entity).map(|mesh| mesh.0.clone());
     let theirs = stage.live(other).and_then(|other| stage.app.world().get::<Mesh3d>(other)).map(|mesh| mesh.0.clone());
-    match (rng.u32(0..7), handle, theirs) {
+    match (rng.u32(0..9), handle, theirs) {
         (0, ..) => {
             stage.world().entity_mut(entity).remove::<Mesh3d>();
             format!("{slot}: no mesh")
@@ -51,6 +51,17 @@ pub fn swap(stage: &mut Stage, slot: usize, other: usize, rng: &mut Rng) -> Stri
             let (mesh, what) = damage::mesh(rng, true);
             stage.world().resource_mut::<Assets<Mesh>>().insert(handle.id(), mesh).ok();
             format!("{slot}: its asset is now {what}")
+        }
+        (6, ..) => {
+            stage.world().entity_mut(entity).remove::<ClothSubdivision>();
+            format!("{slot}: no subdivision")
+        }
+        (7, Some(handle), _) => {
+            let mesh = stage.app.world().resource::<Assets<Mesh>>().get(&handle);
+            let size = mesh.and_then(MeshAabb::compute_aabb).map_or(1.0, |bounds| bounds.half_extents.length());
+            let longest = if once_in(rng, 4) { number(rng).max(0.1 * size) } else { one_of(rng, &[0.1, 0.3]) * size };
+            stage.world().entity_mut(entity).insert(ClothSubdivision::new(longest));
+            format!("{slot}: ClothSubdivision {longest}")
         }
         _ => {
             let (mesh, what) = {
