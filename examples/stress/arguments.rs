@@ -38,6 +38,10 @@ pub enum SceneName {
     Needles,
     /// A skirt on a body that spins; `--garment` puts another one on it.
     Spin,
+    /// A sheet on a ball that begins to turn.
+    TurningBall,
+    /// A cloth that is pulled off a table.
+    Tablecloth,
     /// Two sheets tangled: a shallow dent.
     Dent,
     /// A deep dent.

@@ -84,6 +84,8 @@ fn scene(arguments: &Arguments) -> Result<Scene, String> {
             }
             None => scenes::spin(size),
         },
+        SceneName::TurningBall => scenes::turning_ball(size),
+        SceneName::Tablecloth => scenes::tablecloth(size),
         SceneName::Dent => scenes::tangle(Tangle::Dent, size),
         SceneName::DeepDent => scenes::tangle(Tangle::DeepDent, size),
         SceneName::Corner => scenes::tangle(Tangle::Corner, size),
@@ -109,8 +111,9 @@ fn look(scene: &mut Scene) -> Option<u32> {
 
 /// Whether a scene is about cloth that meets itself.
 fn folds(arguments: &Arguments) -> bool {
-    use SceneName::{Crosswise, Curtain, Funnel, Needles, Pinch, Skirt, Spin, Stack, Twist};
-    matches!(arguments.scene, Stack | Crosswise | Twist | Funnel | Curtain | Skirt | Pinch | Needles | Spin)
+    use SceneName::{Crosswise, Curtain, Funnel, Needles, Pinch, Skirt, Spin, Stack, Tablecloth, TurningBall, Twist};
+    let driven = matches!(arguments.scene, Curtain | Skirt | Pinch | Spin | TurningBall | Tablecloth);
+    driven || matches!(arguments.scene, Stack | Crosswise | Twist | Funnel | Needles)
 }
 
 /// The method asked for, or the one that suits the scene.

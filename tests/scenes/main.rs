@@ -55,6 +55,11 @@ fn a_skirt_walks() {
 }
 
 #[test]
+fn a_sheet_winds_round_a_ball_that_begins_to_turn() {
+    shows_no_crossing("turning ball", 360, 1.3, || scenes::turning_ball(30));
+}
+
+#[test]
 fn a_skirt_spins_one_way_and_the_other() {
     shows_no_crossing("spin", 360, 1.25, || scenes::spin(20));
 }
