@@ -84,9 +84,10 @@ impl Split {
             for [u, v] in [[a, b], [b, c], [c, a]] {
                 let [p, q] = [u, v].map(|v| positions[v as usize]);
                 // The same bits for both sides of a seam whose ends lie in the same place. What is not a number has no length, and far from the origin there may
-                // be none between two.
-                let middle = 0.5 * (p + q);
-                let is_long = p.distance_squared(q) > longest * longest && middle.is_finite() && middle != p && middle != q;
+                // be no number in the middle of two.
+                let (middle, square) = (0.5 * (p + q), p.distance_squared(q));
+                let halves = p.distance_squared(middle).max(q.distance_squared(middle));
+                let is_long = square > longest * longest && halves < 0.5 * square && middle.is_finite();
                 if is_long && !middles.contains_key(&ordered(u, v)) {
                     middles.insert(ordered(u, v), positions.len() as u32);
                     positions.push(middle);
