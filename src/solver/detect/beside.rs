@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beside_plane_does_not_cross_and_four_at_once_are_told_as_one() {
+    fn what_lies_beside_does_not_cross_and_four_at_once_are_told_as_one() {
         let mut rng = fastrand::Rng::with_seed(8);
         let (mut beside, mut crossing) = (0, 0);
         for round in 0..4_000 {
