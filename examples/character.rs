@@ -1,4 +1,5 @@
-//! A human in clothes: `assets/character.glb` says what is cloth, how far it may be from the skin, and that the body has colliders.
+//! A human in clothes: `assets/character.glb` says what is cloth, how far it may be from the skin, and that the body has
+//! colliders.
 //!
 //! | key | does |
 //! |---|---|

@@ -1,7 +1,7 @@
 //! The laboratory: tests of textile standards on every preset; measured, asked and published side by side.
 //!
-//! `cargo run --release --example fabric_lab [-- --edge 0.0075 --fabric cotton --out DIR --picture FILE.png]`: with `--out` each draped specimen is written as an
-//! OBJ, with `--picture` their shadows from above are drawn.
+//! `cargo run --release --example fabric_lab [-- --edge 0.0075 --fabric cotton --out DIR --picture FILE.png]`: with `--out`
+//! each draped specimen is written as an OBJ, with `--picture` their shadows from above are drawn.
 
 mod shadows;
 
@@ -22,7 +22,8 @@ struct Args {
     /// Edges of the specimens of the drape test [m].
     #[arg(long, default_value_t = 0.0075, value_parser = edge)]
     edge: f32,
-    /// Substeps per second of the drape test [Hz]; 14 m/s over the edge without, which needs no inner steps. 360 is the default of cloth.
+    /// Substeps per second of the drape test [Hz]; 14 m/s over the edge without, which needs no inner steps. 360 is the default
+    /// of cloth.
     #[arg(long, value_parser = positive)]
     rate: Option<f32>,
     /// Frames per second [Hz].

@@ -1,4 +1,5 @@
-//! The same table cloth in six fabrics; with `--curtains`, the same curtain. All look alike, so that only how they fall tells them apart.
+//! The same table cloth in six fabrics; with `--curtains`, the same curtain. All look alike, so that only how they fall tells
+//! them apart.
 //!
 //! R lets the table cloths fall again.
 

@@ -1,6 +1,7 @@
 //! Flags in a gusty wind.
 //!
-//! Each is held along one side by a pole, in the wind of `ClothGlobalWind`; a gust is a few metres wide, so it passes from one to the next.
+//! Each is held along one side by a pole, in the wind of `ClothGlobalWind`; a gust is a few metres wide, so it passes from one
+//! to the next.
 //!
 //! | key | does |
 //! |---|---|

@@ -1,6 +1,7 @@
 //! A cloth that is grabbed, dragged and thrown with the mouse.
 //!
-//! Left: grab, drag and throw. Right-click: a blast. Without a window a script grabs the cloth, lifts it off its ball, and throws it.
+//! Left: grab, drag and throw. Right-click: a blast. Without a window a script grabs the cloth, lifts it off its ball, and
+//! throws it.
 
 mod stage;
 

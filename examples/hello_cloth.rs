@@ -1,4 +1,5 @@
-//! The smallest app with cloth: a sheet, pinned along one side, falls over a ball in a light wind. Copy it into an empty project.
+//! The smallest app with cloth: a sheet, pinned along one side, falls over a ball in a light wind. Copy it into an empty
+//! project.
 
 use bevy::prelude::*;
 use bevy_drape::prelude::*;

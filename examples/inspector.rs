@@ -1,4 +1,5 @@
-//! Every setting of a cloth while it moves: a flag, a table cloth, two sheets driven through each other, and the panel that tunes them.
+//! Every setting of a cloth while it moves: a flag, a table cloth, two sheets driven through each other, and the panel that
+//! tunes them.
 //!
 //! Click a cloth, drag a slider; the wind in the world is an arrow that is dragged.
 //!

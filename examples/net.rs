@@ -1,7 +1,7 @@
 //! Cloth and physics, both ways: a ball in a net, a plank on a sheet, a flag on a mast that sways.
 //!
-//! The bodies are avian's. `ClothCoupling::TwoWay` gives them what cloth does to them: the net catches the ball and hangs deeper for it,
-//! the sheet bears the plank, and the mast, held upright by its own springs, leans with the pull of the flag.
+//! The bodies are avian's. `ClothCoupling::TwoWay` gives them what cloth does to them: the net catches the ball and hangs
+//! deeper for it, the sheet bears the plank, and the mast, held upright by its own springs, leans with the pull of the flag.
 //! `ClothPlugin::new(FixedPostUpdate)` keeps cloth in lockstep with physics.
 //!
 //! R drops them again.

@@ -1,13 +1,13 @@
-//! Tables 1 and 2 and figure 6 of Wen et al. 2009: two crossing sheets of N x N, average time of the whole frame, the traditional method
-//! (1995) against ours; then the same at sizes beyond the paper's.
+//! Tables 1 and 2 and figure 6 of Wen et al. 2009: two crossing sheets of N x N, average time of the whole frame, the
+//! traditional method (1995) against ours; then the same at sizes beyond the paper's.
 //!
 //! ```text
 //! cargo run --release --example paper_tables -- --figure figure_6.png
 //! ```
 //!
-//! The paper does not say how its sheets move. Here each figure is the mean over the eight named tangles, half a second of each from its
-//! tangled start; a second row of ours counts only frames in which something crossed. A third table takes the paper's summed gradient for
-//! every contour: it leaves what is cut straight through.
+//! The paper does not say how its sheets move. Here each figure is the mean over the eight named tangles, half a second of each
+//! from its tangled start; a second row of ours counts only frames in which something crossed. A third table takes the paper's
+//! summed gradient for every contour: it leaves what is cut straight through.
 #![expect(clippy::print_stdout, reason = "a program for the terminal")]
 
 mod chart;
@@ -26,7 +26,8 @@ use chart::Chart;
 use clap::Parser;
 use drape_scenes::{self as scenes, Tangle};
 
-/// Vertices along a side, and the paper's figures for the traditional method and its own [ms per frame] on a Pentium 4 at 2.4 GHz.
+/// Vertices along a side, and the paper's figures for the traditional method and its own [ms per frame] on a Pentium 4 at 2.4
+/// GHz.
 const PAPER: [(u32, f64, f64); 5] =
     [(10, 9.38, 7.61), (15, 11.16, 9.23), (20, 14.15, 10.49), (25, 15.64, 11.24), (30, 17.12, 12.09)];
 /// Sizes beyond the paper's.

@@ -1,12 +1,14 @@
-//! Runs cloth in one app for simulated hours: a flag in gusts, a curtain that a ball swings into, a skirt that walks, and a pile that is shaken once a minute.
+//! Runs cloth in one app for simulated hours: a flag in gusts, a curtain that a ball swings into, a skirt that walks, and a
+//! pile that is shaken once a minute.
 //!
 //! ```text
 //! cargo run --release --example soak -- --hours 10
 //! ```
 //!
-//! For each tenth of the time: memory of the process, its time on processors for a frame, and of each cloth the stretch that its worst edge keeps within in 99 of
-//! 100 frames, and the frames that crossed or were held. It fails where memory has grown by more than 2 % since the second tenth of half an hour or more, a cloth is stretched by more than a
-//! tenth or does not go on, or more frames are held in the last tenth than in the first.
+//! For each tenth of the time: memory of the process, its time on processors for a frame, and of each cloth the stretch that
+//! its worst edge keeps within in 99 of 100 frames, and the frames that crossed or were held. It fails where memory has grown
+//! by more than 2 % since the second tenth of half an hour or more, a cloth is stretched by more than a tenth or does not go
+//! on, or more frames are held in the last tenth than in the first.
 
 #![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
 
@@ -30,7 +32,8 @@ use drape_scenes::{curtain, skirt};
 const RATE: f64 = 60.0;
 /// Distance between scenes [m]: they never touch.
 const APART: f32 = 10.0;
-/// The walk of the skirt as far as it repeats itself to a quarter of a milliradian: 113 rounds, 568 strides [s]. It begins at full speed.
+/// The walk of the skirt as far as it repeats itself to a quarter of a milliradian: 113 rounds, 568 strides [s]. It begins at
+/// full speed.
 const WALK: (f64, f64) = (10.0, 631.1111);
 /// How far up a ball under the pile goes [m], how long that takes, and how often [s].
 const SHAKE: (f64, f64, f64) = (0.05, 1.0, 60.0);

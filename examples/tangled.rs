@@ -1,8 +1,8 @@
 //! Sheets that get into each other, or start in themselves, and how they come apart, in slow motion.
 //!
-//! Two sheets that are clean are put into each other: eight tangles. What crosses is drawn as a line, coloured by how it ends; while the
-//! last clean shape is held in place of the tangled one, as it would be in a game, it is shown as a ghost. Seven more start tangled, in
-//! themselves: there is no clean shape to hold.
+//! Two sheets that are clean are put into each other: eight tangles. What crosses is drawn as a line, coloured by how it ends;
+//! while the last clean shape is held in place of the tangled one, as it would be in a game, it is shown as a ghost. Seven more
+//! start tangled, in themselves: there is no clean shape to hold.
 //!
 //! | key | does |
 //! |---|---|
@@ -31,7 +31,8 @@ use tangles::{ghost, grid_mesh, upright};
 const SIZE: u32 = 30;
 /// Time between two frames that are simulated, in slow motion [s].
 const SLOW: f32 = 0.2;
-/// How long two sheets are apart before they are put into each other, or one is left in itself [s], and how far apart they are [m].
+/// How long two sheets are apart before they are put into each other, or one is left in itself [s], and how far apart they are
+/// [m].
 const APART: (f32, f32) = (0.07, 0.03);
 /// Distance between columns and between rows when all are shown [m].
 const GRID: (f32, f32) = (1.5, 1.36);

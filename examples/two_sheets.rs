@@ -1,8 +1,9 @@
 //! Two sheets driven through each other: the experiment of Wen et al. 2009.
 //!
-//! A sheet is stretched between its four corners; another hangs above, and its upper border is moved down and up again, so fast that it
-//! goes right through. What crosses is drawn as a line, coloured by how it ends. Side by side (`--side-by-side`, or S): the three states of
-//! the paper's figures 4 and 5 on sheets that start in each other, above with the method of 2006, below with ours.
+//! A sheet is stretched between its four corners; another hangs above, and its upper border is moved down and up again, so fast
+//! that it goes right through. What crosses is drawn as a line, coloured by how it ends. Side by side (`--side-by-side`, or S):
+//! the three states of the paper's figures 4 and 5 on sheets that start in each other, above with the method of 2006, below
+//! with ours.
 //!
 //! | key | does |
 //! |---|---|

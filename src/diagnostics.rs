@@ -10,8 +10,8 @@ use crate::simulation::{ClothParticles, ClothRest};
 
 /// Measures all cloths together, once for every frame that is shown.
 ///
-/// Times are those of the last simulated frame, summed over cloths: with several threads the frame takes less. [`ClothReport`] has them for
-/// each cloth.
+/// Times are those of the last simulated frame, summed over cloths: with several threads the frame takes less. [`ClothReport`]
+/// has them for each cloth.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -1,8 +1,8 @@
 //! Which cloths can meet: they are looked at together, as one surface.
 //!
-//! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; an island is everything that is linked so. Cloths that
-//! are together part only when boxes twice as wide are apart. Islands and their members are in the order of entities, so that nothing depends on
-//! the order of archetypes or threads.
+//! Two cloths can meet when their boxes, widened by thickness, motion and an edge, overlap; an island is everything that is
+//! linked so. Cloths that are together part only when boxes twice as wide are apart. Islands and their members are in the order
+//! of entities, so that nothing depends on the order of archetypes or threads.
 
 use core::cmp::Reverse;
 use std::sync::Arc;
@@ -137,8 +137,8 @@ impl ClothIslands {
         self.list.iter().map(|island| island.members.iter().map(|m| m.entity))
     }
 
-    /// How many islands were built so far: of other members than before, or of a new shape at rest that is no multiple of the one before.
-    /// No setting builds one.
+    /// How many islands were built so far: of other members than before, or of a new shape at rest that is no multiple of the
+    /// one before. No setting builds one.
     #[must_use]
     pub fn builds(&self) -> u64 {
         self.builds
@@ -156,7 +156,8 @@ impl ClothIslands {
         self.candidates.clear();
     }
 
-    /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world `[m]`.
+    /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world
+    /// `[m]`.
     pub(crate) fn add(
         &mut self,
         member: Member,
@@ -177,8 +178,8 @@ impl ClothIslands {
         Some((low, high))
     }
 
-    /// Links what can meet and builds the islands that are new or changed. `place` is told each member's island, its number there, and whether
-    /// it is roused: it sleeps where another does not.
+    /// Links what can meet and builds the islands that are new or changed. `place` is told each member's island, its number
+    /// there, and whether it is roused: it sleeps where another does not.
     pub(crate) fn form(&mut self, mut place: impl FnMut(Entity, u32, u32, bool)) {
         self.candidates.sort_unstable_by_key(|c| c.member.entity);
         self.link();

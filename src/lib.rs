@@ -3,7 +3,8 @@
 //! [`ClothPlugin`] simulates every mesh with a [`Cloth`]. The other components have defaults; a cloth takes those it needs:
 //!
 //! - what it is made of: [`ClothMaterial`]; what holds it: [`ClothPins`];
-//! - what it meets: [`ClothCollider`], [`ClothBody`], other cloth by [`ClothCollision`]; what blows: [`ClothGlobalWind`], [`ClothWind`], [`ClothWindZone`];
+//! - what it meets: [`ClothCollider`], [`ClothBody`], other cloth by [`ClothCollision`]; what blows: [`ClothGlobalWind`],
+//!   [`ClothWind`], [`ClothWindZone`];
 //! - how it follows a character: [`ClothLimits`], [`ClothDrive`], [`ClothInertia`], [`ClothBlend`];
 //! - how much it may cost: [`ClothSleep`], [`ClothLod`], [`ClothBudget`], [`ClothSolver`];
 //! - what is said of it: [`ClothReport`], [`ClothStatus`], and events such as [`ClothRecovered`].
@@ -18,7 +19,8 @@
 //! }
 //! ```
 //!
-//! Lengths are in metres, masses in kilograms, times in seconds. The solver, [`solver`], knows nothing of the engine and can be used without it.
+//! Lengths are in metres, masses in kilograms, times in seconds. The solver, [`solver`], knows nothing of the engine and can be
+//! used without it.
 #![forbid(unsafe_code)]
 
 // In the order of the data flow.

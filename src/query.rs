@@ -7,7 +7,8 @@ use crate::components::{Cloth, ClothHit};
 use crate::simulation::{ClothRest, ClothShown};
 use crate::solver::raycast::{self, Pick};
 
-/// Asks cloths as they are drawn, held and interpolated shapes included. A cloth that was not drawn yet, or cannot be simulated, is not found.
+/// Asks cloths as they are drawn, held and interpolated shapes included. A cloth that was not drawn yet, or cannot be
+/// simulated, is not found.
 ///
 /// Every triangle of the cloths whose box is met is asked.
 #[derive(SystemParam)]
@@ -54,9 +55,9 @@ impl ClothQuery<'_, '_> {
         })
     }
 
-    /// The nearest of all cloths that are within reach: `place` gives the place and the direction in the frame of the cloth, or none when
-    /// its box is out of reach. Without a direction the nearest point is asked for. Of two at the same distance the entity that comes first
-    /// is taken.
+    /// The nearest of all cloths that are within reach: `place` gives the place and the direction in the frame of the cloth, or
+    /// none when its box is out of reach. Without a direction the nearest point is asked for. Of two at the same distance the
+    /// entity that comes first is taken.
     fn best(
         &self,
         farthest: f32,

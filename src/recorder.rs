@@ -17,12 +17,13 @@ use crate::solver::skinned::Skinned;
 use crate::systems::detect;
 use crate::time::{self, ClothTime};
 
-/// Records frames of cloth: those that were held, in which a cloth blew up or failed, and those that are asked for. A file holds all that decided the
-/// frame, so that the program `stress --replay FILE`, or [`Recording::replay`](crate::solver::recording::Recording::replay), steps it again with the same
-/// bits: send it along with a report of a bug.
+/// Records frames of cloth: those that were held, in which a cloth blew up or failed, and those that are asked for. A file
+/// holds all that decided the frame, so that the program `stress --replay FILE`, or
+/// [`Recording::replay`](crate::solver::recording::Recording::replay), steps it again with the same bits: send it along with a
+/// report of a bug.
 ///
-/// While it is there, every frame is kept until it is over, which costs a copy of all cloth. Add it after [`ClothPlugin`](crate::ClothPlugin), to the
-/// schedule that that runs in.
+/// While it is there, every frame is kept until it is over, which costs a copy of all cloth. Add it after
+/// [`ClothPlugin`](crate::ClothPlugin), to the schedule that that runs in.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -46,7 +47,8 @@ pub struct ClothRecorder {
     pub recovered: bool,
     /// Most files that are written. Default 16.
     pub most: u32,
-    /// Cloths of which a frame is recorded, whatever happens: the next in which they move, keep their scale, and meet no others than in the frame before.
+    /// Cloths of which a frame is recorded, whatever happens: the next in which they move, keep their scale, and meet no others
+    /// than in the frame before.
     pub next: Vec<Entity>,
 }
 
@@ -201,7 +203,8 @@ fn record(
     }
 }
 
-/// Keeps what changed in the islands since the cloths were stepped; what meets others than before cannot be stepped again, and is dropped.
+/// Keeps what changed in the islands since the cloths were stepped; what meets others than before cannot be stepped again, and
+/// is dropped.
 fn regroup(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Cloths) {
     frame.frames.retain_mut(|(entities, recording, origin)| {
         let mine = |island: &&ClothIsland| island.members.iter().any(|member| entities.contains(&member.entity));

@@ -36,7 +36,8 @@ pub(crate) struct ClothClock {
     pub shows: Interned<dyn ScheduleLabel>,
 }
 
-/// Adds systems that look at what Integrate left, before Detect looks for what the next frame needs. For plugins that are finished.
+/// Adds systems that look at what Integrate left, before Detect looks for what the next frame needs. For plugins that are
+/// finished.
 #[cfg(feature = "debug")]
 pub(crate) fn after_integrate<M>(app: &mut App, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
     let schedule = clock(app).schedule;

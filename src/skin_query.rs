@@ -9,7 +9,8 @@ use crate::simulation::{ClothInputs, ClothParticles, ClothRest};
 use crate::solver::body;
 use crate::solver::skinned::Skinned;
 
-/// Asks what cloths were given of skin and bodies in the last simulated frame: for reports and tools. Points are in the world `[m]`, one per particle.
+/// Asks what cloths were given of skin and bodies in the last simulated frame: for reports and tools. Points are in the world
+/// `[m]`, one per particle.
 ///
 /// An entity that is no bound cloth has none of it.
 #[derive(SystemParam)]
@@ -18,7 +19,8 @@ pub struct ClothSkinQuery<'w, 's> {
 }
 
 impl ClothSkinQuery<'_, '_> {
-    /// Where the animated skin itself takes each particle `[m]`, before it is taken out of bodies. A cloth without a skin has its mesh for one.
+    /// Where the animated skin itself takes each particle `[m]`, before it is taken out of bodies. A cloth without a skin has
+    /// its mesh for one.
     #[must_use]
     pub fn places(&self, cloth: Entity) -> Option<impl Iterator<Item = DVec3> + '_> {
         let (rest, inputs, particles) = self.cloths.get(cloth).ok()?;
@@ -26,7 +28,8 @@ impl ClothSkinQuery<'_, '_> {
         Some(inputs.pose(rest.shape(), origin).map(move |place| origin + place.as_dvec3()))
     }
 
-    /// Targets and limits as the solver has them, in its own frame: [`ClothParticles::origin`]. None where nothing is asked of the skin.
+    /// Targets and limits as the solver has them, in its own frame: [`ClothParticles::origin`]. None where nothing is asked of
+    /// the skin.
     #[must_use]
     pub fn skinned(&self, cloth: Entity) -> Option<&Skinned> {
         let (_, inputs, _) = self.cloths.get(cloth).ok()?;

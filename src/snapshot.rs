@@ -12,17 +12,20 @@ use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, Cl
 use crate::solver::wind::Wind;
 use crate::time::ClothTime;
 
-/// The state of cloth between two frames: captured, kept, and gone back to as often as wanted. For rollback in a networked game, for a replay, to try
-/// something and take it back.
+/// The state of cloth between two frames: captured, kept, and gone back to as often as wanted. For rollback in a networked
+/// game, for a replay, to try something and take it back.
 ///
-/// It holds what the plugin keeps: particles and their velocities, folds, contacts, tangles, sleep, what grips hold, reports, how far gusts have
-/// travelled, and where bodies were in the last frame. What is the app's, the app restores: transforms and parents, settings, grips
-/// ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time. Then the frames that follow have the same bits as those that followed the
-/// first time. Write only what differs ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is
-/// written. What cameras saw is not in it, so do without `ClothLod` where bits matter.
+/// It holds what the plugin keeps: particles and their velocities, folds, contacts, tangles, sleep, what grips hold, reports,
+/// how far gusts have travelled, and where bodies were in the last frame. What is the app's, the app restores: transforms and
+/// parents, settings, grips ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time. Then the frames that
+/// follow have the same bits as those that followed the first time. Write only what differs
+/// ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is written. What
+/// cameras saw is not in it, so do without `ClothLod` where bits matter.
 ///
-/// Capture and restore between two updates, or in an exclusive system before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after
-/// [`ClothSystems::Sync`](crate::ClothSystems::Sync). A snapshot lives in memory, and only the world it is of can be restored from it; for save games there is [`ClothPose`](crate::ClothPose).
+/// Capture and restore between two updates, or in an exclusive system before
+/// [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after [`ClothSystems::Sync`](crate::ClothSystems::Sync). A
+/// snapshot lives in memory, and only the world it is of can be restored from it; for save games there is
+/// [`ClothPose`](crate::ClothPose).
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -52,8 +55,8 @@ pub struct ClothSnapshot {
     world: WorldId,
 }
 
-/// The cloths of a [`ClothSnapshot`] that [`ClothSnapshot::restore`] left as they are: despawned, bound to another mesh or scale since then, or of another
-/// world.
+/// The cloths of a [`ClothSnapshot`] that [`ClothSnapshot::restore`] left as they are: despawned, bound to another mesh or
+/// scale since then, or of another world.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{} cloths of the snapshot were despawned, have another mesh or scale now, or are of another world, and were left as they are: {cloths:?}", cloths.len())]
 pub struct ClothSnapshotError {
@@ -88,15 +91,15 @@ struct Surroundings {
 }
 
 impl ClothSnapshot {
-    /// Of every cloth that is simulated, and of what they share: gusts, bodies and grips. Cloth that waits or failed is not in it. Empty without
-    /// [`ClothPlugin`](crate::ClothPlugin).
+    /// Of every cloth that is simulated, and of what they share: gusts, bodies and grips. Cloth that waits or failed is not in
+    /// it. Empty without [`ClothPlugin`](crate::ClothPlugin).
     #[must_use]
     pub fn capture(world: &mut World) -> Self {
         Self { surroundings: Surroundings::of(world), ..Self::of(world, |_| true) }
     }
 
-    /// Of those of these entities that are cloth that is simulated. What they share with others stays as it is when it is restored; contacts with others
-    /// are found anew then.
+    /// Of those of these entities that are cloth that is simulated. What they share with others stays as it is when it is
+    /// restored; contacts with others are found anew then.
     #[must_use]
     pub fn capture_of(world: &mut World, cloths: &[Entity]) -> Self {
         Self::of(world, |entity| cloths.contains(&entity))
@@ -142,8 +145,8 @@ impl ClothSnapshot {
         self.cloths.iter().map(|cloth| cloth.entity)
     }
 
-    /// Puts its cloths back, those that failed since, too. Cloths that are not in it stay as they are, and so does what was spawned since; no event is
-    /// sent.
+    /// Puts its cloths back, those that failed since, too. Cloths that are not in it stay as they are, and so does what was
+    /// spawned since; no event is sent.
     ///
     /// # Errors
     /// [`ClothSnapshotError`] names the cloths that could not be put back; all others were.

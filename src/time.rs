@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 
-/// Shortest frame that is simulated by itself. Solved in one pass, springs stay longer than they are, the more the longer a substep is: a much shorter one than
-/// the last sets free what is stored in them.
+/// Shortest frame that is simulated by itself. Solved in one pass, springs stay longer than they are, the more the longer a
+/// substep is: a much shorter one than the last sets free what is stored in them.
 const SHORTEST_FRAME: Duration = Duration::from_millis(1);
 
 /// By how much cloth moves in a frame.
@@ -27,7 +27,8 @@ impl ClothTime {
         self.delta.as_secs_f64()
     }
 
-    /// Takes over a frame of the clock of the schedule. What shorter frames take, as those of slow motion, is owed until it adds up.
+    /// Takes over a frame of the clock of the schedule. What shorter frames take, as those of slow motion, is owed until it
+    /// adds up.
     pub fn advance_by(&mut self, delta: Duration) {
         let sum = self.owed + delta;
         let due = !delta.is_zero() && sum >= SHORTEST_FRAME;

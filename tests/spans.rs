@@ -1,4 +1,5 @@
-//! Spans for tracers. A binary of its own: threads that wait do the work of other apps in the process, and would tell of their spans.
+//! Spans for tracers. A binary of its own: threads that wait do the work of other apps in the process, and would tell of their
+//! spans.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;

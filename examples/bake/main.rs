@@ -5,11 +5,11 @@
 //! cargo run --example bake -- assets/character.glb --report --only Cape,Skirt --clip Walk,Run
 //! ```
 //!
-//! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame did. The exit
-//! code is 0 only if all was written; a file that cannot be simulated is one line on stderr and exit code 2.
+//! `OUT/<node>_<frame>.obj` holds the welded mesh in world space [m], frame 0 as authored; `OUT/report.json` what each frame
+//! did. The exit code is 0 only if all was written; a file that cannot be simulated is one line on stderr and exit code 2.
 //!
-//! `--report` is for who makes clothes: it says per cloth and clip where the skin lies inside bodies, which edges it stretches too far, which painted maps make no
-//! sense, and how the cloth fared. It writes no OBJ.
+//! `--report` is for who makes clothes: it says per cloth and clip where the skin lies inside bodies, which edges it stretches
+//! too far, which painted maps make no sense, and how the cloth fared. It writes no OBJ.
 
 mod clip;
 #[path = "../cli/mod.rs"]
@@ -41,7 +41,8 @@ struct Arguments {
     /// Frames per second of simulated time.
     #[arg(long, default_value_t = 60.0, value_parser = rate)]
     fps: f64,
-    /// Substeps per second [Hz] of cloths that have the default rate; more than in a game, since nobody waits [default: 2400; with --report that of a game].
+    /// Substeps per second [Hz] of cloths that have the default rate; more than in a game, since nobody waits [default: 2400;
+    /// with --report that of a game].
     #[arg(long, value_parser = substeps)]
     substep_rate: Option<f32>,
     /// How crossing cloths are taken apart; the default is what each cloth asks for.

@@ -11,7 +11,8 @@ use crate::stage::{FabricLook, fabric};
 
 /// Distance between neighbours in a row, and between rows [m].
 const APART: Vec2 = Vec2::new(1.5, 1.6);
-/// Share of a round that one is ahead of the one before (dimensionless): the golden ratio, so that no two that are near move alike.
+/// Share of a round that one is ahead of the one before (dimensionless): the golden ratio, so that no two that are near move
+/// alike.
 const AHEAD: f32 = 0.618_034;
 /// What they do, and what they wear: nodes of the file.
 const CLIPS: [&str; 5] = ["Walk", "Run", "Idle", "Dance", "Turn"];

@@ -1,4 +1,5 @@
-//! A crowd in clothes under a budget: a governor takes detail from those that matter least, until all cloths together cost no more than that.
+//! A crowd in clothes under a budget: a governor takes detail from those that matter least, until all cloths together cost no
+//! more than that.
 //!
 //! | key | does |
 //! |---|---|

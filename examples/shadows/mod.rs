@@ -1,4 +1,5 @@
-//! Draped specimens from above, side by side in one picture: each with its shadow, the disk below and the specimen as it was flat.
+//! Draped specimens from above, side by side in one picture: each with its shadow, the disk below and the specimen as it was
+//! flat.
 
 use std::error::Error;
 use std::path::Path;

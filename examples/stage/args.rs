@@ -22,7 +22,8 @@ pub struct StageArgs {
     /// Width of what --out writes, 160 to 3840; its height is 9/16 of that [default: 960 for .png, 480 for .gif].
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(160..=3840))]
     pub width: Option<u32>,
-    /// Draw what the solver sees: pins, maps, targets, wind, springs, contacts, bvh, crossings, contours, regions, sleep, normals, bounds.
+    /// Draw what the solver sees: pins, maps, targets, wind, springs, contacts, bvh, crossings, contours, regions, sleep,
+    /// normals, bounds.
     #[arg(long, value_name = "ITEM,...", value_delimiter = ',', value_parser = PossibleValuesParser::new(ClothDebug::ITEMS))]
     pub debug: Vec<String>,
 }

@@ -8,7 +8,8 @@ use bevy::{
 use bevy_drape::solver::rest::SourceMesh;
 use drape_scenes as scenes;
 
-/// A piece of cloth cut for a scene: of `rows` vertices down, and of a size [m] that the texture is laid out on, 1 m to a unit of UV.
+/// A piece of cloth cut for a scene: of `rows` vertices down, and of a size [m] that the texture is laid out on, 1 m to a unit
+/// of UV.
 pub fn cut(source: &SourceMesh, rows: u32, size: Vec2) -> Result<Mesh> {
     let columns = source.positions.len() as u32 / rows.max(1);
     let last = Vec2::new(columns as f32 - 1.0, rows as f32 - 1.0);

@@ -127,7 +127,8 @@ pub struct Arguments {
     /// Moves every free particle of the start by up to a thousandth of an edge, another way for every number but 0.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Counts what crosses in what every frame shows, warming up included, without the detector. Frames are a little slower for it.
+    /// Counts what crosses in what every frame shows, warming up included, without the detector. Frames are a little slower for
+    /// it.
     #[arg(long)]
     pub check: bool,
     /// Steps this frame again, which `ClothRecorderPlugin` recorded, in place of a scene.

@@ -84,7 +84,8 @@ struct Watch {
 }
 
 impl Watch {
-    /// Takes in the frame that is shown. A jump is how much farther a particle went than the skin beneath it and itself in the frame before.
+    /// Takes in the frame that is shown. A jump is how much farther a particle went than the skin beneath it and itself in the
+    /// frame before.
     fn look(&mut self, app: &mut App, state: &mut Shown) {
         self.levels = default();
         let Ok((cloths, skins)) = state.get(app.world()) else { return };

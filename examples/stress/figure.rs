@@ -31,7 +31,8 @@ const ONCE: [&str; 2] = ["Sit", "LieDown"];
 #[derive(Resource)]
 struct Outfit(Vec<String>);
 
-/// Characters at these places, dressed and in motion, each in another phase. Also the time that it took to bind their clothes [s].
+/// Characters at these places, dressed and in motion, each in another phase. Also the time that it took to bind their clothes
+/// [s].
 pub fn cast(arguments: &Arguments, places: impl Iterator<Item = Transform>) -> Result<(App, f64), String> {
     let mut app = app(arguments);
     let file = load(&mut app)?;
@@ -47,7 +48,8 @@ pub fn cast(arguments: &Arguments, places: impl Iterator<Item = Transform>) -> R
     Ok((app, bound))
 }
 
-/// Makes the pool that cloths are stepped on. The calling thread works too, and Bevy asks for a pool of at least one: one of its threads only waits.
+/// Makes the pool that cloths are stepped on. The calling thread works too, and Bevy asks for a pool of at least one: one of
+/// its threads only waits.
 fn pool(threads: u32) {
     let pool = ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(threads as usize).build());
     let (tell, told) = mpsc::channel();

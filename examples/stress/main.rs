@@ -4,11 +4,11 @@
 //! cargo run --release --example stress -- --scene hang --size 64 --json
 //! ```
 //!
-//! Where cloths can meet, crossings are looked for in every frame, between cloths and with `--self-collision` in each; elsewhere once at
-//! the end, untimed, of everything with everything, and what would have needed a look at every frame is null.
+//! Where cloths can meet, crossings are looked for in every frame, between cloths and with `--self-collision` in each;
+//! elsewhere once at the end, untimed, of everything with everything, and what would have needed a look at every frame is null.
 //!
-//! That is what the detector says of the shapes that are simulated. `--check` counts what every frame *shows*, with code that shares
-//! nothing with the detector:
+//! That is what the detector says of the shapes that are simulated. `--check` counts what every frame *shows*, with code that
+//! shares nothing with the detector:
 //!
 //! ```text
 //! for seed in $(seq 10); do

@@ -98,8 +98,8 @@ fn scene(arguments: &Arguments) -> Result<Scene, String> {
     })
 }
 
-/// Crossings of all cloths with each other and with themselves in a scene in which nobody looked for them; none if there are too many
-/// cloths to look at.
+/// Crossings of all cloths with each other and with themselves in a scene in which nobody looked for them; none if there are
+/// too many cloths to look at.
 fn look(scene: &mut Scene) -> Option<u32> {
     let only = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
     *scene = scene.clone().untangled(only, EvaluateSettings::default(), true).ok()?;

@@ -1,5 +1,5 @@
-//! Shows what is held as a ghost: while the last clean shape is shown in place of a tangled one, that shape becomes translucent and the
-//! live one is drawn as well.
+//! Shows what is held as a ghost: while the last clean shape is shown in place of a tangled one, that shape becomes translucent
+//! and the live one is drawn as well.
 
 use bevy::math::DVec3;
 use bevy::mesh::VertexAttributeValues;

@@ -1,4 +1,5 @@
-//! What the two examples about untangling share: sheets from the scenes, curves drawn as lines, words about how far a tangle has come apart.
+//! What the two examples about untangling share: sheets from the scenes, curves drawn as lines, words about how far a tangle
+//! has come apart.
 #![allow(dead_code, reason = "each example uses a part")]
 
 pub mod ghost;

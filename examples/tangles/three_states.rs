@@ -1,7 +1,7 @@
 //! The three states of the paper's figures 4 and 5, side by side: above with the method of 2006, below with ours.
 //!
-//! Every cell is a pair of sheets of its own from the same start. What reaches the state of its column is kept as a picture: left as it is,
-//! taken apart until most of it is done, taken apart for good.
+//! Every cell is a pair of sheets of its own from the same start. What reaches the state of its column is kept as a picture:
+//! left as it is, taken apart until most of it is done, taken apart for good.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;

@@ -6,9 +6,9 @@
 //! cargo run --release --example torture -- --replay "app 1234 frames 60 keep 0,3,17"
 //! ```
 //!
-//! After every frame: no panic, no number that is not finite in what is shown or reported, a warning at most once for what was done,
-//! a frame no longer than its work explains. At the end of an app nothing of it is left, and a second run, or another number of threads,
-//! has the same positions. A frame that does not end, ends the program.
+//! After every frame: no panic, no number that is not finite in what is shown or reported, a warning at most once for what was
+//! done, a frame no longer than its work explains. At the end of an app nothing of it is left, and a second run, or another
+//! number of threads, has the same positions. A frame that does not end, ends the program.
 
 #![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
 

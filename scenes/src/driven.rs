@@ -13,8 +13,8 @@ const FLAP: (f32, f32) = (0.74, 0.05);
 /// Height above the flat sheet, of the middle and of the waves `[m]`.
 const WAVES: (f32, f32) = (0.042, 0.07);
 
-/// A flat sheet of 1 m x 1 m and one driven through it, each of about `n` x `n` vertices: waves that pierce it in several places, and a
-/// flap that cuts straight through, for which no gradient is anything but 0.
+/// A flat sheet of 1 m x 1 m and one driven through it, each of about `n` x `n` vertices: waves that pierce it in several
+/// places, and a flap that cuts straight through, for which no gradient is anything but 0.
 ///
 /// ```text
 ///    ╭─╮   ╭─╮  ╭─╮           z

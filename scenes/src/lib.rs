@@ -119,7 +119,8 @@ pub fn sheets(n: u32) -> Scene {
     layers(2, n)
 }
 
-/// `k` sheets of `n` x `n` vertices, 3 cm above each other and each turned by 45 degrees against the one below, dropped on a ball.
+/// `k` sheets of `n` x `n` vertices, 3 cm above each other and each turned by 45 degrees against the one below, dropped on a
+/// ball.
 #[must_use]
 pub fn layers(k: u32, n: u32) -> Scene {
     let cloth = |i: u32| {

@@ -1,4 +1,5 @@
-//! Random tangles, each from a number. What share of them comes apart, and how soon, is the second measure of an untangling method.
+//! Random tangles, each from a number. What share of them comes apart, and how soon, is the second measure of an untangling
+//! method.
 
 use core::f64::consts::PI;
 use std::sync::Arc;
@@ -126,7 +127,8 @@ pub struct SeedRun {
 }
 
 impl Seed {
-    /// Steps the tangle by frames of 1/60 s until it is clean, `most` at most. A sheet collides with itself where it is a self-tangle, or always.
+    /// Steps the tangle by frames of 1/60 s until it is clean, `most` at most. A sheet collides with itself where it is a
+    /// self-tangle, or always.
     #[must_use]
     pub fn run(&self, settings: UntangleSettings, self_collision: bool, most: u32) -> Option<SeedRun> {
         let own = self_collision || self.kind.is_self_tangle();

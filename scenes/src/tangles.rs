@@ -1,4 +1,5 @@
-//! The eight named tangles: two sheets that start in each other. What takes which of them apart is the measure of an untangling method.
+//! The eight named tangles: two sheets that start in each other. What takes which of them apart is the measure of an untangling
+//! method.
 
 use glam::{DQuat, DVec3, Vec3};
 

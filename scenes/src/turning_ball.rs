@@ -1,5 +1,5 @@
-//! A sheet on a ball that begins to turn on a floor: it winds round the ball and folds on itself (Bridson et al. 2002, "Robust treatment of collisions, contact and
-//! friction for cloth animation", figure 1).
+//! A sheet on a ball that begins to turn on a floor: it winds round the ball and folds on itself (Bridson et al. 2002, "Robust
+//! treatment of collisions, contact and friction for cloth animation", figure 1).
 
 use glam::{Quat, Vec3, vec3};
 

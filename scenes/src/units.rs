@@ -1,4 +1,5 @@
-//! The seven contour units: a sheet that crosses itself in one curve, one for each way such a curve can end (after Wicke, Lanker and Gross 2006).
+//! The seven contour units: a sheet that crosses itself in one curve, one for each way such a curve can end (after Wicke,
+//! Lanker and Gross 2006).
 
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
@@ -21,7 +22,8 @@ pub enum Unit {
     Bibi,
     /// A dart whose sides cross from the tip on: an end in the tip, the other on a border.
     Bli,
-    /// A dart whose upper side dips through the lower one from the tip to the rim: two ends on one border, the tip between them.
+    /// A dart whose upper side dips through the lower one from the tip to the rim: two ends on one border, the tip between
+    /// them.
     Cross,
 }
 
@@ -111,7 +113,8 @@ fn dip(slope: f32) -> f32 {
     0.9 * slope * slope - 0.11
 }
 
-/// A paper dart with its tip in the origin: a flat lower side, a fin, and an upper side of height `height(x, y / x)` that is `reach` as long.
+/// A paper dart with its tip in the origin: a flat lower side, a fin, and an upper side of height `height(x, y / x)` that is
+/// `reach` as long.
 ///
 /// ```text
 ///        ╱│ upper

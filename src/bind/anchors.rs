@@ -121,7 +121,8 @@ fn no_paint(reason: String) -> ClothError {
     ClothError { kind: ClothErrorKind::NoPinAttribute, detail: format!("its pins {reason}") }
 }
 
-/// Where anchors of a cloth that is already simulated stay: an old anchor keeps its place, a new one is held where its particle is.
+/// Where anchors of a cloth that is already simulated stay: an old anchor keeps its place, a new one is held where its particle
+/// is.
 pub(crate) struct Continuing<'a> {
     pub sets: &'a AnchorSets,
     pub anchors: &'a Anchors,
@@ -135,7 +136,8 @@ pub(crate) struct Continuing<'a> {
 }
 
 impl Resolved {
-    /// Holds particles rigidly, sorted, by the set with that number, except where a set holds them so already. Whether it holds any.
+    /// Holds particles rigidly, sorted, by the set with that number, except where a set holds them so already. Whether it holds
+    /// any.
     pub fn pin(&mut self, particles: impl Iterator<Item = u32>, set: usize) -> bool {
         let mut any = false;
         for particle in particles {
@@ -191,7 +193,8 @@ impl Resolved {
     }
 }
 
-/// Moves weights towards those that anchors are to have, for `dt` `[s]`. Whether one moved, and whether one became rigid or ceased to be.
+/// Moves weights towards those that anchors are to have, for `dt` `[s]`. Whether one moved, and whether one became rigid or
+/// ceased to be.
 pub(crate) fn ramp_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [bool; 2] {
     let step = (dt / RAMP_TIME).max(0.0);
     let (mut moved, mut turned) = (false, false);

@@ -83,8 +83,8 @@ impl RestCache {
         built
     }
 
-    /// Whether the shape of a mesh at a scale is there, or will not be. Otherwise it is being built in the background, from now on if `begin` gives a mesh
-    /// for it.
+    /// Whether the shape of a mesh at a scale is there, or will not be. Otherwise it is being built in the background, from now
+    /// on if `begin` gives a mesh for it.
     pub fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
         let key = key(source, bake);
         if let Some(building) = self.tasks.get_mut(&key) {
@@ -155,7 +155,8 @@ impl RestCache {
         }
     }
 
-    /// The shape of a mesh at a scale that is a multiple of another's, made of what was built: a scale that breathes builds nothing.
+    /// The shape of a mesh at a scale that is a multiple of another's, made of what was built: a scale that breathes builds
+    /// nothing.
     fn scale_another(&self, source: AssetId<Mesh>, bake: Mat3) -> Option<(Arc<RestShape>, Known)> {
         let of_mesh = self.shapes.iter().filter(|((id, _), _)| *id == source);
         let (_, times, of, report) = of_mesh
@@ -176,8 +177,8 @@ impl RestCache {
         self.shapes.insert(key, known);
     }
 
-    /// Forgets the shapes of a mesh that was written. What is built of it goes on: writing a mesh need not change it, and one that is written in every
-    /// frame would never be built.
+    /// Forgets the shapes of a mesh that was written. What is built of it goes on: writing a mesh need not change it, and one
+    /// that is written in every frame would never be built.
     pub fn forget_shapes(&mut self, source: AssetId<Mesh>) {
         self.shapes.retain(|(id, _), _| *id != source);
         self.tasks.iter_mut().filter(|((id, _), _)| *id == source).for_each(|(_, building)| building.written = true);

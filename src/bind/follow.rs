@@ -44,7 +44,8 @@ impl Asked {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Followed {
     pub asked: Asked,
-    /// Maximum distances, backstop distances `[m]` and frequencies `[Hz]` that particles are to have; empty where there are none.
+    /// Maximum distances, backstop distances `[m]` and frequencies `[Hz]` that particles are to have; empty where there are
+    /// none.
     wanted: [Vec<f32>; 3],
     /// Unit normals of the particles at rest; empty without a backstop.
     pub normals: Vec<Vec3>,
@@ -57,7 +58,8 @@ pub(crate) struct Followed {
 }
 
 impl Followed {
-    /// Spreads maps over particles. What cannot be used is off, and told by name with the reason. `before`: what was asked of it until now.
+    /// Spreads maps over particles. What cannot be used is off, and told by name with the reason. `before`: what was asked of
+    /// it until now.
     pub fn new(
         asked: Asked,
         mesh: &Mesh,

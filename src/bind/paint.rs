@@ -7,7 +7,8 @@ use crate::components::{ClothColorChannel, ClothMap, ClothPaint};
 use crate::solver::rest::RestShape;
 
 impl ClothMap {
-    /// What was painted at each vertex of a mesh, as it is there: 0 to 1, unless somebody painted otherwise. None where the map is not painted.
+    /// What was painted at each vertex of a mesh, as it is there: 0 to 1, unless somebody painted otherwise. None where the map
+    /// is not painted.
     ///
     /// # Errors
     /// The reason, where the mesh does not have what the map names.
@@ -74,7 +75,8 @@ fn component(name: &str) -> Option<(&str, usize)> {
     Some((base, component))
 }
 
-/// A map as one number for each particle, clamped to `least..=most`; none where the map is off. Of welded vertices the first one counts.
+/// A map as one number for each particle, clamped to `least..=most`; none where the map is off. Of welded vertices the first
+/// one counts.
 ///
 /// # Errors
 /// The reason, where what was painted is not there.

@@ -10,7 +10,8 @@ use super::Authored;
 use super::placement::{Placement, is_near, seen_from, uniform_scale};
 use crate::solver::rest::RestShape;
 
-/// Volume, over that of a box of the same sides, below which skin is pressed flat (dimensionless): its inverse would throw what it carries.
+/// Volume, over that of a box of the same sides, below which skin is pressed flat (dimensionless): its inverse would throw what
+/// it carries.
 const FLAT: f32 = 0.1;
 
 /// Joints and weights of every particle.
@@ -76,7 +77,8 @@ impl Skin {
         Some(skin)
     }
 
-    /// Finds the joints that carry the cloth as a whole: by the weights of the particles that are `pinned`, or of all where none is.
+    /// Finds the joints that carry the cloth as a whole: by the weights of the particles that are `pinned`, or of all where
+    /// none is.
     pub fn find_carriers(&mut self, pinned: &[u32]) {
         let all: Vec<u32> = if pinned.is_empty() { (0..self.points.len() as u32).collect() } else { pinned.to_vec() };
         let mut sums = vec![0.0f32; self.joints.len()];
@@ -93,8 +95,8 @@ impl Skin {
         (self.carriers, self.center) = (carriers.collect(), center / count);
     }
 
-    /// Where the skin is as a whole: as its [carriers](Self::find_carriers) turn it, in their mean, and move the middle of what they carry. Its scale is
-    /// even. None where a joint is gone, flat or not finite.
+    /// Where the skin is as a whole: as its [carriers](Self::find_carriers) turn it, in their mean, and move the middle of what
+    /// they carry. Its scale is even. None where a joint is gone, flat or not finite.
     pub fn placement(&self, transforms: &Transforms) -> Option<Placement> {
         let (mut turn, mut scale, mut at) = (Vec4::ZERO, 0.0, Vec3::ZERO);
         for &(joint, weight) in &self.carriers {
@@ -151,7 +153,8 @@ impl Skin {
         self.center
     }
 
-    /// Skinning matrices as seen from `origin`; a joint that is gone or not finite keeps its last one. False if there was none yet.
+    /// Skinning matrices as seen from `origin`; a joint that is gone or not finite keeps its last one. False if there was none
+    /// yet.
     pub fn matrices(&self, transforms: &Transforms, origin: DVec3, matrices: &mut Vec<Affine3A>) -> bool {
         skinning_matrices(&self.joints, transforms, origin, matrices)
     }
@@ -168,8 +171,8 @@ impl Skin {
         joints.iter().zip(weights).map(place).sum()
     }
 
-    /// Direction of a normal of a particle, as the skin turns it; of any length. By cofactors, which do not ask for an inverse: skin that is pressed flat
-    /// has none.
+    /// Direction of a normal of a particle, as the skin turns it; of any length. By cofactors, which do not ask for an inverse:
+    /// skin that is pressed flat has none.
     pub fn turn(&self, matrices: &[Affine3A], particle: usize, normal: Vec3) -> Vec3 {
         let Some((joints, weights)) = self.weights.get(particle) else { return normal };
         let place = |(&joint, &weight): (&u16, &f32)| match matrices.get(usize::from(joint)) {

@@ -83,8 +83,8 @@ impl Split {
         for &[a, b, c] in &*triangles {
             for [u, v] in [[a, b], [b, c], [c, a]] {
                 let [p, q] = [u, v].map(|v| positions[v as usize]);
-                // The same bits for both sides of a seam whose ends lie in the same place. What is not a number has no length, and far from the origin there may
-                // be no number in the middle of two.
+                // The same bits for both sides of a seam whose ends lie in the same place. What is not a number has no length,
+                // and far from the origin there may be no number in the middle of two.
                 let (middle, square) = (0.5 * (p + q), p.distance_squared(q));
                 let halves = p.distance_squared(middle).max(q.distance_squared(middle));
                 let is_long = square > longest * longest && halves < 0.5 * square && middle.is_finite();
@@ -133,15 +133,16 @@ fn faces_of([a, b, c]: [u32; 3], middle: impl Fn(u32, u32) -> Option<u32>, posit
     }
 }
 
-/// The same where `x`, between `b` and `c`, and `y`, between `c` and `a`, are middles: the quadrilateral below is split along its shorter diagonal.
+/// The same where `x`, between `b` and `c`, and `y`, between `c` and `a`, are middles: the quadrilateral below is split along
+/// its shorter diagonal.
 fn split_two([a, b, c]: [u32; 3], [x, y]: [u32; 2], at: &impl Fn(u32) -> Vec3, faces: &mut Vec<[u32; 3]>) {
     faces.push([x, c, y]);
     let along_a = at(a).distance_squared(at(x)) <= at(b).distance_squared(at(y));
     faces.extend(if along_a { [[a, b, x], [a, x, y]] } else { [[a, b, y], [b, x, y]] });
 }
 
-/// Gives new vertices the mean of their parents, or the value of one where there is none between: of integers, and of formats that Bevy's own attributes and maps
-/// do not have.
+/// Gives new vertices the mean of their parents, or the value of one where there is none between: of integers, and of formats
+/// that Bevy's own attributes and maps do not have.
 fn interpolate(attribute: &MeshVertexAttribute, values: &mut VertexAttributeValues, parents: &[[u32; 2]]) {
     use VertexAttributeValues as Values;
     fn mean<const N: usize>(a: [f32; N], b: [f32; N]) -> [f32; N] {

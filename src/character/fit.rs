@@ -7,8 +7,8 @@
 //!   outside    how far vertices stick out of the shape; the margin is lifted to cover nine in ten
 //! ```
 //!
-//! All of it happens in the bind pose, in the space of the mesh, in metres. Shapes are given away in the space of their joint, so that they
-//! move with it.
+//! All of it happens in the bind pose, in the space of the mesh, in metres. Shapes are given away in the space of their joint,
+//! so that they move with it.
 
 use glam::{Affine3A, Vec3};
 
@@ -28,14 +28,15 @@ pub struct SkinnedBody<'a> {
     pub positions: &'a [Vec3],
     /// Up to four joints of each vertex. Those out of range are left out.
     pub joints: &'a [[u16; 4]],
-    /// How much each of them moves the vertex (dimensionless). They need not sum to one; only those above 0 count, and a vertex without any
-    /// is left out.
+    /// How much each of them moves the vertex (dimensionless). They need not sum to one; only those above 0 count, and a vertex
+    /// without any is left out.
     pub weights: &'a [[f32; 4]],
     /// Inverse bind matrix of each joint, from the mesh to the joint. What a singular one moves goes to the parent.
     pub inverse_binds: &'a [Affine3A],
     /// The joint above each joint. None, missing and out of range make a root; so does a cycle.
     pub parents: &'a [Option<usize>],
-    /// Metres per unit of the mesh at bind. 1 in most files, 0.01 where the mesh is in centimetres. Must be above 0, or nothing is fitted.
+    /// Metres per unit of the mesh at bind. 1 in most files, 0.01 where the mesh is in centimetres. Must be above 0, or nothing
+    /// is fitted.
     ///
     /// It is the scale of a joint's world transform times its inverse bind matrix.
     pub unit: f32,
@@ -46,21 +47,25 @@ pub struct SkinnedBody<'a> {
 pub struct FitSettings {
     /// Distance that cloth keeps from a shape `[m]`. Default 0.015, range 0 to 1.
     ///
-    /// Measured on three human bodies: two in five vertices stick out of their capsule, one in twenty by 14 to 19 mm. Lower lets the body show
-    /// through, higher makes clothes stand off.
+    /// Measured on three human bodies: two in five vertices stick out of their capsule, one in twenty by 14 to 19 mm. Lower
+    /// lets the body show through, higher makes clothes stand off.
     pub margin: f32,
-    /// A group whose box has a diagonal below this share of the body's height goes to the parent (dimensionless). Default 0.12, range 0 to 1.
+    /// A group whose box has a diagonal below this share of the body's height goes to the parent (dimensionless). Default 0.12,
+    /// range 0 to 1.
     ///
-    /// Measured on three human bodies: 41 to 66 joints become 18 to 21 groups. 0 gives every finger joint a collider, 1 leaves one for the body.
-    /// Height is the longest side of the box around all vertices.
+    /// Measured on three human bodies: 41 to 66 joints become 18 to 21 groups. 0 gives every finger joint a collider, 1 leaves
+    /// one for the body. Height is the longest side of the box around all vertices.
     pub least_share: f32,
     /// A group of fewer vertices goes to the parent. Default 12, at least 1. Percentiles of fewer say nothing.
     pub least_vertices: usize,
-    /// A group whose shortest over middle standard deviation is below this gets a convex hull (dimensionless). Default 0.4, range 0 to 2.
+    /// A group whose shortest over middle standard deviation is below this gets a convex hull (dimensionless). Default 0.4,
+    /// range 0 to 2.
     ///
-    /// Measured: chests of stylised characters have 0.24, hands 0.33 to 0.36, limbs 0.5 and more. 0 makes capsules only, 2 hulls only.
+    /// Measured: chests of stylised characters have 0.24, hands 0.33 to 0.36, limbs 0.5 and more. 0 makes capsules only, 2
+    /// hulls only.
     pub flatness: f32,
-    /// Most corners of a hull. Default 32, range 4 to 255. Measured: hulls of all vertices have 130 faces each, for a few millimetres of gain.
+    /// Most corners of a hull. Default 32, range 4 to 255. Measured: hulls of all vertices have 130 faces each, for a few
+    /// millimetres of gain.
     pub hull_vertices: usize,
 }
 
@@ -90,14 +95,16 @@ impl FitSettings {
 pub struct BoneCollider {
     /// Index of the joint.
     pub joint: usize,
-    /// Its shape in the space of the joint: a child of the joint at the origin, without scale of its own, has the size of the body.
+    /// Its shape in the space of the joint: a child of the joint at the origin, without scale of its own, has the size of the
+    /// body.
     ///
-    /// The scale of the inverse bind matrix is in all its lengths. Where joints are in centimetres, as in files from FBX with a scale of 100, so
-    /// is the radius. A matrix that scales unevenly gives a capsule its mean scale.
+    /// The scale of the inverse bind matrix is in all its lengths. Where joints are in centimetres, as in files from FBX with a
+    /// scale of 100, so is the radius. A matrix that scales unevenly gives a capsule its mean scale.
     pub shape: BoneShape,
     /// Metres per unit of the joint's space at bind; a length of the shape times this is in metres.
     pub unit: f32,
-    /// Distance that cloth keeps from the shape `[m]`: that of the settings, or what 90 % of the vertices stick out, if that is more.
+    /// Distance that cloth keeps from the shape `[m]`: that of the settings, or what 90 % of the vertices stick out, if that is
+    /// more.
     pub margin: f32,
     /// Vertices it was fitted to.
     pub vertices: usize,
@@ -107,7 +114,8 @@ pub struct BoneCollider {
 
 /// Colliders for the bones of a body, by index of their joint; one per group of vertices that is large enough.
 ///
-/// Empty where nothing can be fitted: no vertex with a weight, no joint that can be inverted, no unit. Never panics, whatever it is given.
+/// Empty where nothing can be fitted: no vertex with a weight, no joint that can be inverted, no unit. Never panics, whatever
+/// it is given.
 ///
 /// ```
 /// use bevy_drape::character::{BoneShape, FitSettings, SkinnedBody, fit};

@@ -1,7 +1,7 @@
 //! A convex hull of few points around many.
 //!
-//! Four corners that are far apart, then over and over the corner that sticks out most, as quickhull does it (Barber 1996), except that it
-//! ends early.
+//! Four corners that are far apart, then over and over the corner that sticks out most, as quickhull does it (Barber 1996),
+//! except that it ends early.
 
 use glam::Vec3;
 use parry3d::query::PointQuery;

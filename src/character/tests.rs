@@ -222,7 +222,8 @@ fn the_margin_covers_nine_vertices_in_ten() {
 fn units_change_numbers_and_not_sizes() {
     let figure = Figure::new();
     let usual = figure.fitted();
-    // (metres per unit of the mesh, units of the joint per metre): metres, centimetres, FBX with a scale of 100, and a mirrored skeleton.
+    // (metres per unit of the mesh, units of the joint per metre): metres, centimetres, FBX with a scale of 100, and a mirrored
+    // skeleton.
     for (unit, scale) in
         [(0.01, Vec3::ONE), (1.0, Vec3::splat(100.0)), (100.0, Vec3::splat(0.01)), (1.0, Vec3::new(-2.0, 2.0, 2.0))]
     {

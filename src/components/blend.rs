@@ -4,9 +4,9 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 
-/// How much of a skinned cloth is simulated. Below 1 it may go less far from its animated skin than [`ClothLimits`](crate::ClothLimits) say; at 0 the entity
-/// has its own mesh and `SkinnedMesh` back, is skinned by the GPU, and costs nothing. Far away [`ClothLod`](crate::ClothLod) and
-/// [`ClothBudget`](crate::ClothBudget) do the same.
+/// How much of a skinned cloth is simulated. Below 1 it may go less far from its animated skin than
+/// [`ClothLimits`](crate::ClothLimits) say; at 0 the entity has its own mesh and `SkinnedMesh` back, is skinned by the GPU, and
+/// costs nothing. Far away [`ClothLod`](crate::ClothLod) and [`ClothBudget`](crate::ClothBudget) do the same.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -1,4 +1,5 @@
-//! What is remembered of a body from one frame to the next. It comes along with a collider, a coupling or a skinned body; users do not see it.
+//! What is remembered of a body from one frame to the next. It comes along with a collider, a coupling or a skinned body; users
+//! do not see it.
 
 use std::sync::Arc;
 
@@ -82,14 +83,15 @@ pub(crate) struct MadeOf {
     pub layers: Option<ClothCollisionLayers>,
 }
 
-/// On a collider of a bone: the first of the bodies it was fitted to. It is reflected so that a scene that is saved and loaded has no second set.
+/// On a collider of a bone: the first of the bodies it was fitted to. It is reflected so that a scene that is saved and loaded
+/// has no second set.
 #[derive(Component, Clone, Copy, Debug, Reflect)]
 #[reflect(Component, Clone, Debug)]
 #[relationship(relationship_target = FittedColliders)]
 pub(crate) struct FittedTo(pub Entity);
 
-/// Colliders of the bones of a body. They go with it, and yet are not linked: whoever clones a character clones them as children of joints, and
-/// would have them twice.
+/// Colliders of the bones of a body. They go with it, and yet are not linked: whoever clones a character clones them as
+/// children of joints, and would have them twice.
 #[derive(Component, Debug)]
 #[relationship_target(relationship = FittedTo)]
 pub(crate) struct FittedColliders(Vec<Entity>);

@@ -6,10 +6,11 @@ use super::checked::Checked;
 
 /// Budget: the time that all cloths together may take in a frame, as a resource. Without it there is no bound.
 ///
-/// Where they take more, cloths are given less [detail](crate::ClothDetail), those first that matter least for what that saves: small on the screen, unseen, of
-/// low [`ClothPriority`]. Where they take clearly less, detail comes back. What a cloth costs is measured, over a quarter of a second, so what happens then
-/// depends on the machine. No cloth changes more than once a second, and cloths that can touch change together. [`ClothLod`](crate::ClothLod) counts, too:
-/// the coarser of both is taken. What a body hangs on or lies in is never lowered.
+/// Where they take more, cloths are given less [detail](crate::ClothDetail), those first that matter least for what that saves:
+/// small on the screen, unseen, of low [`ClothPriority`]. Where they take clearly less, detail comes back. What a cloth costs
+/// is measured, over a quarter of a second, so what happens then depends on the machine. No cloth changes more than once a
+/// second, and cloths that can touch change together. [`ClothLod`](crate::ClothLod) counts, too: the coarser of both is taken.
+/// What a body hangs on or lies in is never lowered.
 ///
 /// [`ClothReport::by_budget`](crate::ClothReport::by_budget) says what it left of each cloth.
 ///
@@ -25,8 +26,8 @@ use super::checked::Checked;
 #[reflect(Resource, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothBudget {
-    /// Time of a frame, summed over threads and stages `[ms]`. Default 4, range 0.01 to 1000. Too low: cloth that is looked at stands still; too high: frames
-    /// are late.
+    /// Time of a frame, summed over threads and stages `[ms]`. Default 4, range 0.01 to 1000. Too low: cloth that is looked at
+    /// stands still; too high: frames are late.
     pub ms: f32,
 }
 
@@ -42,8 +43,8 @@ impl Default for ClothBudget {
     }
 }
 
-/// Priority: how much a cloth matters to [`ClothBudget`], beside its size on the screen (dimensionless). Default 1, range 0 to 1e6. A hero of 100 keeps its
-/// detail until everything a hundredth of its size has lost it.
+/// Priority: how much a cloth matters to [`ClothBudget`], beside its size on the screen (dimensionless). Default 1, range 0 to
+/// 1e6. A hero of 100 keeps its detail until everything a hundredth of its size has lost it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

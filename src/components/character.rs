@@ -4,7 +4,8 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 
-/// The root of a character. The cloths and colliders below it go together: they teleport in the same frame, and feel the same motion.
+/// The root of a character. The cloths and colliders below it go together: they teleport in the same frame, and feel the same
+/// motion.
 ///
 /// A skinned cloth that has none above it gives it to the lowest entity that holds both the cloth and its joints.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
@@ -13,9 +14,11 @@ use super::checked::Checked;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothCharacter;
 
-/// How much of the motion of what carries it a cloth feels. The rest carries it along: nobody needs a skirt that a sprint blows over the head.
+/// How much of the motion of what carries it a cloth feels. The rest carries it along: nobody needs a skirt that a sprint blows
+/// over the head.
 ///
-/// A cloth without it feels all motion. Cloths that can meet a cloth of something else do, too, and those pinned to bodies that cloth can move.
+/// A cloth without it feels all motion. Cloths that can meet a cloth of something else do, too, and those pinned to bodies that
+/// cloth can move.
 ///
 /// ```
 /// # use bevy_drape::prelude::*;

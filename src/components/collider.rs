@@ -9,11 +9,14 @@ use super::shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit, ParrySha
 
 /// Pushes cloth away from its entity.
 ///
-/// It moves with the entity, fast or slow. Cloth does not move it without [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay). Which cloths it touches is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers).
-/// Entities with [`ClothColliderDisabled`] or `Disabled` push nothing; on a cloth it pushes other cloths, not its own.
+/// It moves with the entity, fast or slow. Cloth does not move it without
+/// [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay). Which cloths it touches is up to
+/// [`ClothCollisionLayers`](crate::ClothCollisionLayers). Entities with [`ClothColliderDisabled`] or `Disabled` push nothing;
+/// on a cloth it pushes other cloths, not its own.
 ///
-/// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that moves fast
-/// can still poke out for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh finer.
+/// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that
+/// moves fast can still poke out for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh
+/// finer.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -32,7 +35,8 @@ pub struct ClothCollider {
     pub shape: ClothColliderShape,
     /// Extra distance the cloth keeps from the surface `[m]`, on top of its own thickness. Default 0, range 0 to 1.
     pub margin: f32,
-    /// Coulomb coefficient below which cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined by the geometric mean.
+    /// Coulomb coefficient below which cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined by the geometric
+    /// mean.
     pub static_friction: f32,
     /// Coulomb coefficient while cloth slides (dimensionless). Default 0.4, range 0 to 10; combined by the geometric mean.
     pub dynamic_friction: f32,
@@ -121,7 +125,8 @@ impl ClothCollider {
         Self::new(ClothColliderShape::TriMesh { vertices, triangles, solid: true })
     }
 
-    /// Ground over a grid in xz: `heights` row by row (rows along z, `columns` along x), `size` along x and z `[m]` and scale of heights along y.
+    /// Ground over a grid in xz: `heights` row by row (rows along z, `columns` along x), `size` along x and z `[m]` and scale
+    /// of heights along y.
     #[must_use]
     pub const fn height_field(rows: u32, columns: u32, heights: Vec<f32>, size: Vec3) -> Self {
         Self::new(ClothColliderShape::HeightField { rows, columns, heights, size })

@@ -10,12 +10,13 @@ use bevy::prelude::*;
 pub struct ClothCollision {
     /// Whether it meets itself: is untangled from itself and, with `contact`, folds on itself. Default true.
     pub self_collision: bool,
-    /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths pass through
-    /// each other and are untangled afterwards.
+    /// Whether it rests on other cloths, and on itself, one thickness apart and with friction. Default true. Without, cloths
+    /// pass through each other and are untangled afterwards.
     pub contact: bool,
-    /// Order of garments. Where two cloths cross, the one with the higher number moves outside, to the front of the triangles. Cloth that lies there in
-    /// another order is found, too. Default 0; equal numbers have no order. Where pins of both hold them in another order, that of the pins counts, and a warning says so. What meets at
-    /// all is up to [`ClothCollisionLayers`](crate::ClothCollisionLayers).
+    /// Order of garments. Where two cloths cross, the one with the higher number moves outside, to the front of the triangles.
+    /// Cloth that lies there in another order is found, too. Default 0; equal numbers have no order. Where pins of both hold
+    /// them in another order, that of the pins counts, and a warning says so. What meets at all is up to
+    /// [`ClothCollisionLayers`](crate::ClothCollisionLayers).
     pub garment_layer: i32,
 }
 

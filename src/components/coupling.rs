@@ -6,16 +6,18 @@ use bevy::prelude::*;
 use super::body::CoupledBody;
 use super::checked::Checked;
 
-/// Whether a body takes what cloth does to it. On the entity of a collider, on an ancestor of several, or on what cloth is pinned to.
+/// Whether a body takes what cloth does to it. On the entity of a collider, on an ancestor of several, or on what cloth is
+/// pinned to.
 ///
-/// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives a body
-/// something does not sleep ([`ClothSleep`](crate::ClothSleep)).
+/// Without it bodies push cloth and feel nothing. Cloth that must not change how a game plays stays as it is. Cloth that gives
+/// a body something does not sleep ([`ClothSleep`](crate::ClothSleep)).
 ///
-/// A body lighter than the cloth is as stable as a heavier one. A heavier body raises the number of substeps up to eightfold, by the square root of the
-/// ratio of the masses or by its speed of impact, until it has gone. Cloth that lies on the body is excepted. At the default
-/// [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz a net of 0.3 kg bears 1 and 3 kg that fall on it from 0.6 m. What is
-/// more than thirty times as heavy may stretch its way through or be thrown out: give it a higher rate. Elastic nets
-/// ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale` infinite) throw back what falls into them for longer.
+/// A body lighter than the cloth is as stable as a heavier one. A heavier body raises the number of substeps up to eightfold,
+/// by the square root of the ratio of the masses or by its speed of impact, until it has gone. Cloth that lies on the body is
+/// excepted. At the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz a net of 0.3 kg bears 1
+/// and 3 kg that fall on it from 0.6 m. What is more than thirty times as heavy may stretch its way through or be thrown out:
+/// give it a higher rate. Elastic nets ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale`
+/// infinite) throw back what falls into them for longer.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -40,16 +42,16 @@ pub enum ClothCoupling {
     /// Cloth gives it nothing. On a child of a two-way body: that child takes no part.
     #[default]
     OneWay,
-    /// [`ClothReaction`] says what cloth gave it. A body with a mass ([`ClothRigidBody`]; a dynamic `RigidBody` of avian has one) also gives
-    /// way within the frame.
+    /// [`ClothReaction`] says what cloth gave it. A body with a mass ([`ClothRigidBody`]; a dynamic `RigidBody` of avian has
+    /// one) also gives way within the frame.
     TwoWay,
 }
 
 /// What cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after
 /// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate); written by the simulation.
 ///
-/// Contacts and rigid pins are counted. What a pin bears is exact for all pins of a cloth together; among several bodies it is shared by
-/// the strain at their pins. A body of avian is given all of it without a line of code.
+/// Contacts and rigid pins are counted. What a pin bears is exact for all pins of a cloth together; among several bodies it is
+/// shared by the strain at their pins. A body of avian is given all of it without a line of code.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -57,9 +59,11 @@ pub enum ClothCoupling {
 pub struct ClothReaction {
     /// Impulse `[N s]`. Divided by the length of the frame: the mean force `[N]`.
     pub linear: Vec3,
-    /// Angular impulse about the centre of mass `[N m s]`, which is the origin of the entity unless [`ClothRigidBody`] says otherwise.
+    /// Angular impulse about the centre of mass `[N m s]`, which is the origin of the entity unless [`ClothRigidBody`] says
+    /// otherwise.
     pub angular: Vec3,
-    /// How far the centre of mass was moved off its way within the frame `[m]`; zero for a body without a mass. Add it to the position of the body.
+    /// How far the centre of mass was moved off its way within the frame `[m]`; zero for a body without a mass. Add it to the
+    /// position of the body.
     pub displacement: Vec3,
     /// How the body was turned off its way within the frame. Turn the body by it about its centre of mass.
     pub turn: Quat,
@@ -81,9 +85,9 @@ impl ClothReaction {
 
 /// How readily a body with [`ClothCoupling::TwoWay`] gives way. Default: not at all.
 ///
-/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of [`ClothReaction`]
-/// after [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next frame of the cloth goes on from
-/// there. The component of a body of avian is kept up to date from its mass properties.
+/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of
+/// [`ClothReaction`] after [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next
+/// frame of the cloth goes on from there. The component of a body of avian is kept up to date from its mass properties.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -91,12 +95,14 @@ impl ClothReaction {
 pub struct ClothRigidBody {
     /// Inverse mass along each axis of the world `[1/kg]`. Default 0, range 0 to 1e6; 0: cloth does not move it that way.
     pub inverse_mass: Vec3,
-    /// Inverse inertia about the centre of mass, in the turned axes of the entity `[1/(kg m²)]`. Default 0: cloth does not turn it.
+    /// Inverse inertia about the centre of mass, in the turned axes of the entity `[1/(kg m²)]`. Default 0: cloth does not turn
+    /// it.
     pub inverse_inertia: Mat3,
     /// Centre of mass from the origin of the entity, in its turned but not scaled axes `[m]`. Default 0.
     pub center_of_mass: Vec3,
-    /// Velocity of the centre of mass at the end of the frame, without what cloth gives it in this frame `[m/s]`. Default none: as its transforms say.
-    /// Physics that adds gravity before it moves its bodies ends a frame faster than its way in the frame tells.
+    /// Velocity of the centre of mass at the end of the frame, without what cloth gives it in this frame `[m/s]`. Default none:
+    /// as its transforms say. Physics that adds gravity before it moves its bodies ends a frame faster than its way in the
+    /// frame tells.
     pub velocity: Option<Vec3>,
 }
 
@@ -121,8 +127,8 @@ impl ClothRigidBody {
         Self::solid(mass, Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y) * (mass / 12.0))
     }
 
-    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg m²]` along the axes of the entity. Cloth does not move what has no mass, or turn
-    /// what has no inertia; numbers below 0 or NaN do no more, and are told of when the body takes part.
+    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg m²]` along the axes of the entity. Cloth does not move what
+    /// has no mass, or turn what has no inertia; numbers below 0 or NaN do no more, and are told of when the body takes part.
     #[must_use]
     pub fn solid(mass: f32, inertia: Vec3) -> Self {
         let inverse = |x: f32| if x == 0.0 { 0.0 } else { x.recip() };
@@ -155,7 +161,8 @@ impl ClothRigidBody {
     }
 }
 
-/// Keeps a collider of another plugin, as avian's `Collider`, away from cloth. On the collider, or on its body for all of the body's colliders.
+/// Keeps a collider of another plugin, as avian's `Collider`, away from cloth. On the collider, or on its body for all of the
+/// body's colliders.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

@@ -7,13 +7,14 @@ use super::checked::Checked;
 
 /// Makes colliders for the bones of a skinned body. Put it on an entity with `Mesh3d` and `SkinnedMesh`.
 ///
-/// Each part of the body gets a capsule, or a convex hull where it is flat: an entity of its own, with a [`ClothCollider`](crate::ClothCollider)
-/// and a name such as `thigh_l collider`, as a child of its joint. It moves with the joint. You may edit or despawn it. Its layers are the
-/// [`ClothCollisionLayers`](crate::ClothCollisionLayers) of this entity.
+/// Each part of the body gets a capsule, or a convex hull where it is flat: an entity of its own, with a
+/// [`ClothCollider`](crate::ClothCollider) and a name such as `thigh_l collider`, as a child of its joint. It moves with the
+/// joint. You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of this entity.
 ///
-/// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They are made anew
-/// when this component, the mesh, the skin or the layers change, and what was edited is lost. Bodies with the same joints, settings and
-/// layers are fitted together: a character whose mesh is in pieces has one set of colliders. All go when this component is removed.
+/// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They
+/// are made anew when this component, the mesh, the skin or the layers change, and what was edited is lost. Bodies with the
+/// same joints, settings and layers are fitted together: a character whose mesh is in pieces has one set of colliders. All go
+/// when this component is removed.
 ///
 /// A [`Cloth`](crate::Cloth) is no body: this belongs on what wears it.
 ///
@@ -34,11 +35,12 @@ use super::checked::Checked;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(FittedBody)]
 pub struct ClothBody {
-    /// Distance that cloth keeps from each shape, on top of its own thickness `[m]`. Default 0.015, range 0 to 1. Where more than a
-    /// tenth of a part sticks out farther, its collider keeps that distance. Too low: the body shows through; too high: clothes stand off.
+    /// Distance that cloth keeps from each shape, on top of its own thickness `[m]`. Default 0.015, range 0 to 1. Where more
+    /// than a tenth of a part sticks out farther, its collider keeps that distance. Too low: the body shows through; too high:
+    /// clothes stand off.
     pub margin: f32,
-    /// Coulomb coefficient below which cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined by the geometric mean. Too low:
-    /// clothes slip off shoulders; too high: they ride up with the limbs.
+    /// Coulomb coefficient below which cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined by the geometric
+    /// mean. Too low: clothes slip off shoulders; too high: they ride up with the limbs.
     pub static_friction: f32,
     /// Coulomb coefficient while cloth slides (dimensionless). Default 0.4, range 0 to 10; combined by the geometric mean.
     pub dynamic_friction: f32,

@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 /// Layers of a cloth or a collider. Without it: member of layer 0, touches everything.
 ///
-/// Two things touch when each is a member of a layer that the other filters for. The order of clothes that are worn over each other is
-/// [`ClothCollision::garment_layer`](crate::ClothCollision::garment_layer).
+/// Two things touch when each is a member of a layer that the other filters for. The order of clothes that are worn over each
+/// other is [`ClothCollision::garment_layer`](crate::ClothCollision::garment_layer).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

@@ -7,8 +7,9 @@ use super::checked::Checked;
 
 /// How far a cloth may be from where the animated skin would take it: skinned constraints, as Jolt and `NvCloth` have them.
 ///
-/// A cloth without a skin has the shape of its mesh for one, carried by its entity: a cape whose node is a child of a bone needs no weights.
-/// Lengths are in metres at the scale at which the cloth was bound; a character that is scaled later scales them.
+/// A cloth without a skin has the shape of its mesh for one, carried by its entity: a cape whose node is a child of a bone
+/// needs no weights. Lengths are in metres at the scale at which the cloth was bound; a character that is scaled later scales
+/// them.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -23,18 +24,20 @@ use super::checked::Checked;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothLimits {
-    /// Farthest distance of each vertex from its place on the skin `[m]`. Default [`ClothMap::Off`], range 0 to 100. Below 1 mm it is a pin.
+    /// Farthest distance of each vertex from its place on the skin `[m]`. Default [`ClothMap::Off`], range 0 to 100. Below 1 mm
+    /// it is a pin.
     pub max_distance: ClothMap,
-    /// How far behind its place on the skin, against the normal, each vertex may sink `[m]`: there lies the surface of a ball. Default
-    /// [`ClothMap::Off`], range -1 to 1; 0 lies on the skin, less before it. Off where it is no less than the maximum distance.
+    /// How far behind its place on the skin, against the normal, each vertex may sink `[m]`: there lies the surface of a ball.
+    /// Default [`ClothMap::Off`], range -1 to 1; 0 lies on the skin, less before it. Off where it is no less than the maximum
+    /// distance.
     pub backstop_distance: ClothMap,
     /// Radius of that ball `[m]`. Default 1, range 0.01 to 1000. 0.1 suits limbs; 1 and more is nearly a plane.
     pub backstop_radius: f32,
-    /// What the maximum distance is multiplied by (dimensionless). Default 1, range 0 to 10. At 0 the cloth is its skin; below 1 vertices without a
-    /// maximum distance have the radius of the cloth for one.
+    /// What the maximum distance is multiplied by (dimensionless). Default 1, range 0 to 10. At 0 the cloth is its skin; below
+    /// 1 vertices without a maximum distance have the radius of the cloth for one.
     pub scale: f32,
-    /// Whether places on the skin are taken out of bodies before they limit, and before they drive. Default true. Skins pass through legs; without, cloth
-    /// is held where the legs are.
+    /// Whether places on the skin are taken out of bodies before they limit, and before they drive. Default true. Skins pass
+    /// through legs; without, cloth is held where the legs are.
     pub avoid_bodies: bool,
 }
 
@@ -65,16 +68,18 @@ impl ClothLimits {
     }
 }
 
-/// A spring from each vertex to its place on the animated skin: cloth that keeps its shape, from languid to stiff, at any frame rate.
+/// A spring from each vertex to its place on the animated skin: cloth that keeps its shape, from languid to stiff, at any frame
+/// rate.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothDrive {
-    /// Frequency of the spring `[Hz]`. Default [`ClothMap::Off`], range 0 to 60. 1 is languid, 4 firm, 15 nearly stiff. Gravity draws it down by
-    /// `g / (2 pi f)²`: 248, 15 and 1.1 mm.
+    /// Frequency of the spring `[Hz]`. Default [`ClothMap::Off`], range 0 to 60. 1 is languid, 4 firm, 15 nearly stiff. Gravity
+    /// draws it down by `g / (2 pi f)²`: 248, 15 and 1.1 mm.
     pub frequency: ClothMap,
-    /// Damping over critical damping (dimensionless). Default 1, range 0 to 10. At 1 it is within 5 % after 0.75 periods and does not overshoot.
+    /// Damping over critical damping (dimensionless). Default 1, range 0 to 10. At 1 it is within 5 % after 0.75 periods and
+    /// does not overshoot.
     pub damping_ratio: f32,
 }
 

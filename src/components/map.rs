@@ -15,7 +15,8 @@ pub enum ClothMap {
     Off,
     /// The same everywhere.
     Uniform(f32),
-    /// `low + (high - low) * paint`, where paint goes from 0 to 1; what is painted beyond counts as 0 or 1, what is not a number as 0.
+    /// `low + (high - low) * paint`, where paint goes from 0 to 1; what is painted beyond counts as 0 or 1, what is not a
+    /// number as 0.
     Painted {
         /// What was painted.
         paint: ClothPaint,
@@ -34,8 +35,8 @@ pub enum ClothMap {
 pub enum ClothPaint {
     /// A channel of the vertex colour.
     Color(ClothColorChannel),
-    /// A float attribute of that name, such as `"_CLOTH_MAXDIST"` in a glTF. Of one with several components the first, or the one that is named
-    /// behind a dot: `"_CLOTH_PAINT.g"` is the second of `r`, `g`, `b`, `a`.
+    /// A float attribute of that name, such as `"_CLOTH_MAXDIST"` in a glTF. Of one with several components the first, or the
+    /// one that is named behind a dot: `"_CLOTH_PAINT.g"` is the second of `r`, `g`, `b`, `a`.
     Attribute(String),
 }
 
@@ -52,7 +53,8 @@ impl ClothMap {
         Self::Painted { paint: ClothPaint::Color(channel), low, high }
     }
 
-    /// A float attribute of the mesh, or one of its components such as `"_CLOTH_PAINT.g"`, from `low` where it is 0 to `high` where it is 1.
+    /// A float attribute of the mesh, or one of its components such as `"_CLOTH_PAINT.g"`, from `low` where it is 0 to `high`
+    /// where it is 1.
     #[must_use]
     pub fn attribute(name: impl Into<String>, low: f32, high: f32) -> Self {
         Self::Painted { paint: ClothPaint::Attribute(name.into()), low, high }

@@ -9,69 +9,83 @@ use crate::solver::settings::Fabric;
 
 /// Mechanical properties of a fabric, in SI units and independent of the mesh's resolution.
 ///
-/// Values outside a range are clamped when used (never a panic), named in [`ClothReport::clamped`](crate::ClothReport::clamped) and told once.
+/// Values outside a range are clamped when used (never a panic), named in [`ClothReport::clamped`](crate::ClothReport::clamped)
+/// and told once.
 ///
 /// # Where the presets come from
 ///
-/// A preset is calibrated to a drape coefficient, measured for most, quoted for silk, wool and denim (Cusick's test, BS 5058: a specimen of 30 cm on a disk of 18 cm; 25 fabrics of
-/// Gong, Mao, Wang, CVPR 2024, and figures quoted with them), with bending stiffness and friction inside what is measured for it: `HB / B` 18 (polyester faille)
-/// to 52 /m (broadcloth), 23 to 54 in denims (J. Textiles 2016, 4614168). `cargo run --release --example fabric_lab` measures them.
-/// On edges of 5 to 15 mm silk, cotton and denim at the default rates are within three points of what they show with many more substeps.
+/// A preset is calibrated to a drape coefficient, measured for most, quoted for silk, wool and denim (Cusick's test, BS 5058: a
+/// specimen of 30 cm on a disk of 18 cm; 25 fabrics of Gong, Mao, Wang, CVPR 2024, and figures quoted with them), with bending
+/// stiffness and friction inside what is measured for it: `HB / B` 18 (polyester faille) to 52 /m (broadcloth), 23 to 54 in
+/// denims (J. Textiles 2016, 4614168). `cargo run --release --example fabric_lab` measures them. On edges of 5 to 15 mm silk,
+/// cotton and denim at the default rates are within three points of what they show with many more substeps.
 ///
-/// Areal densities are those of the trade (shirting 110 to 160 g/m², suiting 180 to 300, denim 340 to 480, garment leather 600 to 1000).
-/// Stiffness against stretching is the secant at 490 N/m of load and an elongation of 2 to 6 % (KES-F), shear 1 gf/(cm·deg) = 56 N/m. Rubber is a latex
-/// sheet of 0.5 mm from Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching, `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of
-/// two, and its two sides by five points of drape: take them as starting points. [`lab::SAMPLES`](crate::lab::SAMPLES) has the source of each, and the real thickness
-/// where it is known; `thickness` here is a distance that contact keeps, five to thirty times as large, since meshes are coarse.
+/// Areal densities are those of the trade (shirting 110 to 160 g/m², suiting 180 to 300, denim 340 to 480, garment leather 600
+/// to 1000). Stiffness against stretching is the secant at 490 N/m of load and an elongation of 2 to 6 % (KES-F), shear 1
+/// gf/(cm·deg) = 56 N/m. Rubber is a latex sheet of 0.5 mm from Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching,
+/// `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two, and its two sides by five points of
+/// drape: take them as starting points. [`lab::SAMPLES`](crate::lab::SAMPLES) has the source of each, and the real thickness
+/// where it is known; `thickness` here is a distance that contact keeps, five to thirty times as large, since meshes are
+/// coarse.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothMaterial {
-    /// Areal density `[kg/m²]`. Default 0.2, range 0.01 to 10. Lighter flutters more; very light cloth needs a higher substep rate.
+    /// Areal density `[kg/m²]`. Default 0.2, range 0.01 to 10. Lighter flutters more; very light cloth needs a higher substep
+    /// rate.
     pub density: f32,
-    /// Membrane stiffness along the threads `[N/m]`: tension per metre of width at a strain of one. Default 2000, range 0 to 1e7.
-    /// Low is rubber; high needs substeps before it is noticed.
+    /// Membrane stiffness along the threads `[N/m]`: tension per metre of width at a strain of one. Default 2000, range 0 to
+    /// 1e7. Low is rubber; high needs substeps before it is noticed.
     pub stretch_stiffness: f32,
-    /// Shear stiffness `G` of the membrane `[N/m]`: force per metre of width at an angle of one radian. Default 50, range 0 to 1e7; a woven fabric has 20 to
+    /// Shear stiffness `G` of the membrane `[N/m]`: force per metre of width at an angle of one radian. Default 50, range 0 to
+    /// 1e7; a woven fabric has 20 to
     /// 200. Low drapes into finer folds; 0 lets quads shear freely.
     pub shear_stiffness: f32,
-    /// Bending stiffness `B` `[N·m]`: moment per metre of width and curvature. Default 1e-5, range 0 to 1. Low folds finely; high keeps the shape at
-    /// rest. Held down to edges of a few millimetres, see [`ClothReport::bend_held`](crate::ClothReport::bend_held).
+    /// Bending stiffness `B` `[N·m]`: moment per metre of width and curvature. Default 1e-5, range 0 to 1. Low folds finely;
+    /// high keeps the shape at rest. Held down to edges of a few millimetres, see
+    /// [`ClothReport::bend_held`](crate::ClothReport::bend_held).
     pub bend_stiffness: f32,
-    /// Stretch stiffness along the warp over that along the weft (dimensionless); `stretch_stiffness` is their mean. Default 1, range 0.1 to 10. The warp
-    /// runs along `v` of the mesh's texture coordinates (`Mesh::ATTRIBUTE_UV_0`), the weft along `u`; without coordinates there is none, and a warning.
+    /// Stretch stiffness along the warp over that along the weft (dimensionless); `stretch_stiffness` is their mean. Default 1,
+    /// range 0.1 to 10. The warp runs along `v` of the mesh's texture coordinates (`Mesh::ATTRIBUTE_UV_0`), the weft along `u`;
+    /// without coordinates there is none, and a warning.
     pub stretch_ratio: f32,
-    /// Bending stiffness along the warp over that along the weft (dimensionless); `bend_stiffness` is their mean. Default 1, range 0.1 to 10; woven fabrics
-    /// have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their bending length; equilateral triangles up to a ratio of 3; squares
-    /// cut in four at 45° to the threads not at all.
+    /// Bending stiffness along the warp over that along the weft (dimensionless); `bend_stiffness` is their mean. Default 1,
+    /// range 0.1 to 10; woven fabrics have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their
+    /// bending length; equilateral triangles up to a ratio of 3; squares cut in four at 45° to the threads not at all.
     pub bend_ratio: f32,
-    /// Angle by which the warp is turned from `v` towards `u` of the texture `[rad]`. Default 0, range -π to π. It turns the two ratios, and
-    /// what stretches and what shears unless [`ClothMembrane::Springs`](crate::ClothMembrane::Springs) is asked for.
-    /// A mirrored texture has it mirrored, like a left sleeve beside a right one.
+    /// Angle by which the warp is turned from `v` towards `u` of the texture `[rad]`. Default 0, range -π to π. It turns the
+    /// two ratios, and what stretches and what shears unless [`ClothMembrane::Springs`](crate::ClothMembrane::Springs) is asked
+    /// for. A mirrored texture has it mirrored, like a left sleeve beside a right one.
     pub warp_angle: f32,
-    /// Curvature that the friction between its yarns holds `[1/m]`, `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0 to 1000; silk 18, wool 25, cotton
-    /// 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most, and cloth stops at once; 0: folds open all the way, and it
+    /// Curvature that the friction between its yarns holds `[1/m]`, `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0
+    /// to 1000; silk 18, wool 25, cotton
+    /// 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most, and cloth stops at once; 0:
+    ///     folds open all the way, and it
     /// swings. More than 0 makes it twice as stiff where it begins to bend.
     pub bend_hysteresis: f32,
-    /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like moving in honey.
+    /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like
+    /// moving in honey.
     pub damping: f32,
-    /// Damping against the still world `[1/s]`: rate at which every velocity decays. Default 0.1, range 0 to 100. 0 swings for ever.
+    /// Damping against the still world `[1/s]`: rate at which every velocity decays. Default 0.1, range 0 to 100. 0 swings for
+    /// ever.
     pub drag: f32,
-    /// Largest elongation of an edge as a fraction of its length (dimensionless). Default 0.05, range 0 to 10; infinite switches it off.
+    /// Largest elongation of an edge as a fraction of its length (dimensionless). Default 0.05, range 0 to 10; infinite
+    /// switches it off.
     pub strain_limit: f32,
     /// Thickness `[m]`: distance kept to bodies. Default 0.005, range 1e-4 to 1. Thin cloth may show what it lies on.
     /// Two layers of cloth keep the mean of theirs, from centre to centre.
     pub thickness: f32,
-    /// Coulomb coefficient below which it sticks (dimensionless). Default 0.5, range 0 to 10; combined with a body's by the geometric mean.
+    /// Coulomb coefficient below which it sticks (dimensionless). Default 0.5, range 0 to 10; combined with a body's by the
+    /// geometric mean.
     pub static_friction: f32,
     /// Coulomb coefficient while it slides (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
-    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of two cloths that meet the
-    /// larger counts; bodies have none of their own. What meets at less than 0.25 m/s does not bounce.
+    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of
+    /// two cloths that meet the larger counts; bodies have none of their own. What meets at less than 0.25 m/s does not bounce.
     pub restitution: f32,
-    /// How far it may hang from a pin, over the distance along the cloth at rest (dimensionless). Default 1, range 0.1 to 10; infinite
-    /// switches it off.
+    /// How far it may hang from a pin, over the distance along the cloth at rest (dimensionless). Default 1, range 0.1 to 10;
+    /// infinite switches it off.
     pub tether_scale: f32,
     /// Aerodynamic drag coefficient of the surface (dimensionless). Default 1.2, range 0 to 10.
     pub drag_coefficient: f32,
@@ -107,7 +121,8 @@ impl ClothMaterial {
         lift_coefficient: 0.6,
     };
 
-    /// Plain-woven shirting of 0.3 mm (`thickness` is the distance kept, which meshes need to be larger): drape coefficient 65 ± 6.
+    /// Plain-woven shirting of 0.3 mm (`thickness` is the distance kept, which meshes need to be larger): drape coefficient 65
+    /// ± 6.
     pub const COTTON: Self = Self {
         density: 0.15,
         stretch_stiffness: 12_000.0,

@@ -4,14 +4,15 @@ use bevy::prelude::*;
 
 /// Piece: shows a part of a cloth with a mesh and a material of its own. It is how a cloth has several materials.
 ///
-/// The mesh of the cloth holds the vertices of all of its pieces, one after the other, as [`Mesh::merge`] puts them. It is simulated, and not drawn itself: give
-/// the cloth no material, and spawn its pieces in the frame in which it becomes a cloth. Where vertices of two pieces lie in the same place, they stay together.
+/// The mesh of the cloth holds the vertices of all of its pieces, one after the other, as [`Mesh::merge`] puts them. It is
+/// simulated, and not drawn itself: give the cloth no material, and spawn its pieces in the frame in which it becomes a cloth.
+/// Where vertices of two pieces lie in the same place, they stay together.
 ///
-/// The mesh of a piece takes the places of those vertices from [`first`](Self::first) on; what else it has stays its own. A piece lies where its cloth does:
-/// make it a child without a transform of its own.
+/// The mesh of a piece takes the places of those vertices from [`first`](Self::first) on; what else it has stays its own. A
+/// piece lies where its cloth does: make it a child without a transform of its own.
 ///
-/// Removing it gives the piece the mesh back that was authored, as removing [`Cloth`](crate::Cloth) from the cloth does. A node of a glTF whose mesh has
-/// several primitives becomes a cloth with a piece for each of them.
+/// Removing it gives the piece the mesh back that was authored, as removing [`Cloth`](crate::Cloth) from the cloth does. A node
+/// of a glTF whose mesh has several primitives becomes a cloth with a piece for each of them.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -2,15 +2,16 @@
 
 use bevy::prelude::*;
 
-/// Render mesh: a fine mesh that is drawn in place of that of a coarse cloth, which is simulated (a *simulation mesh* or *proxy* elsewhere). It costs
-/// what the coarse one does, and a deformation of its vertices.
+/// Render mesh: a fine mesh that is drawn in place of that of a coarse cloth, which is simulated (a *simulation mesh* or
+/// *proxy* elsewhere). It costs what the coarse one does, and a deformation of its vertices.
 ///
-/// Each vertex follows the triangles of the cloth within an edge of where it was authored. What is finer than the cloth, such as a seam, a hem of two layers
-/// or a wrinkle, keeps its shape and its normals. Several meshes may follow one cloth.
+/// Each vertex follows the triangles of the cloth within an edge of where it was authored. What is finer than the cloth, such
+/// as a seam, a hem of two layers or a wrinkle, keeps its shape and its normals. Several meshes may follow one cloth.
 ///
-/// Give the cloth no material, so that it is not drawn itself. Author both meshes in the same place: a skinned one in the pose of its skeleton. Pins, maps, limits
-/// and fabric are those of the cloth. The skin of the render mesh is taken off while it follows, and given back with its authored mesh when this or
-/// [`Cloth`](crate::Cloth) is removed, or where [`ClothBlend`](crate::ClothBlend) or [`ClothLod`](crate::ClothLod) leave the cloth to its skin.
+/// Give the cloth no material, so that it is not drawn itself. Author both meshes in the same place: a skinned one in the pose
+/// of its skeleton. Pins, maps, limits and fabric are those of the cloth. The skin of the render mesh is taken off while it
+/// follows, and given back with its authored mesh when this or [`Cloth`](crate::Cloth) is removed, or where
+/// [`ClothBlend`](crate::ClothBlend) or [`ClothLod`](crate::ClothLod) leave the cloth to its skin.
 ///
 /// In a glTF, `cloth.proxy` on the object that is drawn names the object that is simulated.
 ///

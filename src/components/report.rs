@@ -15,19 +15,22 @@ use crate::solver::rest::BuildReport;
 pub struct ClothReport {
     /// Substeps taken in the last frame.
     pub substeps: u32,
-    /// Inner steps in each of them: more than one where the edges of the mesh are short (see [`ClothSolver::inner_rate`](crate::ClothSolver::inner_rate)).
+    /// Inner steps in each of them: more than one where the edges of the mesh are short (see
+    /// [`ClothSolver::inner_rate`](crate::ClothSolver::inner_rate)).
     pub inner_steps: u32,
-    /// Steps per second `[Hz]` from which this mesh drapes as its fabric does, within three points of its drape coefficient: 11 m/s over the mean edge. With fewer any
-    /// fabric hangs limper, since one pass over the membrane cannot carry tension through a fine mesh. Substeps and inner steps count.
+    /// Steps per second `[Hz]` from which this mesh drapes as its fabric does, within three points of its drape coefficient: 11
+    /// m/s over the mean edge. With fewer any fabric hangs limper, since one pass over the membrane cannot carry tension
+    /// through a fine mesh. Substeps and inner steps count.
     pub drape_rate: f32,
-    /// Share of the bending stiffness that the substeps of the last frame held (dimensionless): less than 1 where the mesh is very fine for them, or the
-    /// fabric very stiff. A higher [`substep_rate`](crate::ClothSolver::substep_rate) holds more.
+    /// Share of the bending stiffness that the substeps of the last frame held (dimensionless): less than 1 where the mesh is
+    /// very fine for them, or the fabric very stiff. A higher [`substep_rate`](crate::ClothSolver::substep_rate) holds more.
     pub bend_held: f32,
     /// Largest edge length over rest length (dimensionless).
     pub worst_edge: f32,
     /// Mean edge length over rest length (dimensionless).
     pub mean_edge: f32,
-    /// Whether it sleeps: see [`ClothSleep`](crate::ClothSleep). Everything else is as of the last frame before, and its times are 0.
+    /// Whether it sleeps: see [`ClothSleep`](crate::ClothSleep). Everything else is as of the last frame before, and its times
+    /// are 0.
     pub asleep: bool,
     /// How much of its work was done, by [`ClothLod`](crate::ClothLod).
     pub detail: ClothDetail,
@@ -47,11 +50,11 @@ pub struct ClothReport {
     pub restores: u32,
     /// Times the cloth was taken back to its pose at rest.
     pub resets: u32,
-    /// Edges that cross faces, of this cloth with itself and with others, in the live shape: while [`held`](Self::held), another is shown.
-    /// 0 while it is stopped by an error.
+    /// Edges that cross faces, of this cloth with itself and with others, in the live shape: while [`held`](Self::held),
+    /// another is shown. 0 while it is stopped by an error.
     pub crossings: u32,
-    /// Edges that cross faces as they were made: pins hold all of it, or its skin goes through itself and holds it. Nothing can be done about those, and no
-    /// frame is held for them. The cure is in the pins, or in the weights and the clip of the skin.
+    /// Edges that cross faces as they were made: pins hold all of it, or its skin goes through itself and holds it. Nothing can
+    /// be done about those, and no frame is held for them. The cure is in the pins, or in the weights and the clip of the skin.
     pub authored: u32,
     /// Intersection curves.
     pub contours: u32,
@@ -61,8 +64,8 @@ pub struct ClothReport {
     pub regions: u32,
     /// Iterations of untangling in the last frame.
     pub iterations: u32,
-    /// Whether the last frame put work off to the next one, of this cloth or another that it can meet, since it would have been too much: see
-    /// [`ClothUntangling::effort`](crate::ClothUntangling::effort).
+    /// Whether the last frame put work off to the next one, of this cloth or another that it can meet, since it would have been
+    /// too much: see [`ClothUntangling::effort`](crate::ClothUntangling::effort).
     pub deferred: bool,
     /// Time since the cloth was last clean `[s]`.
     pub tangled_for: f32,

@@ -13,8 +13,8 @@ use crate::solver::evaluate::{self, EvaluateSettings};
 pub struct ClothSkipFrame {
     /// What to do about tangled frames. Default [`ClothSkipPolicy::Ladder`].
     pub policy: ClothSkipPolicy,
-    /// Most frames held in a row under [`ClothSkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but the cloth visibly
-    /// sticks.
+    /// Most frames held in a row under [`ClothSkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but
+    /// the cloth visibly sticks.
     pub max_held_frames: u32,
     /// Most time held in any second under [`ClothSkipPolicy::Ladder`] `[s]`. Default 0.1, range 0 to 1.
     pub max_held_time: f32,

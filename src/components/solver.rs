@@ -12,12 +12,14 @@ use crate::solver::settings::{MembraneModel, Stepping};
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSolver {
-    /// Substeps per second `[Hz]`. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is proportional. Up
-    /// to eight times as many are taken while a body that moves much faster than the pins is near, or one that takes part lies on cloth lighter than it.
+    /// Substeps per second `[Hz]`. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is
+    /// proportional. Up to eight times as many are taken while a body that moves much faster than the pins is near, or one that
+    /// takes part lies on cloth lighter than it.
     pub substep_rate: f32,
-    /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000 (positions round the fall of a shorter step). Where edges are so short that substeps
-    /// cannot carry tension along the cloth ([`ClothReport::drape_rate`](crate::ClothReport::drape_rate)), each is cut into inner steps for all but contacts:
-    /// fine cloth drapes as its fabric and stretches less. Low hangs limper; 30 is none.
+    /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000 (positions round the fall of a shorter step). Where
+    /// edges are so short that substeps cannot carry tension along the cloth
+    /// ([`ClothReport::drape_rate`](crate::ClothReport::drape_rate)), each is cut into inner steps for all but contacts: fine
+    /// cloth drapes as its fabric and stretches less. Low hangs limper; 30 is none.
     pub inner_rate: f32,
     /// Longest frame that is simulated `[s]`. Default 0.1, range 0.001 to 1. Time beyond it is counted in
     /// [`ClothReport::lost_time`](crate::ClothReport::lost_time).
@@ -30,12 +32,13 @@ pub struct ClothSolver {
     pub time_scale: f32,
     /// What happens when the cloth is moved too far in one frame. Default [`ClothTeleportMode::Keep`].
     pub teleport: ClothTeleportMode,
-    /// Least jump of the carrier in a frame that counts as a teleport `[m]`. Default 1, range 0.001 to 1e6; three times the cloth's radius
-    /// counts when that is larger.
+    /// Least jump of the carrier in a frame that counts as a teleport `[m]`. Default 1, range 0.001 to 1e6; three times the
+    /// cloth's radius counts when that is larger.
     pub teleport_distance: f32,
     /// Least turn of the carrier in a frame that counts as a teleport `[rad]`. Default 60 degrees, range 0.01 to pi.
     pub teleport_angle: f32,
-    /// Edge length over rest length beyond which the cloth is taken back to its last good state (dimensionless). Default 5, range 1.1 to 1000.
+    /// Edge length over rest length beyond which the cloth is taken back to its last good state (dimensionless). Default 5,
+    /// range 1.1 to 1000.
     pub reset_edge_ratio: f32,
     /// Speed beyond which the cloth is taken back to its last good state `[m/s]`. Default 1000, range 1 to 1e5.
     pub max_speed: f32,
@@ -62,13 +65,16 @@ pub enum ClothTeleportMode {
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothMembrane {
-    /// Springs where the edges of the mesh run along the threads, as on a grid, or where nothing tells the threads; triangles elsewhere.
+    /// Springs where the edges of the mesh run along the threads, as on a grid, or where nothing tells the threads; triangles
+    /// elsewhere.
     #[default]
     Auto,
-    /// A spring on each edge (Provot 1995). Fast, and exact on grids along the threads; on any other mesh it shears as little as it stretches.
+    /// A spring on each edge (Provot 1995). Fast, and exact on grids along the threads; on any other mesh it shears as little
+    /// as it stretches.
     Springs,
-    /// Stretch along warp and weft and shear between them, triangle by triangle (strain-based dynamics, Müller et al. 2014): the same on every mesh. The
-    /// directions are those of the texture coordinates, turned by [`warp_angle`](crate::ClothMaterial::warp_angle); without any it is springs.
+    /// Stretch along warp and weft and shear between them, triangle by triangle (strain-based dynamics, Müller et al. 2014):
+    /// the same on every mesh. The directions are those of the texture coordinates, turned by
+    /// [`warp_angle`](crate::ClothMaterial::warp_angle); without any it is springs.
     Triangles,
 }
 

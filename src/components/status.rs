@@ -173,15 +173,16 @@ pub struct ClothUntangled {
     pub after: f32,
 }
 
-/// A tangled cloth is shown in its last clean shape from this frame on, for as long as [`ClothSkipFrame`](crate::ClothSkipFrame) allows.
+/// A tangled cloth is shown in its last clean shape from this frame on, for as long as
+/// [`ClothSkipFrame`](crate::ClothSkipFrame) allows.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothHeld {
     /// The cloth.
     pub entity: Entity,
 }
 
-/// Untangling did not succeed for a second, so stronger means are used: first regions and separations for every contour in more directions, at last the
-/// animated pose or the shape at rest, to which the tangled part is drawn. Methods other than
+/// Untangling did not succeed for a second, so stronger means are used: first regions and separations for every contour in more
+/// directions, at last the animated pose or the shape at rest, to which the tangled part is drawn. Methods other than
 /// [`ByEndType`](crate::ClothUntanglingMethod::ByEndType) have only the last of these; with
 /// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled) there is none, and no event.
 #[derive(EntityEvent, Clone, Copy, Debug)]

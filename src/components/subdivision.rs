@@ -2,16 +2,18 @@
 
 use bevy::prelude::*;
 
-/// Subdivision: splits the long edges of a mesh before it becomes cloth, so that a plane of four vertices or a cape of fifty bends.
+/// Subdivision: splits the long edges of a mesh before it becomes cloth, so that a plane of four vertices or a cape of fifty
+/// bends.
 ///
-/// The cloth is simulated and drawn with a finer copy of its mesh. Normals, texture coordinates, colours, maps and weights of a skin are interpolated. The vertices of
-/// the mesh keep their numbers, so that pins by vertex hold what they did; pins by position, colour or attribute hold what is between, too. Morph targets are lost.
-/// What is flat stays flat until the cloth bends. A mesh under a [`ClothRenderMesh`](crate::ClothRenderMesh) is made finer, too; one that is drawn by
+/// The cloth is simulated and drawn with a finer copy of its mesh. Normals, texture coordinates, colours, maps and weights of a
+/// skin are interpolated. The vertices of the mesh keep their numbers, so that pins by vertex hold what they did; pins by
+/// position, colour or attribute hold what is between, too. Morph targets are lost. What is flat stays flat until the cloth
+/// bends. A mesh under a [`ClothRenderMesh`](crate::ClothRenderMesh) is made finer, too; one that is drawn by
 /// [pieces](crate::ClothPiece) is not.
 ///
-/// The copy is made in the frame in which the mesh arrives, whatever [`ClothLoading`](crate::ClothLoading) says. The mesh is given back when this or
-/// [`Cloth`](crate::Cloth) is removed. Another length makes another copy, and the cloth begins anew; cloths with the same mesh and length share one. In a
-/// glTF, it is `cloth.subdivision`.
+/// The copy is made in the frame in which the mesh arrives, whatever [`ClothLoading`](crate::ClothLoading) says. The mesh is
+/// given back when this or [`Cloth`](crate::Cloth) is removed. Another length makes another copy, and the cloth begins anew;
+/// cloths with the same mesh and length share one. In a glTF, it is `cloth.subdivision`.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -26,8 +28,8 @@ use bevy::prelude::*;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSubdivision {
-    /// The longest edge that is left, in the space of the mesh, before its scale `[m]`. Default 0.05, more than 0. Shorter: finer folds, and a cost that grows with the inverse
-    /// square; no mesh gets more than 50,000 vertices.
+    /// The longest edge that is left, in the space of the mesh, before its scale `[m]`. Default 0.05, more than 0. Shorter:
+    /// finer folds, and a cost that grows with the inverse square; no mesh gets more than 50,000 vertices.
     pub longest_edge: f32,
 }
 

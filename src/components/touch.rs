@@ -4,15 +4,16 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 
-/// Asks for [`ClothContactStarted`] and [`ClothContactEnded`] on this cloth, and for [`ClothContacts`], the list of what touches it. Without
-/// it nothing is computed.
+/// Asks for [`ClothContactStarted`] and [`ClothContactEnded`] on this cloth, and for [`ClothContacts`], the list of what
+/// touches it. Without it nothing is computed.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(ClothContacts)]
 pub struct ClothContactEvents {
-    /// Time without touch after which a contact has ended `[s]`. Default 0.1, range 0 to 10. 0: cloth that bounces or flutters tells of every touch.
+    /// Time without touch after which a contact has ended `[s]`. Default 0.1, range 0 to 10. 0: cloth that bounces or flutters
+    /// tells of every touch.
     pub patience: f32,
 }
 

@@ -17,35 +17,36 @@ use crate::solver::resolve::{Method, ResolveSettings};
 pub struct ClothUntangling {
     /// The method. Default [`ClothUntanglingMethod::ByEndType`].
     pub method: ClothUntanglingMethod,
-    /// Most iterations per frame, taken only while something crosses. Default 4, range 0 to 64; 0 only measures. More gets done sooner and
-    /// costs in proportion.
+    /// Most iterations per frame, taken only while something crosses. Default 4, range 0 to 64; 0 only measures. More gets done
+    /// sooner and costs in proportion.
     pub iterations: u32,
-    /// Largest displacement of a particle per iteration, as a fraction of the mean edge (dimensionless). Default 0.1, range 0.001 to 1.
-    /// Smaller is slower; much larger overshoots and folds triangles over.
+    /// Largest displacement of a particle per iteration, as a fraction of the mean edge (dimensionless). Default 0.1, range
+    /// 0.001 to 1. Smaller is slower; much larger overshoots and folds triangles over.
     pub step: f32,
-    /// Largest growth of the step of a contour that keeps moving in one direction (dimensionless). Default 5, range 1 to 50. More is
-    /// faster on deep tangles and tears at the edges around them.
+    /// Largest growth of the step of a contour that keeps moving in one direction (dimensionless). Default 5, range 1 to 50.
+    /// More is faster on deep tangles and tears at the edges around them.
     pub pace: f32,
-    /// How far the motion spreads into the cloth around a contour, as a fraction of the contour's length (dimensionless). Default 0.5,
-    /// range 0 to 10. 0 moves only the particles at the contour, which the rest of a fine cloth holds back.
+    /// How far the motion spreads into the cloth around a contour, as a fraction of the contour's length (dimensionless).
+    /// Default 0.5, range 0 to 10. 0 moves only the particles at the contour, which the rest of a fine cloth holds back.
     pub spread: f32,
     /// Iterations without progress after which something else is tried. Default 10, range 1 to 1000.
     pub stall_iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
-    /// Most work of a frame beyond what is in proportion to the size of the cloth, in visits of particles, crossings and pairs of faces for each face. Default
-    /// 512, range 16 to 1,000,000. What is more goes on in the next frame, and [`ClothReport::deferred`](crate::ClothReport::deferred) tells of it. Less keeps heaps
-    /// tangled for longer and lets piles that land hard cross; more holds up the frame where cloth crosses all over. It is counted, not timed, so that
-    /// every machine comes to the same.
+    /// Most work of a frame beyond what is in proportion to the size of the cloth, in visits of particles, crossings and pairs
+    /// of faces for each face. Default 512, range 16 to 1,000,000. What is more goes on in the next frame, and
+    /// [`ClothReport::deferred`](crate::ClothReport::deferred) tells of it. Less keeps heaps tangled for longer and lets piles
+    /// that land hard cross; more holds up the frame where cloth crosses all over. It is counted, not timed, so that every
+    /// machine comes to the same.
     pub effort: u32,
-    /// Whether a cloth that is tangled in its first frame is taken apart at once, in 300 iterations at most, over several frames if it is much work.
-    /// Default false: it comes apart before the eyes of the player. While no time passes, as in the very first frame of an app and while
-    /// virtual time is paused, nothing is taken apart and the mesh is shown as it is.
+    /// Whether a cloth that is tangled in its first frame is taken apart at once, in 300 iterations at most, over several
+    /// frames if it is much work. Default false: it comes apart before the eyes of the player. While no time passes, as in the
+    /// very first frame of an app and while virtual time is paused, nothing is taken apart and the mesh is shown as it is.
     pub at_load: bool,
 }
 
-/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, except where the cloth crosses.
-/// Crossings are still counted. Without it, [`ClothUntangling`] says how it comes apart.
+/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, except where the
+/// cloth crosses. Crossings are still counted. Without it, [`ClothUntangling`] says how it comes apart.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

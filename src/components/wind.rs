@@ -14,7 +14,8 @@ pub struct ClothGlobalWind {
     pub velocity: Vec3,
     /// Strength of gusts as a fraction of the speed (dimensionless). Default 0.3, range 0 to 5; open country 0.15, a city 0.3.
     pub turbulence: f32,
-    /// Size of the largest gusts `[m]`. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells as a whole; smaller: noise.
+    /// Size of the largest gusts `[m]`. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells as a whole;
+    /// smaller: noise.
     pub gust_length: f32,
     /// How often the largest gusts change on top of passing by `[Hz]`. Default 0.5, range 0 to 20.
     pub gust_frequency: f32,

@@ -8,8 +8,9 @@
 //! # }
 //! ```
 //!
-//! Everything is drawn where the solver has it: a cloth whose last clean shape is held is drawn where it really is. [`ClothDebug::legend`] says what
-//! the colours mean. Width of lines, layers and whether they are hidden by what is in front are set as for any gizmos, in the group [`ClothGizmos`].
+//! Everything is drawn where the solver has it: a cloth whose last clean shape is held is drawn where it really is.
+//! [`ClothDebug::legend`] says what the colours mean. Width of lines, layers and whether they are hidden by what is in front
+//! are set as for any gizmos, in the group [`ClothGizmos`].
 //!
 //! | item | after | drawn |
 //! |---|---|---|
@@ -58,8 +59,8 @@ use crate::solver::topology::NONE;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ClothDebugPlugin;
 
-/// Gizmos of cloth: the group in the `GizmoConfigStore` under which their width, layers and depth are set. Lines are 1.5 px wide and
-/// slightly in front of what they lie on.
+/// Gizmos of cloth: the group in the `GizmoConfigStore` under which their width, layers and depth are set. Lines are 1.5 px
+/// wide and slightly in front of what they lie on.
 #[derive(Clone, Copy, Debug, Default, Reflect, GizmoConfigGroup)]
 #[reflect(Default, Clone, Debug)]
 pub struct ClothGizmos;
@@ -72,7 +73,8 @@ pub struct ClothGizmos;
 pub struct ClothDebug {
     /// A cross at each particle that is held, and a line to where. Default true.
     pub pins: bool,
-    /// Edges where the skin is, by how far cloth may be from it: the map of [`ClothLimits::max_distance`](crate::ClothLimits::max_distance). Default false.
+    /// Edges where the skin is, by how far cloth may be from it: the map of
+    /// [`ClothLimits::max_distance`](crate::ClothLimits::max_distance). Default false.
     pub maps: bool,
     /// A line from each particle to its place on the skin, by the share that it takes of its maximum distance. Default false.
     pub targets: bool,
@@ -90,8 +92,8 @@ pub struct ClothDebug {
     pub contours: bool,
     /// The pieces that contours cut off. Default false.
     pub regions: bool,
-    /// The border of each cloth, by its level of detail: strained, awake, settling, half or a quarter of the substeps, still, or asleep; every
-    /// edge of one without a border. Default false.
+    /// The border of each cloth, by its level of detail: strained, awake, settling, half or a quarter of the substeps, still,
+    /// or asleep; every edge of one without a border. Default false.
     pub sleep: bool,
     /// Normals of the particles. Default false.
     pub normals: bool,

@@ -6,8 +6,8 @@
 //!   └───────────────────────────┴──────────────────── anything that moves it ─────────────────────┘
 //! ```
 //!
-//! One with an edge far beyond the strain limit is strained: a coarse level over it is solved, too. [`ClothLod`](crate::ClothLod) takes
-//! substeps off what is far away or unseen.
+//! One with an edge far beyond the strain limit is strained: a coarse level over it is solved, too.
+//! [`ClothLod`](crate::ClothLod) takes substeps off what is far away or unseen.
 
 use bevy::prelude::*;
 

@@ -12,8 +12,8 @@ pub(super) struct Joined {
     pub firsts: Vec<u32>,
 }
 
-/// Joins meshes of triangles, with the attributes that all of them have. Bevy makes tangents where the material has a normal map: the others get any, since
-/// those of cloth are computed anew.
+/// Joins meshes of triangles, with the attributes that all of them have. Bevy makes tangents where the material has a normal
+/// map: the others get any, since those of cloth are computed anew.
 pub(super) fn join(meshes: &[&Mesh]) -> Result<Joined, String> {
     let mut joined: Option<Mesh> = None;
     let mut firsts = Vec::new();

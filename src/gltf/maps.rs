@@ -1,4 +1,5 @@
-//! Maps of the extras: how far a cloth goes from its skin, how far it sinks into it, how firmly it is drawn to it; and where they are painted.
+//! Maps of the extras: how far a cloth goes from its skin, how far it sinks into it, how firmly it is drawn to it; and where
+//! they are painted.
 
 use bevy::prelude::*;
 use serde_json::{Map, Value};
@@ -147,7 +148,8 @@ pub(super) fn over(mesh: Option<&Mesh>, mut map: ClothMap) -> ClothMap {
     map
 }
 
-/// Pins over what is there of their paint. Without pins in the extras, the red of `_CLOTH_PAINT` pins where it is painted and no `_PIN` is there.
+/// Pins over what is there of their paint. Without pins in the extras, the red of `_CLOTH_PAINT` pins where it is painted and
+/// no `_PIN` is there.
 pub(super) fn pins(mesh: Option<&Mesh>, pins: Option<&ClothPinSelect>) -> Option<ClothPinSelect> {
     match pins {
         Some(ClothPinSelect::Attribute(name)) => {
@@ -164,7 +166,8 @@ pub(super) fn pins(mesh: Option<&Mesh>, pins: Option<&ClothPinSelect>) -> Option
     }
 }
 
-/// Limits of a cloth; none where there is nothing to limit. A maximum distance that is painted and not spoken of goes up to 1 m.
+/// Limits of a cloth; none where there is nothing to limit. A maximum distance that is painted and not spoken of goes up to 1
+/// m.
 pub(super) fn limits(
     mesh: Option<&Mesh>,
     max_distance: Option<&ClothMap>,

@@ -1,7 +1,8 @@
 //! Cloth authored in a glTF: node and scene extras become components.
 //!
-//! A node whose extras hold `cloth` makes its mesh a cloth, one that holds `collider` makes it a collider; everything else has defaults.
-//! Unknown keys and wrong types are one warning each that names the file, the node and the key, and the rest of the file still works.
+//! A node whose extras hold `cloth` makes its mesh a cloth, one that holds `collider` makes it a collider; everything else has
+//! defaults. Unknown keys and wrong types are one warning each that names the file, the node and the key, and the rest of the
+//! file still works.
 //!
 //! | node extras | value |
 //! |---|---|
@@ -26,19 +27,20 @@
 //! | `gravity` | `[x, y, z]` `[m/s²]` |
 //! | `wind` | `[x, y, z]` `[m/s]` |
 //!
-//! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a character, or on
-//! its armature.
+//! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a
+//! character, or on its armature.
 //!
-//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth, shown by a [`ClothPiece`] for each
-//! material: where their vertices lie in the same place, they hang together.
+//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth, shown by a [`ClothPiece`] for
+//! each material: where their vertices lie in the same place, they hang together.
 //!
-//! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat properties.
+//! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat
+//! properties.
 //!
-//! A `map` names what was painted as `cloth.pin` does; a single number beside it counts where the paint is 1, and 0 where it is 0. A mesh with
-//! `_CLOTH_MAXDIST` and no `cloth.max_distance` has that of 0 to 1 m; `false` switches it off.
+//! A `map` names what was painted as `cloth.pin` does; a single number beside it counts where the paint is 1, and 0 where it
+//! is 0. A mesh with `_CLOTH_MAXDIST` and no `cloth.max_distance` has that of 0 to 1 m; `false` switches it off.
 //!
-//! `_CLOTH_PAINT` holds four maps in one colour: red is `_PIN`, green `_CLOTH_MAXDIST`, blue `_CLOTH_BACKSTOP`, alpha `_CLOTH_DRIVE`. Each stands
-//! in where the mesh does not have the attribute of its own. Red pins without `cloth.pin`, too.
+//! `_CLOTH_PAINT` holds four maps in one colour: red is `_PIN`, green `_CLOTH_MAXDIST`, blue `_CLOTH_BACKSTOP`, alpha
+//! `_CLOTH_DRIVE`. Each stands in where the mesh does not have the attribute of its own. Red pins without `cloth.pin`, too.
 //!
 //! Bevy only reads vertex attributes that it was told of before it loads. One line does that:
 //!
@@ -79,16 +81,16 @@ pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::syste
     (scenes, nodes).chain().in_set(ClothSystems::Prepare)
 }
 
-/// Tells Bevy's glTF loader of the attributes that cloth is painted in: `_PIN`, `_CLOTH_MAXDIST`, `_CLOTH_BACKSTOP` and `_CLOTH_DRIVE`, each a
-/// float, and `_CLOTH_PAINT`, a colour of four floats. Call it before the plugin is added.
+/// Tells Bevy's glTF loader of the attributes that cloth is painted in: `_PIN`, `_CLOTH_MAXDIST`, `_CLOTH_BACKSTOP` and
+/// `_CLOTH_DRIVE`, each a float, and `_CLOTH_PAINT`, a colour of four floats. Call it before the plugin is added.
 #[must_use]
 pub fn cloth_attributes(plugin: GltfPlugin) -> GltfPlugin {
     let singles = [maps::PIN, maps::MAX_DISTANCE, maps::BACKSTOP, maps::DRIVE];
     register(singles.into_iter().fold(plugin, pin_attribute), maps::PAINT, VertexFormat::Float32x4)
 }
 
-/// Tells Bevy's glTF loader of another float attribute that pins or maps name, such as `"_CUFF"`. Call it for each, before the plugin is added;
-/// [`cloth_attributes`] does it for those with names of their own.
+/// Tells Bevy's glTF loader of another float attribute that pins or maps name, such as `"_CUFF"`. Call it for each, before the
+/// plugin is added; [`cloth_attributes`] does it for those with names of their own.
 #[must_use]
 pub fn pin_attribute(plugin: GltfPlugin, name: &'static str) -> GltfPlugin {
     register(plugin, name, VertexFormat::Float32)

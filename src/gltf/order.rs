@@ -1,7 +1,7 @@
 //! The order of vertices in a glTF file, where Bevy's loader changes it.
 //!
-//! Of a primitive without normals the loader splits every triangle off, so that each can have a normal of its own. Corner `k` of the mesh is then vertex
-//! `indices[k]` of the file, which is what pins by index mean.
+//! Of a primitive without normals the loader splits every triangle off, so that each can have a normal of its own. Corner `k`
+//! of the mesh is then vertex `indices[k]` of the file, which is what pins by index mean.
 
 use std::sync::Arc;
 

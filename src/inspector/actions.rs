@@ -119,8 +119,8 @@ fn displace(world: &mut World, cloth: Entity, motion: impl FnOnce(&mut [Vec4]) -
     Ok(done)
 }
 
-/// Forgets on which side of each other the members of a cloth's island were: they would be brought back there. They wake, and the cloth is
-/// shown where it is now.
+/// Forgets on which side of each other the members of a cloth's island were: they would be brought back there. They wake, and
+/// the cloth is shown where it is now.
 fn forget(world: &mut World, cloth: Entity) {
     if let Some(mut shown) = world.get_mut::<ClothShown>(cloth) {
         shown.forced = true;

@@ -22,7 +22,8 @@ const NAMES: [&str; 2] = ["A", "B"];
 /// Height of the list of what differs; the rest is scrolled to `[points]`.
 const LIST: f32 = 160.0;
 
-/// What was clicked and concerns all settings. It is done after the rows, which take what was being typed in the frame of the click.
+/// What was clicked and concerns all settings. It is done after the rows, which take what was being typed in the frame of the
+/// click.
 #[derive(Clone, Debug)]
 pub(super) enum Ask {
     /// Takes a fabric of the library.

@@ -19,7 +19,8 @@ use crate::islands::ClothIslands;
 
 /// Draws the panel into a window of the app's own.
 ///
-/// [`ClothInspectorPlugin`](super::ClothInspectorPlugin) with `window: false` does what its buttons ask for and keeps what the curves show.
+/// [`ClothInspectorPlugin`](super::ClothInspectorPlugin) with `window: false` does what its buttons ask for and keeps what the
+/// curves show.
 ///
 /// ```no_run
 /// # use bevy::prelude::*;

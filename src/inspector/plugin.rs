@@ -16,20 +16,20 @@ use crate::schedule::after_sync;
 
 /// The panel in a window of its own.
 ///
-/// Adds the `EguiPlugin` of `bevy_egui` unless it is there: an app that adds it itself does so before this one. The panel shows on the
-/// first camera, as all of `bevy_egui` does; mark another one with `PrimaryEguiContext`.
+/// Adds the `EguiPlugin` of `bevy_egui` unless it is there: an app that adds it itself does so before this one. The panel shows
+/// on the first camera, as all of `bevy_egui` does; mark another one with `PrimaryEguiContext`.
 #[derive(Clone, Debug)]
 pub struct ClothInspectorPlugin {
     /// Key that opens and closes the window. Default `I`; none leaves that to [`ClothInspector::open`].
     pub key: Option<KeyCode>,
     /// Whether the window is open at the start. Default false.
     pub open: bool,
-    /// Whether keys and mouse over the panel are kept from the game. Default true. They are taken from `ButtonInput` and from the messages
-    /// and sums of the mouse; `CursorMoved` goes on, and picking (`Pointer` events) without the feature `picking`: what listens to those
-    /// asks `EguiWantsInput`.
+    /// Whether keys and mouse over the panel are kept from the game. Default true. They are taken from `ButtonInput` and from
+    /// the messages and sums of the mouse; `CursorMoved` goes on, and picking (`Pointer` events) without the feature `picking`:
+    /// what listens to those asks `EguiWantsInput`.
     pub absorbs_input: bool,
-    /// Whether there is a window. Default true. Without, the app calls [`cloth_inspector`] in one of its own, and egui is up to the app:
-    /// the plugin does what the buttons ask for and keeps the history while the panel is drawn.
+    /// Whether there is a window. Default true. Without, the app calls [`cloth_inspector`] in one of its own, and egui is up to
+    /// the app: the plugin does what the buttons ask for and keeps the history while the panel is drawn.
     pub window: bool,
 }
 

@@ -140,8 +140,9 @@ impl ClothSettings {
         }
     }
 
-    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep, blend, inertia, level of
-    /// detail, priority, pins, the body, the world, and whether it is untangled at all are not in files.
+    /// What a file holds of it: the material, what differs from its default, limits, drive, and a wind of its own. Sleep,
+    /// blend, inertia, level of detail, priority, pins, the body, the world, and whether it is untangled at all are not in
+    /// files.
     #[must_use]
     pub fn preset(&self) -> ClothPreset {
         fn changed<T: Clone + Default + PartialEq>(part: &T) -> Option<T> {

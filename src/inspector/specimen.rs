@@ -1,4 +1,5 @@
-//! The drape test of the fabric that is tuned: a specimen in the panel, beside the scene and apart from its wind, bodies and clock.
+//! The drape test of the fabric that is tuned: a specimen in the panel, beside the scene and apart from its wind, bodies and
+//! clock.
 
 use bevy::math::{Mat3, Vec3};
 use bevy_egui::egui::{Color32, Mesh, Painter, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
@@ -89,7 +90,8 @@ fn text_of(result: Option<Drape>, material: &ClothMaterial) -> String {
     format!("drape coefficient {coefficient:.0} %, {nodes} nodes{}", asked.unwrap_or_default())
 }
 
-/// Draws the disk and the cloth on it, far triangles first, as `view` turns them: `x` to the right, `y` up, `z` towards the eye.
+/// Draws the disk and the cloth on it, far triangles first, as `view` turns them: `x` to the right, `y` up, `z` towards the
+/// eye.
 fn draw(painter: &Painter, rect: Rect, scene: &Scene, view: Mat3) {
     let scale = 0.5 * rect.width().min(1.3 * rect.height()) / (1.05 * SPECIMEN);
     // What overhangs hangs below the disk.

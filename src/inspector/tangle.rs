@@ -53,7 +53,8 @@ fn freedom(x: Vec3, held: &[Vec3], reach: f32) -> f32 {
     if reach > 0.0 { (nearest / reach).min(1.0) } else { 1.0 }
 }
 
-/// Folds the half that is held least over the other and through it. `w` is the inverse mass: 0 stays. False when there is nothing to fold.
+/// Folds the half that is held least over the other and through it. `w` is the inverse mass: 0 stays. False when there is
+/// nothing to fold.
 pub(super) fn fold(positions: &mut [Vec4]) -> bool {
     let Frame { center, axes } = frame(positions);
     let held = held(positions);
@@ -78,8 +79,8 @@ pub(super) fn fold(positions: &mut [Vec4]) -> bool {
     true
 }
 
-/// Pushes a cloth through the particles of another, all in one frame, where they are nearest: a cloth that is free is brought near and gets
-/// a dent, one that is held turns about what holds it. False when one of them is empty.
+/// Pushes a cloth through the particles of another, all in one frame, where they are nearest: a cloth that is free is brought
+/// near and gets a dent, one that is held turns about what holds it. False when one of them is empty.
 pub(super) fn push(positions: &mut [Vec4], other: &[Vec3]) -> bool {
     let every = |n: usize| n.div_ceil(LOOKED_AT).max(1);
     let center = frame(positions).center;

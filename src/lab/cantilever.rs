@@ -28,7 +28,8 @@ pub enum Cut {
     Bias,
 }
 
-/// Bending length `[m]` that a strip of the fabric shows with `cells` edges along an overhang of twice the bending length asked for.
+/// Bending length `[m]` that a strip of the fabric shows with `cells` edges along an overhang of twice the bending length asked
+/// for.
 #[must_use]
 pub fn test(fabric: &Fabric, cells: u32, cut: Cut, substep_rate: f32) -> f32 {
     let edge = 2.0 * bending_length(fabric) / cells as f32;

@@ -42,7 +42,8 @@ pub fn theory(fabric: &Fabric) -> f32 {
     2.0 * core::f32::consts::PI.sqrt() * (bending_length(fabric).powi(3) / tension).powf(0.25) * SIZE.1.sqrt()
 }
 
-/// A curtain of `n` vertices along its height, at least 16, that has come to rest on its hooks, started with noise of that seed.
+/// A curtain of `n` vertices along its height, at least 16, that has come to rest on its hooks, started with noise of that
+/// seed.
 #[must_use]
 pub fn hung(fabric: &Fabric, n: u32, seed: u64) -> Scene {
     let columns = 2 * n - 1;

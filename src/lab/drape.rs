@@ -4,7 +4,8 @@
 //! DC = 100 (A - π r²) / (π R² - π r²)      A: shadow from above, what is covered twice counting once
 //! ```
 //!
-//! Nodes are the lobes of its rim: peaks of the radius of the shadow over the angle that stand out from the valleys beside them.
+//! Nodes are the lobes of its rim: peaks of the radius of the shadow over the angle that stand out from the valleys beside
+//! them.
 
 use core::f32::consts::TAU;
 
@@ -219,7 +220,8 @@ fn peaks(radius: &[f32], prominence: f32) -> u32 {
     count
 }
 
-/// A disk of radius [`SPECIMEN`] in rings, its warp along z, of triangles with edges of about `edge` `[m]`, one ring at [`DISK`].
+/// A disk of radius [`SPECIMEN`] in rings, its warp along z, of triangles with edges of about `edge` `[m]`, one ring at
+/// [`DISK`].
 #[must_use]
 pub fn rings(edge: f32) -> SourceMesh {
     let inner = (DISK / edge).round().max(1.0) as u32;
@@ -261,8 +263,8 @@ pub fn rings(edge: f32) -> SourceMesh {
     mesh
 }
 
-/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` `[m]`, turned by `angle` `[rad]`, its warp with it; diagonals all one way, or turn about.
-/// Vertices near the rim and near the edge of the disk are moved onto them.
+/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` `[m]`, turned by `angle` `[rad]`, its warp with
+/// it; diagonals all one way, or turn about. Vertices near the rim and near the edge of the disk are moved onto them.
 #[must_use]
 pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
     const SNAP: f32 = 0.3;
@@ -296,8 +298,8 @@ pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
     mesh
 }
 
-/// The disk of [`grid`] with its vertices shaken by up to 0.3 edges, those on the circles along them, and each quad cut along its shorter diagonal: no two
-/// triangles are alike.
+/// The disk of [`grid`] with its vertices shaken by up to 0.3 edges, those on the circles along them, and each quad cut along
+/// its shorter diagonal: no two triangles are alike.
 #[must_use]
 pub fn irregular(edge: f32, seed: u64) -> SourceMesh {
     const SHAKEN: f32 = 0.3;

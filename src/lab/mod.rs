@@ -1,4 +1,5 @@
-//! A laboratory for fabrics: tests of textile standards on simulated cloth, each against a solution that is known. Free of the engine.
+//! A laboratory for fabrics: tests of textile standards on simulated cloth, each against a solution that is known. Free of the
+//! engine.
 //!
 //! The `fabric_lab` example prints them for every preset; tests hold the presets to them.
 
@@ -37,7 +38,8 @@ pub struct Sample {
     pub source: &'static str,
 }
 
-/// Every preset. No measurement that may be cited was found of jersey, velvet, fleece, tulle and chiffon, so no preset has their names.
+/// Every preset. No measurement that may be cited was found of jersey, velvet, fleece, tulle and chiffon, so no preset has
+/// their names.
 pub const SAMPLES: [Sample; 11] = [
     sample("cotton", 65.0, 6.0, Some(3.0e-4), "between two cottons of 0.114 and 0.192 kg/m², 62 and 70: Gong, Mao, Wang 2024"),
     sample("silk", 35.0, 8.0, None, "a band of 20 to 40, quoted without its source"),
@@ -83,10 +85,12 @@ pub fn bending_length(fabric: &Fabric) -> f32 {
     (fabric.bend_stiffness / (fabric.density * 9.81)).cbrt()
 }
 
-/// Speed at which the tests carry tension along the mesh `[m/s]`, so that what they show is the fabric and not the number of steps.
+/// Speed at which the tests carry tension along the mesh `[m/s]`, so that what they show is the fabric and not the number of
+/// steps.
 const SPEED: f32 = 14.0;
 
-/// Substeps per second `[Hz]` with which the tests of a mesh with edges of `edge` `[m]` run: more than it needs to drape as its fabric does.
+/// Substeps per second `[Hz]` with which the tests of a mesh with edges of `edge` `[m]` run: more than it needs to drape as its
+/// fabric does.
 #[must_use]
 pub fn rate(edge: f32) -> f32 {
     (SPEED / edge).max(360.0)

@@ -80,7 +80,8 @@ impl ClothPreset {
     /// Reads the text of a `.cloth.ron` file; `file` is its name in errors.
     ///
     /// # Errors
-    /// [`ClothPresetError::Schema`] when it is not a preset: the first place that is wrong, what is wrong there, and the nearest name that is known.
+    /// [`ClothPresetError::Schema`] when it is not a preset: the first place that is wrong, what is wrong there, and the
+    /// nearest name that is known.
     pub fn from_ron(text: &str, file: &str) -> Result<Self, ClothPresetError> {
         // A byte order mark is what some editors begin a file with.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);

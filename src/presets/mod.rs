@@ -1,4 +1,5 @@
-//! `.cloth.ron` files: a material, and settings if the file has them, that cloths take over when the file is loaded and again when it changes.
+//! `.cloth.ron` files: a material, and settings if the file has them, that cloths take over when the file is loaded and again
+//! when it changes.
 //!
 //! ```ron
 //! (
@@ -8,8 +9,9 @@
 //! )
 //! ```
 //!
-//! Fields that are not given have defaults. A file may also hold the fields of a material alone: `(density: 0.15, stretch_stiffness: 12000.0)`.
-//! What is wrong in a file is named by file, line, column and field; a number that is out of range is used clamped, as anywhere.
+//! Fields that are not given have defaults. A file may also hold the fields of a material alone:
+//! `(density: 0.15, stretch_stiffness: 12000.0)`. What is wrong in a file is named by file, line, column and field; a number
+//! that is out of range is used clamped, as anywhere.
 
 mod apply;
 mod loader;
@@ -68,7 +70,8 @@ impl From<ClothMaterial> for ClothPreset {
     }
 }
 
-/// The file that a cloth takes its material and settings from: once it is loaded, again when it changes, and when the handle changes.
+/// The file that a cloth takes its material and settings from: once it is loaded, again when it changes, and when the handle
+/// changes.
 ///
 /// Until then the cloth has its own. A file that fails to load changes nothing and is one warning.
 ///

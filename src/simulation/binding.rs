@@ -48,7 +48,8 @@ pub(crate) struct PieceBinding {
     pub written: Option<(Entity, u32, u32)>,
 }
 
-/// The skin that was taken off a cloth's entity. A clone of the entity takes it along, with its own joints where those are cloned, too.
+/// The skin that was taken off a cloth's entity. A clone of the entity takes it along, with its own joints where those are
+/// cloned, too.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct TakenSkin {
     pub inverse_bindposes: Handle<SkinnedMeshInverseBindposes>,

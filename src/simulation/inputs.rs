@@ -23,8 +23,9 @@ use crate::solver::skinned::Skinned;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
 
-/// Frames in which a skinned cloth is put where its skin is: the player of its animation poses it in the first or in the second. In the next the skin takes
-/// it along, at its own speed. Then it gets its limits within a quarter of a second, as in o3de.
+/// Frames in which a skinned cloth is put where its skin is: the player of its animation poses it in the first or in the
+/// second. In the next the skin takes it along, at its own speed. Then it gets its limits within a quarter of a second, as in
+/// o3de.
 pub(crate) const FIRST_FRAMES: u32 = 2;
 
 /// Inputs: everything the solver is given in a frame.
@@ -53,7 +54,8 @@ pub(crate) struct ClothInputs {
     pub character: Option<Entity>,
     /// How much of the motion of its carrier it feels, if that was said.
     pub inertia: Option<ClothInertia>,
-    /// How its carrier moved in this frame, unless it jumped; whether it did; and what the cloth was carried along with, unfelt.
+    /// How its carrier moved in this frame, unless it jumped; whether it did; and what the cloth was carried along with,
+    /// unfelt.
     pub journey: Option<Motion>,
     pub jumped: bool,
     pub carried_by: Option<Motion>,
@@ -75,8 +77,8 @@ pub(crate) struct ClothInputs {
     /// What is asked of the skin, and what the solver is given of it.
     pub followed: Followed,
     pub skinned: Skinned,
-    /// Frames since it was bound, as far as they count, and how much of its limits it has got since (dimensionless, 0 to 1): a skinned cloth begins as its
-    /// skin.
+    /// Frames since it was bound, as far as they count, and how much of its limits it has got since (dimensionless, 0 to 1): a
+    /// skinned cloth begins as its skin.
     pub frames: u32,
     pub fade: f32,
     /// Whether a frame was simulated with nothing of its limits left.

@@ -1,5 +1,5 @@
-//! What the simulation keeps: on a cloth's entity a component per kind of data (rest, state, inputs, scratch, shown), and what there is around
-//! all cloths (bodies, air).
+//! What the simulation keeps: on a cloth's entity a component per kind of data (rest, state, inputs, scratch, shown), and what
+//! there is around all cloths (bodies, air).
 //!
 //! None of the components is cloned with the entity: the clone binds anew from the mesh that was authored.
 

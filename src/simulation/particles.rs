@@ -49,8 +49,8 @@ impl ClothParticles {
         self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
     }
 
-    /// Positions to show in the world `[m]`, one per particle: the simulated ones, except where a tangled cloth is held. With a fixed clock,
-    /// what is drawn lies between these and those of the frame before.
+    /// Positions to show in the world `[m]`, one per particle: the simulated ones, except where a tangled cloth is held. With a
+    /// fixed clock, what is drawn lies between these and those of the frame before.
     pub fn shown_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
         let held = self.display.held().filter(|held| held.len() == self.len());
         let live = self.state.positions.iter().enumerate();
@@ -70,17 +70,17 @@ impl ClothParticles {
         &mut self.state
     }
 
-    /// Gives an impulse `[N·s]` to the particles within `radius` `[m]` of a point in the world `[m]`, as one piece, fading towards the rim. Held
-    /// particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part; none when a number is not finite or
-    /// `radius` not above 0.
+    /// Gives an impulse `[N·s]` to the particles within `radius` `[m]` of a point in the world `[m]`, as one piece, fading
+    /// towards the rim. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part;
+    /// none when a number is not finite or `radius` not above 0.
     pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
         let point = (point.as_dvec3() - self.origin).as_vec3();
         impulse::impulse(self.state_mut(), point, impulse, radius)
     }
 
-    /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is what the whole cloth gets close by;
-    /// it fades to nothing at `radius`. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took
-    /// part; none when a number is not finite or `radius` not above 0.
+    /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is what the whole
+    /// cloth gets close by; it fades to nothing at `radius`. Held particles stay; no velocity changes by more than 100 m/s.
+    /// Returns how many particles took part; none when a number is not finite or `radius` not above 0.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
         let center = (center.as_dvec3() - self.origin).as_vec3();
         impulse::explosion(self.state_mut(), center, impulse, radius)

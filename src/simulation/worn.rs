@@ -21,7 +21,8 @@ pub(crate) struct Bones<'w, 's> {
 }
 
 impl Bones<'_, '_> {
-    /// From the space of the mesh to that of a collider in the bind pose. None for one that is neither a joint of the skin nor a child of one.
+    /// From the space of the mesh to that of a collider in the bind pose. None for one that is neither a joint of the skin nor
+    /// a child of one.
     fn in_bind_pose(&self, skin: &Skin, collider: Entity) -> Option<Affine3A> {
         let (body, parent, at) = self.colliders.get(collider).ok()?;
         let to_collider = match (skin.inverse_bind(collider), parent, at) {

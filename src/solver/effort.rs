@@ -1,7 +1,9 @@
-//! How much work there may be in a frame: counted, not timed, so that it is the same on every machine and for any number of threads.
+//! How much work there may be in a frame: counted, not timed, so that it is the same on every machine and for any number of
+//! threads.
 //!
-//! A *visit* is what is done about one particle, edge, crossing or pair of faces, some ten nanoseconds of it. The work of a frame that is in
-//! proportion to the size of its cloth needs no count. What can grow beyond that is counted, and goes on in the next frame where it is too much.
+//! A *visit* is what is done about one particle, edge, crossing or pair of faces, some ten nanoseconds of it. The work of a
+//! frame that is in proportion to the size of its cloth needs no count. What can grow beyond that is counted, and goes on in
+//! the next frame where it is too much.
 
 use core::cell::Cell;
 

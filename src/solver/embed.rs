@@ -8,8 +8,8 @@
 //! w_f ∝ (1 - ((δ_f - δ)/ρ)²)³        δ_f: distance to the triangle, δ: to the nearest; ρ: mean edge
 //! ```
 //!
-//! One triangle for each vertex would show the facets of the coarse mesh; those within an edge blend over them. Triangles count that hang together
-//! with the nearest one there, so that a pocket does not follow the leg beneath.
+//! One triangle for each vertex would show the facets of the coarse mesh; those within an edge blend over them. Triangles count
+//! that hang together with the nearest one there, so that a pocket does not follow the leg beneath.
 
 use glam::{Affine3A, Mat3A, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -19,8 +19,8 @@ use parry3d::query::PointQuery;
 use super::raycast::closest_weights;
 use super::rest::RestShape;
 
-/// Most triangles that a vertex follows: those whose points are within an edge of a point of a regular mesh are six to thirteen, of which the far ones
-/// have next to no weight.
+/// Most triangles that a vertex follows: those whose points are within an edge of a point of a regular mesh are six to
+/// thirteen, of which the far ones have next to no weight.
 const MOST: usize = 8;
 
 /// Which triangles of a coarse mesh each vertex of a fine one follows.
@@ -35,8 +35,9 @@ pub struct Embedding {
 }
 
 impl Embedding {
-    /// Hangs vertices at `points` `[m]`, in the frame of the shape at rest, on its triangles. `normals` are as many as points, or none; where cloth lies in
-    /// layers, a vertex follows the one that faces as it does. None if no triangle has an area or a point is not finite.
+    /// Hangs vertices at `points` `[m]`, in the frame of the shape at rest, on its triangles. `normals` are as many as points,
+    /// or none; where cloth lies in layers, a vertex follows the one that faces as it does. None if no triangle has an area or
+    /// a point is not finite.
     #[must_use]
     pub fn new(rest: &RestShape, points: &[Vec3], normals: &[Vec3]) -> Option<Self> {
         let faces = &rest.topology.faces;

@@ -10,8 +10,8 @@
 //!                                      └─ no clean shape, or held too often: Live, tangled
 //! ```
 //!
-//! Held particles follow the anchor: `shown = (1 - α w) live + α w · now · then⁻¹ · clean`, with `w` 1 at the tangle and falling to 0 over a
-//! few rings, and `α` 1 while held, falling to 0 while fading.
+//! Held particles follow the anchor: `shown = (1 - α w) live + α w · now · then⁻¹ · clean`, with `w` 1 at the tangle and
+//! falling to 0 over a few rings, and `α` 1 while held, falling to 0 while fading.
 
 use glam::{Quat, Vec3, Vec4};
 
@@ -39,7 +39,8 @@ pub enum SkipPolicy {
 pub struct EvaluateSettings {
     /// What to do about tangled frames.
     pub policy: SkipPolicy,
-    /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2. More hides longer tangles, but the cloth visibly sticks.
+    /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2. More hides longer tangles, but the cloth visibly
+    /// sticks.
     pub max_held_frames: u32,
     /// Most time held in any second under [`SkipPolicy::Ladder`] `[s]`. Default 0.1.
     pub max_held_time: f32,
@@ -239,8 +240,9 @@ impl Evaluator {
         snapshot.time = self.time;
     }
 
-    /// Moves the last clean shape to where the skin of a character has gone in a frame: `place` tells where particle `i`, which was at `x` `[m]`, is now.
-    /// Where it does not know, the particle goes along with `pose`. Call it before [`Self::judge`], in every frame since the shape was kept.
+    /// Moves the last clean shape to where the skin of a character has gone in a frame: `place` tells where particle `i`, which
+    /// was at `x` `[m]`, is now. Where it does not know, the particle goes along with `pose`. Call it before [`Self::judge`],
+    /// in every frame since the shape was kept.
     pub fn follow(&mut self, pose: Pose, place: impl Fn(usize, Vec3) -> Option<Vec3>) {
         let snapshot = &mut self.ring[self.newest];
         for (i, x) in snapshot.positions.iter_mut().enumerate() {

@@ -16,7 +16,8 @@ pub struct Pick {
     pub distance: f32,
 }
 
-/// First face that a ray from `origin` along the unit vector `direction` meets within `farthest` `[m]`, from either side (Möller, Trumbore 1997).
+/// First face that a ray from `origin` along the unit vector `direction` meets within `farthest` `[m]`, from either side
+/// (Möller, Trumbore 1997).
 #[must_use]
 pub fn ray(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, origin: Vec3, direction: Vec3, farthest: f32) -> Option<Pick> {
     let mut best: Option<Pick> = None;

@@ -162,7 +162,8 @@ impl Recording {
         Ok(to.flush()?)
     }
 
-    /// Reads what [`Self::write`] wrote. Nothing that was changed on the way is read: what is in a file is trusted by the solver.
+    /// Reads what [`Self::write`] wrote. Nothing that was changed on the way is read: what is in a file is trusted by the
+    /// solver.
     ///
     /// # Errors
     /// [`RecordingError`] when it is something else, damaged, or cannot be read.

@@ -1,5 +1,5 @@
-//! Cloth without an engine: cloths, bodies and weather that are stepped together. The laboratory and the preview of the panel stand on it, and tests,
-//! benchmarks and programs measure on it.
+//! Cloth without an engine: cloths, bodies and weather that are stepped together. The laboratory and the preview of the panel
+//! stand on it, and tests, benchmarks and programs measure on it.
 
 use std::sync::Arc;
 
@@ -22,7 +22,8 @@ use super::wind::Wind;
 /// Standard gravity `[m/s²]`.
 pub const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
-/// A rectangle of `columns` x `rows` vertices at `point(u, v)`, `u` and `v` from 0 to 1; vertex `(i, j)` has index `i * rows + j`.
+/// A rectangle of `columns` x `rows` vertices at `point(u, v)`, `u` and `v` from 0 to 1; vertex `(i, j)` has index
+/// `i * rows + j`.
 ///
 /// The diagonals alternate, so that the mesh prefers no direction.
 #[must_use]
@@ -321,7 +322,8 @@ impl Scene {
         self
     }
 
-    /// Moves every free particle by up to a thousandth of an edge, another way for every seed: what holds from one start only is luck.
+    /// Moves every free particle by up to a thousandth of an edge, another way for every seed: what holds from one start only
+    /// is luck.
     #[must_use]
     pub fn jittered(mut self, seed: u64) -> Self {
         let mut rng = fastrand::Rng::with_seed(seed);

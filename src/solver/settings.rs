@@ -4,44 +4,50 @@
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fabric {
-    /// Areal density `[kg/m²]`. Default 0.2, range 0.01 to 10. Too low for the substep rate: springs look stiffer than they are.
+    /// Areal density `[kg/m²]`. Default 0.2, range 0.01 to 10. Too low for the substep rate: springs look stiffer than they
+    /// are.
     pub density: f32,
     /// Membrane stiffness along the threads `[N/m]`: tension per unit of width for a strain of one.
     /// A spring gets `k = K · ΣA / L²` (Van Gelder 1998). Default 2000, range 0 to 1e7.
     pub stretch_stiffness: f32,
-    /// Shear stiffness `G` `[N/m]`: force per unit of width at an angle of one radian, held by the diagonals of quads or by triangles. Default 50, range 0 to 1e7. 0:
-    /// shears freely.
+    /// Shear stiffness `G` `[N/m]`: force per unit of width at an angle of one radian, held by the diagonals of quads or by
+    /// triangles. Default 50, range 0 to 1e7. 0: shears freely.
     pub shear_stiffness: f32,
-    /// Bending stiffness `B` `[N·m]`: moment per unit of width and curvature, of the quadratic isometric model (Bergou et al. 2006). Default 1e-5,
-    /// range 0 to 1.
+    /// Bending stiffness `B` `[N·m]`: moment per unit of width and curvature, of the quadratic isometric model (Bergou et al.
+    /// 2006). Default 1e-5, range 0 to 1.
     pub bend_stiffness: f32,
-    /// Stretch stiffness along the warp over that along the weft (dimensionless), [`stretch_stiffness`](Self::stretch_stiffness) being their mean. Default 1,
-    /// range 0.1 to 10. Without texture coordinates that tell the warp nothing.
+    /// Stretch stiffness along the warp over that along the weft (dimensionless),
+    /// [`stretch_stiffness`](Self::stretch_stiffness) being their mean. Default 1, range 0.1 to 10. Without texture coordinates
+    /// that tell the warp nothing.
     pub stretch_ratio: f32,
-    /// Bending stiffness along the warp over that along the weft (dimensionless), [`bend_stiffness`](Self::bend_stiffness) being their mean. Default 1,
-    /// range 0.1 to 10. Without texture coordinates that tell the warp nothing.
+    /// Bending stiffness along the warp over that along the weft (dimensionless), [`bend_stiffness`](Self::bend_stiffness)
+    /// being their mean. Default 1, range 0.1 to 10. Without texture coordinates that tell the warp nothing.
     pub bend_ratio: f32,
     /// Angle of the warp from `v` towards `u` of the texture `[rad]`, as a piece is cut. Default 0, range -π to π.
     pub warp_angle: f32,
-    /// Curvature that the friction between yarns holds `[1/m]`: the moment of hysteresis over the stiffness, `HB / B` (2HB and B of Kawabata 1980).
-    /// Default 0, range 0 to 1000. What was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most; 0: folds open all the way, and swing.
+    /// Curvature that the friction between yarns holds `[1/m]`: the moment of hysteresis over the stiffness, `HB / B` (2HB and
+    /// B of Kawabata 1980). Default 0, range 0 to 1000. What was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at
+    /// most; 0: folds open all the way, and swing.
     pub bend_hysteresis: f32,
     /// Damping of the springs `[1/s]`: rate at which stretching velocity decays. Default 2, range 0 to 1000.
     pub damping: f32,
     /// Drag against still air `[1/s]`: rate at which every velocity decays. Default 0.1, range 0 to 100.
     pub drag: f32,
-    /// Largest elongation of an edge, as a fraction of its rest length (Provot 1995). Default 0.05, range 0 to 10; infinite: off.
+    /// Largest elongation of an edge, as a fraction of its rest length (Provot 1995). Default 0.05, range 0 to 10; infinite:
+    /// off.
     pub strain_limit: f32,
-    /// Thickness of the fabric `[m]`: distance kept to bodies, and centre to centre between layers. Default 0.005, range 1e-4 to 1.
+    /// Thickness of the fabric `[m]`: distance kept to bodies, and centre to centre between layers. Default 0.005, range 1e-4
+    /// to 1.
     pub thickness: f32,
     /// Static friction coefficient (dimensionless). Default 0.5, range 0 to 10. Combined with a body's by the geometric mean.
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
-    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of two cloths the larger
-    /// counts; what meets at less than 0.25 m/s does not bounce.
+    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of
+    /// two cloths the larger counts; what meets at less than 0.25 m/s does not bounce.
     pub restitution: f32,
-    /// Length of tethers over the geodesic rest distance to the pin (dimensionless). Default 1.0, range 0.1 to 10; infinite: off.
+    /// Length of tethers over the geodesic rest distance to the pin (dimensionless). Default 1.0, range 0.1 to 10; infinite:
+    /// off.
     pub tether_scale: f32,
     /// Aerodynamic drag coefficient across the surface (dimensionless). Default 1.2, range 0 to 10.
     pub drag_coefficient: f32,
@@ -50,8 +56,9 @@ pub struct Fabric {
 }
 
 impl Fabric {
-    /// What masses and factors of constraints are made of: density `[kg/m²]`, stiffness against stretch and shear `[N/m]`, and against bending
-    /// `[N·m]`, by how much more along the warp, where that is `[rad]`, and whether yarns rub (0 or 1). While these stay, [`prepare`](super::step::prepare) has nothing to do.
+    /// What masses and factors of constraints are made of: density `[kg/m²]`, stiffness against stretch and shear `[N/m]`, and
+    /// against bending `[N·m]`, by how much more along the warp, where that is `[rad]`, and whether yarns rub (0 or 1). While
+    /// these stay, [`prepare`](super::step::prepare) has nothing to do.
     #[must_use]
     pub fn prepared(&self) -> [f32; 8] {
         let rubs = f32::from(u8::from(self.bend_hysteresis > 0.0));
@@ -86,11 +93,13 @@ impl Default for Fabric {
     }
 }
 
-/// Speed at which one pass over the membrane in each step has to carry tension along the cloth for it to drape as its fabric does `[m/s]`: from there on the
-/// drape coefficients of silk, cotton and denim on edges of 5 to 15 mm are within three points of what more steps show.
+/// Speed at which one pass over the membrane in each step has to carry tension along the cloth for it to drape as its fabric
+/// does `[m/s]`: from there on the drape coefficients of silk, cotton and denim on edges of 5 to 15 mm are within three points
+/// of what more steps show.
 const TENSION_SPEED: f32 = 11.0;
 
-/// Steps per second `[Hz]` from which a mesh with edges of `mean_edge` `[m]` drapes as its fabric does; it hangs limper with fewer.
+/// Steps per second `[Hz]` from which a mesh with edges of `mean_edge` `[m]` drapes as its fabric does; it hangs limper with
+/// fewer.
 #[must_use]
 pub fn drape_rate(mean_edge: f32) -> f32 {
     TENSION_SPEED / mean_edge
@@ -100,13 +109,15 @@ pub fn drape_rate(mean_edge: f32) -> f32 {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stepping {
-    /// Substeps per second of simulated time `[Hz]`. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`, or up to eight
-    /// times as many while a body that moves much faster than the pins is near, or where gravity would let cloth fall by more than an edge in one.
+    /// Substeps per second of simulated time `[Hz]`. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`,
+    /// or up to eight times as many while a body that moves much faster than the pins is near, or where gravity would let cloth
+    /// fall by more than an edge in one.
     pub substep_rate: f32,
     /// Longest frame that is simulated `[s]`; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
     pub max_frame: f32,
-    /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000: the fall in a shorter step is no more than rounding. Where the mesh asks for more
-    /// steps ([`drape_rate`]) than there are substeps, each is cut into inner steps for all but contacts and bounds on lengths.
+    /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000: the fall in a shorter step is no more than rounding.
+    /// Where the mesh asks for more steps ([`drape_rate`]) than there are substeps, each is cut into inner steps for all but
+    /// contacts and bounds on lengths.
     pub inner_rate: f32,
     /// What holds the cloth together in its plane. Default [`MembraneModel::Auto`].
     pub membrane: MembraneModel,

@@ -13,7 +13,8 @@ pub struct ClothState {
     pub positions: Vec<Vec4>,
     /// `xyz` position `[m]` at the start of the last substep; `w` unused (0). One per particle.
     pub previous: Vec<Vec4>,
-    /// Curvature `[1/m]` from which the friction between yarns holds each element of `RestShape::bends`, by lane; empty before the first frame.
+    /// Curvature `[1/m]` from which the friction between yarns holds each element of `RestShape::bends`, by lane; empty before
+    /// the first frame.
     pub folds: Vec<Vec4>,
     /// Length of the last substep `[s]`; 0 before the first.
     pub substep: f32,

@@ -35,7 +35,8 @@ pub struct TextureAxis {
 impl TextureAxis {
     /// None when the texture has no direction there.
     ///
-    /// With texture edges `(u1, v1)`, `(u2, v2)` and `d = u1 v2 - u2 v1`: `T = (e1 v2 - e2 v1) / d`; only the sign of `d` is kept.
+    /// With texture edges `(u1, v1)`, `(u2, v2)` and `d = u1 v2 - u2 v1`: `T = (e1 v2 - e2 v1) / d`; only the sign of `d` is
+    /// kept.
     #[must_use]
     pub fn new(corners: [u32; 3], uv: [Vec2; 3]) -> Option<Self> {
         let (e1, e2) = (uv[1] - uv[0], uv[2] - uv[0]);
@@ -44,8 +45,8 @@ impl TextureAxis {
     }
 }
 
-/// Tangents of render vertices: the texture axes of the triangles around each, orthogonal to its normal. Handedness (`w`) stays;
-/// a vertex whose texture has no direction keeps any orthogonal one.
+/// Tangents of render vertices: the texture axes of the triangles around each, orthogonal to its normal. Handedness (`w`)
+/// stays; a vertex whose texture has no direction keeps any orthogonal one.
 pub fn tangents(axes: &[TextureAxis], position: impl Fn(usize) -> Vec3, normal: impl Fn(usize) -> Vec3, tangents: &mut [Vec4]) {
     for t in tangents.iter_mut() {
         *t = Vec4::new(0.0, 0.0, 0.0, t.w);

@@ -13,7 +13,8 @@ pub struct Topology {
     pub faces: Vec<[u32; 3]>,
     /// Unique edges, smaller particle first, sorted.
     pub edges: Vec<[u32; 2]>,
-    /// The first two faces at each edge, smaller first; [`NONE`] beyond a border. A third face of a non-manifold edge is not listed.
+    /// The first two faces at each edge, smaller first; [`NONE`] beyond a border. A third face of a non-manifold edge is not
+    /// listed.
     pub edge_faces: Vec<[u32; 2]>,
     /// Edges of each face: edge `k` joins corners `k` and `(k + 1) % 3`.
     pub face_edges: Vec<[u32; 3]>,

@@ -498,7 +498,8 @@ fn last_joints(cloth: &BindableItem, origin: DVec3) -> Vec<Affine3A> {
     joints
 }
 
-/// Joins every pin set to its target, as an old set of that target was joined, which is named too. Sets may have changed places.
+/// Joins every pin set to its target, as an old set of that target was joined, which is named too. Sets may have changed
+/// places.
 fn join(
     pins: &ClothPins,
     old: Option<&AnchorSets>,

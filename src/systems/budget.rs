@@ -16,7 +16,8 @@ use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothScratch, Share};
 use crate::time::ClothTime;
 
-/// Share of the budget that is filled (dimensionless): what costs somewhat more in the next frame still fits, and what was raised stays.
+/// Share of the budget that is filled (dimensionless): what costs somewhat more in the next frame still fits, and what was
+/// raised stays.
 const FILLED: f32 = 0.9;
 /// What a cloth is worth that no camera sees, over what it would be (dimensionless).
 const UNSEEN: f64 = 0.01;

@@ -21,8 +21,8 @@ use crate::simulation::{
 };
 use crate::time::ClothTime;
 
-/// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at 2 m that is 180
-/// units in the last place, at 16 m only 22.
+/// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at
+/// 2 m that is 180 units in the last place, at 16 m only 22.
 const REBASE: f32 = 2.0;
 
 /// Who is a character, and what hangs on whom.
@@ -41,7 +41,8 @@ impl Characters<'_, '_> {
         core::iter::once(entity).chain(self.parents.iter_ancestors(entity)).find(|&at| self.characters.contains(at))
     }
 
-    /// The lowest entity above both a cloth and the joint that carries it: what becomes its character, where nobody said which is.
+    /// The lowest entity above both a cloth and the joint that carries it: what becomes its character, where nobody said which
+    /// is.
     fn common_ancestor(&self, entity: Entity, joint: Entity) -> Option<Entity> {
         self.parents.iter_ancestors(joint).find(|at| self.parents.iter_ancestors(entity).any(|above| above == *at))
     }
@@ -108,8 +109,8 @@ pub(crate) fn travel(
     }
 }
 
-/// Whether what carries a cloth jumped in the last `dt` `[s]`: far and fast. Further than 1 m and three radii, or by more than 60 degrees, by default; and
-/// faster than anything that moves legally, since a frame may be long.
+/// Whether what carries a cloth jumped in the last `dt` `[s]`: far and fast. Further than 1 m and three radii, or by more than
+/// 60 degrees, by default; and faster than anything that moves legally, since a frame may be long.
 fn is_jump(journey: &Motion, inputs: &ClothInputs, dt: f32) -> bool {
     let (least, turn) = inputs.teleport;
     // Written so that what is not a number is a jump.
@@ -117,8 +118,9 @@ fn is_jump(journey: &Motion, inputs: &ClothInputs, dt: f32) -> bool {
     far || !(journey.angle() <= turn.max(TELEPORT_SPIN * dt))
 }
 
-/// Carries cloths along with the share of the motion of their carrier that they are not to feel. Cloths of a character go along as one. Those that can
-/// meet a cloth that nothing carries, or another character does, feel all of it: nothing but motion that is simulated may bring them together.
+/// Carries cloths along with the share of the motion of their carrier that they are not to feel. Cloths of a character go along
+/// as one. Those that can meet a cloth that nothing carries, or another character does, feel all of it: nothing but motion that
+/// is simulated may bring them together.
 pub(crate) fn inertia(
     time: Res<ClothTime>,
     transforms: Transforms,

@@ -47,7 +47,8 @@ pub(super) fn vertices_of(mesh: &Mesh) -> usize {
 }
 
 impl DrawnItem<'_, '_> {
-    /// Whether it can follow `cloth`, whose mesh is `binding`; it gets its own back otherwise. `kind` and `component` say what it is.
+    /// Whether it can follow `cloth`, whose mesh is `binding`; it gets its own back otherwise. `kind` and `component` say what
+    /// it is.
     pub fn follows(
         &mut self,
         [kind, component]: [&'static str; 2],

@@ -9,8 +9,8 @@ use crate::notices::Notices;
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::pull::Pull;
 
-/// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth: beyond it, springs that are solved once
-/// a substep give way.
+/// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth: beyond it, springs that
+/// are solved once a substep give way.
 const MOST_ACCELERATION: f32 = 20.0 * 9.81;
 
 /// Reads every grip. A cloth that is grabbed does not sleep.
@@ -51,8 +51,8 @@ pub(crate) fn grabs(
     }
 }
 
-/// Shares of the particles around the point at rest, `(1 - d²/r²)²`, and of its triangle in any case. None when the cloth does not have
-/// those particles.
+/// Shares of the particles around the point at rest, `(1 - d²/r²)²`, and of its triangle in any case. None when the cloth does
+/// not have those particles.
 fn find(grab: &ClothGrab, radius: f32, rest: &ClothRest, shares: &mut Vec<(u32, f32)>) {
     shares.clear();
     let shape = rest.shape();

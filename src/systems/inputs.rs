@@ -164,8 +164,8 @@ fn scaled(zone: ClothWindZone, scale: Vec3) -> ClothWindZone {
     ClothWindZone { shape, ..zone }
 }
 
-/// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed, its anchors and its skin tell, with its own radius to spare
-/// for what wind and bodies do `[m]`; none when it is nowhere.
+/// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed, its anchors and its skin tell,
+/// with its own radius to spare for what wind and bodies do `[m]`; none when it is nowhere.
 fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Vec3, Vec3)> {
     let ClothState { positions, previous, substep, .. } = &particles.state;
     let substeps = if *substep > 0.0 { dt / substep } else { 0.0 };
@@ -244,7 +244,8 @@ pub(crate) fn surroundings(
             inputs.worn.keep(&inputs.body_entities);
         }
         inputs.bodies.clear();
-        // What the cloth does not feel of its carrier's motion, it does not feel of bodies either; after a jump, of those of its character.
+        // What the cloth does not feel of its carrier's motion, it does not feel of bodies either; after a jump, of those of
+        // its character.
         let goes_along =
             |body: &WorldBody| body.rigid.is_none() && (!jumped || (character.is_some() && body.character == character));
         let from = |body: &WorldBody| match carried.filter(|_| goes_along(body)) {

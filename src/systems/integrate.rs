@@ -1,5 +1,5 @@
-//! Integrate: a frame of every cloth, in parallel over cloths. Each writes only its own data, so the result has the same bits for
-//! any number of threads.
+//! Integrate: a frame of every cloth, in parallel over cloths. Each writes only its own data, so the result has the same bits
+//! for any number of threads.
 
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
@@ -76,7 +76,8 @@ pub(crate) fn judge(islands: Res<ClothIslands>, mut cloths: Stepping) {
     });
 }
 
-/// Batches of one cloth each all ran on one thread when measured; a few for each thread halve the frame of 50 cloths on two (11.6 to 6.1 ms).
+/// Batches of one cloth each all ran on one thread when measured; a few for each thread halve the frame of 50 cloths on two
+/// (11.6 to 6.1 ms).
 fn batches() -> BatchingStrategy {
     BatchingStrategy::new().batches_per_thread(5)
 }

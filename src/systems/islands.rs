@@ -1,5 +1,5 @@
-//! Runs a stage of the frame of every island, in parallel over islands. Each writes only the data of its own cloths, so the result has the same bits for
-//! any number of threads.
+//! Runs a stage of the frame of every island, in parallel over islands. Each writes only the data of its own cloths, so the
+//! result has the same bits for any number of threads.
 
 use bevy::prelude::*;
 use bevy::tasks::ComputeTaskPool;
@@ -15,8 +15,8 @@ use crate::solver::step::{FrameInput, Stepped};
 pub(super) type Cloths<'w, 's, 'a> =
     Query<'w, 's, (&'a ClothRest, &'a ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch), With<Cloth>>;
 
-/// Runs a `stage` of a frame of `dt` `[s]` of the islands that are `wanted`, and notes the time it took. An island that lost a cloth since it was formed
-/// waits until it is formed anew.
+/// Runs a `stage` of a frame of `dt` `[s]` of the islands that are `wanted`, and notes the time it took. An island that lost a
+/// cloth since it was formed waits until it is formed anew.
 pub(super) fn run(
     islands: &mut ClothIslands,
     cloths: &mut Cloths,

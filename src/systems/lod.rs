@@ -1,4 +1,5 @@
-//! Prepare: level of detail. How many of its substeps a cloth takes, by its distance from the cameras and by whether it is seen.
+//! Prepare: level of detail. How many of its substeps a cloth takes, by its distance from the cameras and by whether it is
+//! seen.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;

@@ -124,7 +124,8 @@ impl Hanging {
         self.making.is_none().then(|| self.embedding.as_ref().map(Embedding::farthest))
     }
 
-    /// Moves the vertices to where the cloth takes them, seen from an entity at `inverse`, the inverse of its transform in the frame of `shown`.
+    /// Moves the vertices to where the cloth takes them, seen from an entity at `inverse`, the inverse of its transform in the
+    /// frame of `shown`.
     fn shape(&mut self, particles: &[Vec3], inverse: &Affine3A) {
         let Self { rest, baked, embedding: Some(embedding), triangles, vertices, bounds, .. } = self else { return };
         triangles.find(&rest.topology.faces, particles, inverse);

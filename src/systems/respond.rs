@@ -1,4 +1,5 @@
-//! Respond: what may touch in the next frame. Detect looked for it along with crossings; where something was untangled since, it is looked for again.
+//! Respond: what may touch in the next frame. Detect looked for it along with crossings; where something was untangled since,
+//! it is looked for again.
 
 use bevy::prelude::*;
 

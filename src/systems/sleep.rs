@@ -52,7 +52,8 @@ pub(crate) struct Sleeper {
 }
 
 impl SleeperReadOnlyItem<'_, '_> {
-    /// Whether it is paused, was stopped, or stands still for being far away; not while it is carried from one place to another.
+    /// Whether it is paused, was stopped, or stands still for being far away; not while it is carried from one place to
+    /// another.
     fn is_still(&self) -> bool {
         (self.inputs.time_scale == 0.0 && !self.inputs.rode) || self.particles.recovery.is_frozen()
     }
@@ -203,7 +204,8 @@ pub(crate) fn doze(
     }
 }
 
-/// Measures how long a cloth has been at rest, by its own clock. One that gives a body something bears a load: asleep it would let go of it.
+/// Measures how long a cloth has been at rest, by its own clock. One that gives a body something bears a load: asleep it would
+/// let go of it.
 fn rest(cloth: &mut SleeperItem, dt: f32) {
     let slumber = &mut *cloth.slumber;
     let dt = dt * cloth.inputs.time_scale;

@@ -62,7 +62,8 @@ impl Ball {
     }
 }
 
-/// Steps a cloth and a ball by a frame. `hold`: places of pins in the anchors that hang on the ball. Returns what each of `masts` was given.
+/// Steps a cloth and a ball by a frame. `hold`: places of pins in the anchors that hang on the ball. Returns what each of
+/// `masts` was given.
 fn frame(
     cloth: &mut SceneCloth,
     ball: Option<&mut Ball>,
@@ -168,7 +169,8 @@ fn weight_of(cloth: &SceneCloth) -> f32 {
 
 #[test]
 fn a_ball_of_a_kilogram_comes_to_rest_in_a_net_whose_pins_bear_its_weight() {
-    // An elastic net brings it to rest; at the strain limit a net quivers, and the ball rolls about in it, in each start otherwise.
+    // An elastic net brings it to rest; at the strain limit a net quivers, and the ball rolls about in it, in each start
+    // otherwise.
     let elastic = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..fabric() };
     for (fabric, starts, slowest) in [(&elastic, 1, 0.05), (&fabric(), 4, 0.5)] {
         let mut mean = 0.0;
@@ -246,7 +248,8 @@ fn a_ball_smaller_than_a_face_is_caught_between_particles_and_momentum_is_kept()
 
 #[test]
 fn balls_of_a_gram_to_a_tonne_in_a_net_and_under_a_sheet_stay_stable() {
-    // What is thousands of times as heavy as the cloth stretches its way through; a hundred times, it may be thrown out at the default rate.
+    // What is thousands of times as heavy as the cloth stretches its way through; a hundred times, it may be thrown out at the
+    // default rate.
     let light = [0.001, 0.01, 0.1, 1.0, 3.0, 1000.0].map(|mass| (mass, 360.0));
     for (mass, rate) in light.into_iter().chain([3.0, 10.0, 30.0].map(|mass| (mass, 720.0))) {
         let mut net = net(20, 1.0, fabric());
@@ -351,7 +354,8 @@ fn cloth_that_lies_on_a_heavier_body_takes_no_more_substeps() {
     assert_eq!(most, 6, "substeps");
 }
 
-/// Cotton that is stretched out flat gives way by nothing but its strain limit, or its springs. Once, balls heavier than it went through.
+/// Cotton that is stretched out flat gives way by nothing but its strain limit, or its springs. Once, balls heavier than it
+/// went through.
 #[test]
 fn a_flat_sheet_bears_a_heavy_ball_at_the_default_rate() {
     let elastic = Fabric { strain_limit: f32::INFINITY, tether_scale: f32::INFINITY, ..fabric() };
@@ -443,7 +447,8 @@ fn a_ball_in_a_fine_net_is_borne_by_its_pins_whole() {
     let weight = 0.08 * G;
     assert!((given / weight - 1.0).abs() < 0.02, "the net gives the ball {given} N of {weight} N");
     let expected = -(weight + weight_of(&net));
-    // What is stuck in a settling cloth gives up the velocity of its last inner step, which bore load: 3 % of it. Without damping pins are within 0.1 %.
+    // What is stuck in a settling cloth gives up the velocity of its last inner step, which bore load: 3 % of it. Without
+    // damping pins are within 0.1 %.
     assert!((pins / expected - 1.0).abs() < 0.04, "pins bear {pins} N of {expected} N");
 }
 

@@ -1,5 +1,5 @@
-//! Faces of cloth and bodies that are finer than the mesh. What is asked is worked out here in f64, from the numbers of the bodies: nothing
-//! of it is the solver's.
+//! Faces of cloth and bodies that are finer than the mesh. What is asked is worked out here in f64, from the numbers of the
+//! bodies: nothing of it is the solver's.
 
 use std::sync::Arc;
 
@@ -62,7 +62,8 @@ fn no_needle_comes_through_a_sheet_that_falls_on_twenty() {
                     let through = axes.iter().filter(|axis| crosses(**axis, face)).count();
                     assert_eq!(through, 0, "{n}², start {seed}, frame {frame}: needles whose axis goes through {face:?}");
                 }
-                // A lower bound on how deep a point of the cone lies: how far it is within its side, for slopes as steep as these.
+                // A lower bound on how deep a point of the cone lies: how far it is within its side, for slopes as steep as
+                // these.
                 let depth = |p: DVec3| {
                     let off = axes.iter().map(|[foot, _]| (p - *foot) * DVec3::new(1.0, 0.0, 1.0)).map(DVec3::length);
                     radius * (1.0 - p.y / height) - off.fold(f64::INFINITY, f64::min)

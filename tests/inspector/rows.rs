@@ -13,8 +13,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::panel::Panel;
 
-/// A panel in which every row exists: with limits and drive that are painted, inertia, a wind of its own, a level of detail, a character with a body, a
-/// budget, and a maximum until clean.
+/// A panel in which every row exists: with limits and drive that are painted, inertia, a wind of its own, a level of detail, a
+/// character with a body, a budget, and a maximum until clean.
 fn with_all_rows() -> Panel {
     let mut panel = Panel::new();
     let cloth = panel.cloth;

@@ -244,8 +244,8 @@ fn fine_meshes_drape_at_the_default_rate_as_with_many_substeps() {
     }
 }
 
-/// A flat metre of it reaches `√(2 ρ g / (ρ_air C))`; the air that goes along delays that, and has no weight. The first frame, of which nothing is known, is
-/// without it.
+/// A flat metre of it reaches `√(2 ρ g / (ρ_air C))`; the air that goes along delays that, and has no weight. The first frame,
+/// of which nothing is known, is without it.
 #[test]
 fn light_fabric_floats_down_alike_at_any_rate_of_frames() {
     for name in ["silk", "cotton", "denim"] {

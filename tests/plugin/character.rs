@@ -16,7 +16,8 @@ const SUNK: f32 = 1.0e-2;
 /// How far an end of a capsule may lie from where the tube ends less the radius [m]: refinement moves it by half the radius.
 const SHIFT: f32 = 0.07;
 
-/// A leg along x: tubes of `radius` around the joints in `parts`, the thigh (0) and the calf (1). Lengths in units of 1 / `scale` metres.
+/// A leg along x: tubes of `radius` around the joints in `parts`, the thigh (0) and the calf (1). Lengths in units of 1 /
+/// `scale` metres.
 fn leg(radius: f32, scale: f32, parts: &[u16]) -> Mesh {
     let (mut positions, mut joints) = (Vec::new(), Vec::new());
     for &part in parts {

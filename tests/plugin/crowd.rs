@@ -15,8 +15,8 @@ fn character(app: &mut App, at: Vec3) -> (Entity, Entity) {
     (root, bone)
 }
 
-/// A sheet on the head of a character; another one, spawned before it, passes by at arm's length, or not. Where the sheet is at the end, and how many
-/// bodies it could meet in each frame.
+/// A sheet on the head of a character; another one, spawned before it, passes by at arm's length, or not. Where the sheet is at
+/// the end, and how many bodies it could meet in each frame.
 fn passed(passes: bool) -> (Vec<Vec3>, Vec<u32>) {
     let mut app = app();
     let (other, _) = character(&mut app, Vec3::Z * 40.0);

@@ -104,7 +104,8 @@ fn a_teleport_carries_the_cloth_rigidly_and_tells() {
 
 #[test]
 fn a_quick_turn_counts_as_a_teleport_and_slow_motion_does_not() {
-    // Whether it is turned at the end or not, its edges are as long: it is carried rigidly, and a turn about the vertical changes nothing.
+    // Whether it is turned at the end or not, its edges are as long: it is carried rigidly, and a turn about the vertical
+    // changes nothing.
     let worst_edge = |turn: f32, self_collision: bool| {
         let mut app = app();
         record::<ClothTeleported>(&mut app);

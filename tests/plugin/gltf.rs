@@ -39,8 +39,8 @@ fn write_gltf(path: &std::path::Path, nodes: &[String], scene_extras: &str) {
     write_gltf_of(path, whole, nodes, scene_extras);
 }
 
-/// As [`write_gltf`], with other primitives of the mesh. Accessor 4 is a colour: red is 1 where accessor 2 is, green goes from 0 there to 1 at the
-/// other end, blue is 0.5, alpha 0.25. Accessor 5 is its green alone.
+/// As [`write_gltf`], with other primitives of the mesh. Accessor 4 is a colour: red is 1 where accessor 2 is, green goes from
+/// 0 there to 1 at the other end, blue is 0.5, alpha 0.25. Accessor 5 is its green alone.
 fn write_gltf_of(path: &std::path::Path, primitives: &str, nodes: &[String], scene_extras: &str) {
     let mesh = sheet(5);
     let points = vectors(&mesh, Mesh::ATTRIBUTE_POSITION);
@@ -343,7 +343,8 @@ fn an_object_is_drawn_in_place_of_its_proxy() {
     std::fs::remove_dir_all(&folder).expect("a folder to remove");
 }
 
-/// A glTF of a character: an armature with the extras above a body of two primitives, a thigh and a calf, and a skirt on the same skin.
+/// A glTF of a character: an armature with the extras above a body of two primitives, a thigh and a calf, and a skirt on the
+/// same skin.
 fn write_character(path: &std::path::Path, extras: &str) {
     const COUNT: usize = 21 * 16;
     let mut bytes = Vec::new();

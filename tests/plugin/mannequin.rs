@@ -25,7 +25,8 @@ fn characters() -> Option<PathBuf> {
     there.then_some(folder)
 }
 
-/// A character of a file in a folder, playing a clip, once or again and again; frames are of `1 / rate` seconds. Of its clothes it wears what is named, or all.
+/// A character of a file in a folder, playing a clip, once or again and again; frames are of `1 / rate` seconds. Of its clothes
+/// it wears what is named, or all.
 ///
 /// The clip begins at `phase` `[s]`.
 fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, phase: f32, worn: Option<&[&str]>) -> App {
@@ -225,8 +226,9 @@ fn over_phases(clip: &str, phases: u32) -> Option<Vec<(String, Worn)>> {
 
 #[test]
 fn a_human_in_cape_and_skirt_walks_and_runs() {
-    // Of what depends on the phase as on a throw of dice, many are asked. One frame in so many may cross, and one in so many have something deep in a bone:
-    // the skin of the cape has an elbow through it, that of the skirt the thighs. Of twenty starts one or two tangle for half a second, others not at all.
+    // Of what depends on the phase as on a throw of dice, many are asked. One frame in so many may cross, and one in so many
+    // have something deep in a bone: the skin of the cape has an elbow through it, that of the skirt the thighs. Of twenty
+    // starts one or two tangle for half a second, others not at all.
     let clips = [
         ("Idle", 1, 100, None),
         ("Walking_A", 20, 40, Some(4)),

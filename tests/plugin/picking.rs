@@ -26,7 +26,8 @@ const HEIGHT: f32 = 2.0;
 const PRESS: PointerAction = PointerAction::Press(PointerButton::Primary);
 const RELEASE: PointerAction = PointerAction::Release(PointerButton::Primary);
 
-/// An app with a window that nobody sees, a camera above the origin with +X to the right of its picture and +Z to the bottom, and a mouse.
+/// An app with a window that nobody sees, a camera above the origin with +X to the right of its picture and +Z to the bottom,
+/// and a mouse.
 fn picking() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), MeshPlugin));

@@ -78,8 +78,8 @@ fn two_sheets_on_the_floor_are_at_rest_within_five_seconds() {
     }
 }
 
-/// Thrown down at an angle it lies in folds that press on each other, and none goes on bouncing. Now and then a fold gives: of twelve starts, by more than
-/// 0.25 mm in two, and by 0.97 mm at most.
+/// Thrown down at an angle it lies in folds that press on each other, and none goes on bouncing. Now and then a fold gives: of
+/// twelve starts, by more than 0.25 mm in two, and by 0.97 mm at most.
 #[test]
 fn a_crumpled_sheet_on_the_floor_is_at_rest_within_ten_seconds() {
     let mut gave = Vec::new();

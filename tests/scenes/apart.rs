@@ -1,4 +1,5 @@
-//! Whole scenes come apart: the eight named tangles, random ones, the contour units, layers in order, starts before the first frame, last resorts.
+//! Whole scenes come apart: the eight named tangles, random ones, the contour units, layers in order, starts before the first
+//! frame, last resorts.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +25,8 @@ enum Masses {
 
 const MASSES: [Masses; 5] = [Masses::Equal, Masses::Heavy(0), Masses::Heavy(1), Masses::Pinned(0), Masses::Pinned(1)];
 
-/// Through how much of the other sheet the smaller part of one reaches [m]; for an overlap of borders, how far they reach past each other.
+/// Through how much of the other sheet the smaller part of one reaches [m]; for an overlap of borders, how far they reach past
+/// each other.
 fn depth(tangle: Tangle) -> f32 {
     match tangle {
         Tangle::Dent | Tangle::Waves => 0.1,
@@ -327,8 +329,8 @@ fn tubes_that_poke_through_each_other_come_apart() {
     }
 }
 
-/// A skirt over a petticoat that is longer around its hem, with nobody inside: folds of both come to lie side by side, the inner one of one before the
-/// outer one of the next, as they should.
+/// A skirt over a petticoat that is longer around its hem, with nobody inside: folds of both come to lie side by side, the
+/// inner one of one before the outer one of the next, as they should.
 #[test]
 fn layers_of_a_skirt_that_hangs_in_folds_stay_clean() {
     for (n, hem) in [(24, 0.31), (32, 0.32)] {
@@ -394,7 +396,8 @@ fn layers_that_pins_forbid_are_let_be() {
     }
 }
 
-/// What is free beside pins that are too close would have to go far to bring the pair apart; what lies in the same place has no side.
+/// What is free beside pins that are too close would have to go far to bring the pair apart; what lies in the same place has no
+/// side.
 #[test]
 fn cloths_that_are_pinned_closer_than_their_thickness_hang_still() {
     let gaps = [
@@ -430,8 +433,9 @@ fn cloths_that_are_pinned_in_one_plane_do_not_blow_up() {
     }
 }
 
-/// Two waistbands that cross by a centimetre where they are pinned: what cannot come apart is left as it is rather than tangled further. That holds for most
-/// meshes: contours get more than twice as long in 8 of 20 for a while, and in 5 more than a seventh of them is left after three seconds.
+/// Two waistbands that cross by a centimetre where they are pinned: what cannot come apart is left as it is rather than tangled
+/// further. That holds for most meshes: contours get more than twice as long in 8 of 20 for a while, and in 5 more than a
+/// seventh of them is left after three seconds.
 #[test]
 fn waistbands_that_are_pinned_crossed_mostly_get_no_more_tangled() {
     let [mut longer, mut left] = [0, 0];

@@ -38,7 +38,8 @@ fn middle(cloth: &SceneCloth) -> Vec3 {
     positions.iter().map(|x| x.truncate()).sum::<Vec3>() / positions.len() as f32
 }
 
-/// `k` sheets of 1 m above each other, each off the middle by a few centimetres and turned, on a shape that reaches up to `top` [m].
+/// `k` sheets of 1 m above each other, each off the middle by a few centimetres and turned, on a shape that reaches up to `top`
+/// [m].
 fn pile(k: u8, n: u32, top: f32, shape: SharedShape) -> Scene {
     let cloths = (0..k).map(f32::from).map(|i| {
         let at = vec3(0.03 * i, top + 0.02 + 0.03 * i, 0.02 * i);
@@ -193,7 +194,8 @@ fn two_free_cloths_that_collide_keep_their_momentum() {
     assert!(touched > 20, "{touched} pairs touched");
 }
 
-/// What pushes the upper of two sheets up [N], on average over a second, once they lie on each other on a floor; and its weight [N].
+/// What pushes the upper of two sheets up [N], on average over a second, once they lie on each other on a floor; and its weight
+/// [N].
 fn borne() -> (f32, f32) {
     let lower = sheet(12, 0.5, Quat::IDENTITY, vec3(0.0, 0.006, 0.0), false);
     let upper = sheet(12, 0.3, Quat::from_rotation_y(0.3), vec3(0.0, 0.012, 0.0), false);
@@ -221,8 +223,8 @@ fn cloth_on_cloth_bears_its_weight() {
     assert!((force - weight).abs() < 0.2 * weight, "{force} N of {weight}");
 }
 
-/// Two free sheets of `mass` [kg/m²] that meet flat at 1 m/s, with restitutions: how fast they part, of the speed at which they met, and the worst
-/// edge (dimensionless).
+/// Two free sheets of `mass` [kg/m²] that meet flat at 1 m/s, with restitutions: how fast they part, of the speed at which they
+/// met, and the worst edge (dimensionless).
 fn part(n: u32, turn: f32, masses: [f32; 2], restitution: [f32; 2]) -> (f64, f32) {
     let first = sheet(n, 0.5, Quat::IDENTITY, Vec3::ZERO, false);
     let second = sheet(n, 0.5, Quat::from_rotation_y(turn), vec3(0.013, 0.03, 0.007), false);
@@ -392,7 +394,8 @@ fn two_sheets_over_a_box_stay() {
     }
 }
 
-/// Ten sheets on a ball: what one pass over pairs leaves over keeps a heap trembling for ever, at 140 mm/s (root mean square); two passes at 90.
+/// Ten sheets on a ball: what one pass over pairs leaves over keeps a heap trembling for ever, at 140 mm/s (root mean square);
+/// two passes at 90.
 #[test]
 fn a_heap_of_ten_sheets_comes_to_rest() {
     let mut scene = untangled(drape_scenes::stack(10, 24), true);
@@ -404,7 +407,8 @@ fn a_heap_of_ten_sheets_comes_to_rest() {
     assert_eq!(scene.crossings(), 0);
 }
 
-/// Folded double on a plane that is tilted to 10°, a third of what friction of 0.5 holds: what carries a fold is not dragged along by it.
+/// Folded double on a plane that is tilted to 10°, a third of what friction of 0.5 holds: what carries a fold is not dragged
+/// along by it.
 #[test]
 fn a_fold_on_a_slope_stays() {
     let mesh = grid(24, 24, |u, v| vec3(u - 0.5, if v < 0.5 { 0.006 } else { 0.012 }, 0.25 - (v - 0.5).abs()));

@@ -10,7 +10,8 @@ use glam::vec3;
 
 use crate::{FRAME, untangled};
 
-/// 2 m of light cloth of `n` x `n` vertices, level and pinned along one side, in a wind of `speed` [m/s] along that side that rises and falls by half.
+/// 2 m of light cloth of `n` x `n` vertices, level and pinned along one side, in a wind of `speed` [m/s] along that side that
+/// rises and falls by half.
 fn along_pins(n: u32, speed: f32, seed: u64) -> Scene {
     let mesh = grid(n, n, |u, v| vec3(2.0 * u - 1.0, 0.0, 2.0 * v - 1.0));
     let (rest, _) = RestShape::build(&mesh).expect("a sheet");

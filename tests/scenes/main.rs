@@ -1,5 +1,5 @@
-//! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a thousandth
-//! of an edge. What is shown is checked with code that shares nothing with the detector.
+//! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a
+//! thousandth of an edge. What is shown is checked with code that shares nothing with the detector.
 
 #[path = "../untangling/checker.rs"]
 mod checker;
@@ -15,8 +15,8 @@ use shown::Picture;
 
 const FRAME: f32 = 1.0 / 60.0;
 
-/// Runs a scene from three starts and asserts that no shown frame crosses, that at most 0.5 % of all frames are held, and that no edge is
-/// ever longer than `longest` times its rest length.
+/// Runs a scene from three starts and asserts that no shown frame crosses, that at most 0.5 % of all frames are held, and that
+/// no edge is ever longer than `longest` times its rest length.
 fn shows_no_crossing(name: &str, frames: u32, longest: f32, scene: impl Fn() -> Scene) {
     shows_no_crossing_from([1, 2, 3], name, frames, longest, scene);
 }

@@ -1,4 +1,5 @@
-//! A few dozen cases of the random attack, always the same: apps, meshes and files. The example `torture` goes on with others, for a night if asked to.
+//! A few dozen cases of the random attack, always the same: apps, meshes and files. The example `torture` goes on with others,
+//! for a night if asked to.
 
 mod attack;
 

@@ -121,8 +121,8 @@ fn what_comes_to_cross_by_and_by_is_seen_at_once() {
     compare("roll", &[part], &roll);
 }
 
-/// A sheet in the plane y = 0, whose grid of `n` x `n` particles goes on in a strip of half as many rows: row 0 is the row `from` of the
-/// sheet, the next ones are at `to(row, v)`.
+/// A sheet in the plane y = 0, whose grid of `n` x `n` particles goes on in a strip of half as many rows: row 0 is the row
+/// `from` of the sheet, the next ones are at `to(row, v)`.
 fn sheet_with_strip(mut mesh: SourceMesh, n: u32, from: u32, to: impl Fn(u32, f32) -> Vec3) -> SourceMesh {
     let first = mesh.positions.len() as u32;
     let rows = n / 2;

@@ -1,4 +1,5 @@
-//! Detect and resolve on the published scenes: predicates, the contour graph, the gradient, and what comes apart in how many iterations.
+//! Detect and resolve on the published scenes: predicates, the contour graph, the gradient, and what comes apart in how many
+//! iterations.
 
 use std::path::PathBuf;
 
@@ -370,7 +371,8 @@ fn all_eight_scenes_come_apart_for_equal_and_unequal_masses_and_with_one_side_pi
 
 #[test]
 fn edges_that_cross_between_their_particles_go_back_the_short_way() {
-    // A border across a shallow ridge: no particle is on the wrong side of the other sheet, and all of a sheet is close to the other.
+    // A border across a shallow ridge: no particle is on the wrong side of the other sheet, and all of a sheet is close to the
+    // other.
     let n = 13;
     let edge = 2.0 / (n - 1) as f64;
     let height = |x: f64| 0.05 * (x / edge).round().abs() * edge;

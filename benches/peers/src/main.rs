@@ -1,5 +1,5 @@
-//! The same sheet on `bevy_drape`, `bevy_silk` and `rapier3d`, and the same tangles on the two that have contacts between cloths, in one run and
-//! on one thread.
+//! The same sheet on `bevy_drape`, `bevy_silk` and `rapier3d`, and the same tangles on the two that have contacts between
+//! cloths, in one run and on one thread.
 //!
 //! ```text
 //! cargo run --release -- --sizes 16,30,64,128 --frames 300 --runs 3

@@ -37,7 +37,8 @@ impl Rapier {
         self.world.soft_bodies.get(self.cloth)
     }
 
-    /// Sweeps over all edges in the next frame. Edges stretched by more than three quarters are swept twice as often, which is not counted.
+    /// Sweeps over all edges in the next frame. Edges stretched by more than three quarters are swept twice as often, which is
+    /// not counted.
     fn sweeps(&self) -> u64 {
         let parameters = &self.world.integration_parameters;
         let extra = self.cloth().and_then(|cloth| {

@@ -1,8 +1,8 @@
 //! `bevy_silk` in a Bevy app without a window.
 //!
-//! Its plugin runs `init`, `update` and `render` in `Update`. Only `update` simulates; `render` recomputes normals and writes the mesh, which
-//! no other engine here does. So the component that `render` asks for is taken off after `init`, and what a frame of the same
-//! app costs without a cloth is subtracted.
+//! Its plugin runs `init`, `update` and `render` in `Update`. Only `update` simulates; `render` recomputes normals and writes
+//! the mesh, which no other engine here does. So the component that `render` asks for is taken off after `init`, and what a
+//! frame of the same app costs without a cloth is subtracted.
 
 use std::time::{Duration, Instant};
 
@@ -31,7 +31,8 @@ pub struct Silk {
 }
 
 impl Silk {
-    /// The scene with the plugin's defaults. Nothing where the sheet meets a ball or itself: it collides only with bodies, through another engine's plugin.
+    /// The scene with the plugin's defaults. Nothing where the sheet meets a ball or itself: it collides only with bodies,
+    /// through another engine's plugin.
     pub fn new(scene: Scene, size: u32) -> Option<Self> {
         if scene != Scene::Hang {
             return None;

@@ -44,7 +44,8 @@ trait Pair {
     fn positions(&self, sheet: usize) -> Vec<[f32; 3]>;
 }
 
-/// Runs a tangle of about `size` x `size` vertices a sheet for `steps` frames; nothing where the engine has no contacts between cloths.
+/// Runs a tangle of about `size` x `size` vertices a sheet for `steps` frames; nothing where the engine has no contacts between
+/// cloths.
 pub fn row(engine: Engine, tangle: Tangle, size: u32, steps: u32) -> Option<Row> {
     let mut pair: Box<dyn Pair> = match engine {
         Engine::Ours => Box::new(Ours::new(tangle, size)?),
@@ -111,7 +112,8 @@ impl Pair for Ours {
     }
 }
 
-/// Two cloths of `SoftBodyBuilder::cloth`, put where the sheets start, in a world with its defaults. Only sleep is switched off.
+/// Two cloths of `SoftBodyBuilder::cloth`, put where the sheets start, in a world with its defaults. Only sleep is switched
+/// off.
 struct Rapier {
     world: PhysicsWorld,
     sheets: Vec<SoftBodyHandle>,

@@ -15,7 +15,8 @@ fn variant(map: &ClothMap) -> usize {
     }
 }
 
-/// Makes a map one of its variants. It keeps its number; one that was off begins with `start`, one that was not painted is over `attribute`.
+/// Makes a map one of its variants. It keeps its number; one that was off begins with `start`, one that was not painted is over
+/// `attribute`.
 fn choose(map: &mut ClothMap, chosen: usize, attribute: &str, start: f64) {
     let number = high(map).map_or(start as f32, |number| *number);
     match (chosen, &*map) {

@@ -22,7 +22,8 @@ pub(super) fn longest_way(from: &Face, to: &Face) -> f32 {
     square(0).max(square(1)).max(square(2)).sqrt()
 }
 
-/// Where a face that begins outside first comes closer than `keep` and is led deeper, and its nearest point there. `None`: nowhere.
+/// Where a face that begins outside first comes closer than `keep` and is led deeper, and its nearest point there. `None`:
+/// nowhere.
 pub(super) fn first_touch(nearest: &impl Fn(&Face) -> Option<Near>, from: &Face, to: &Face, keep: f32) -> Option<(Face, Near)> {
     let length = longest_way(from, to);
     let moves = length > 1.0e-9;

@@ -56,8 +56,8 @@ pub use touch::Touch;
 
 /// A rigid body as one cloth sees it in one frame.
 ///
-/// Whoever makes it has dropped sensors, disabled bodies and bodies that the cloth's layers do not meet, and has baked the scale into the shape
-/// ([`shape::scaled`]).
+/// Whoever makes it has dropped sensors, disabled bodies and bodies that the cloth's layers do not meet, and has baked the
+/// scale into the shape ([`shape::scaled`]).
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Body {
@@ -67,18 +67,20 @@ pub struct Body {
     pub from: Pose,
     /// Pose at the end of the frame `[m]`. Equal to `from` for a body at rest.
     pub to: Pose,
-    /// Static friction coefficient (dimensionless). Default 0.5, range 0 to 10. Combined with the fabric's by the geometric mean.
+    /// Static friction coefficient (dimensionless). Default 0.5, range 0 to 10. Combined with the fabric's by the geometric
+    /// mean.
     pub static_friction: f32,
     /// Dynamic friction coefficient (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
     /// Distance kept to the shape on top of the fabric's thickness `[m]`. Default 0, range 0 to 1.
     pub margin: f32,
-    /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default none: cloth
-    /// does nothing to it.
+    /// The body of the cloth's [`Coupling`](super::couple::Coupling) that is given what the cloth does to this shape. Default
+    /// none: cloth does nothing to it.
     pub rigid: Option<u32>,
     /// Whether it is a bone of the character that wears the cloth: it moves along with it, and has a volume.
     pub bone: bool,
-    /// The particles of the cloth that were made closer to it than thickness and margin ask for. They are kept as far away as they were then.
+    /// The particles of the cloth that were made closer to it than thickness and margin ask for. They are kept as far away as
+    /// they were then.
     pub snug: Option<Arc<Snug>>,
 }
 
@@ -116,8 +118,8 @@ impl Body {
         (swept.mins - bulge).cmple(high).all() && (swept.maxs + bulge).cmpge(low).all()
     }
 
-    /// How many times as far as it may a bone gets in a substep, of `count` in the frame, relative to cloth that goes `along` `[m]`. By its fastest corner:
-    /// a forearm that turns about its elbow is fast at the hand.
+    /// How many times as far as it may a bone gets in a substep, of `count` in the frame, relative to cloth that goes `along`
+    /// `[m]`. By its fastest corner: a forearm that turns about its elbow is fast at the hand.
     pub(crate) fn haste_of_bone(&self, along: Vec3, count: f32) -> f32 {
         let mut inner = f32::INFINITY;
         geometry::for_each_part(&*self.shape.0, |_, _, shape| {

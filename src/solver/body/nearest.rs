@@ -6,8 +6,8 @@
 //!  ──►  weights w of the face's particles, p = Σ wᵢ xᵢ, and the part's own distance and normal at p
 //! ```
 //!
-//! Only where something is between them does a direction come of it: a face that the part has gone through has no nearest point. An edge is a face
-//! whose third corner is its second, which then has no weight.
+//! Only where something is between them does a direction come of it: a face that the part has gone through has no nearest
+//! point. An edge is a face whose third corner is its second, which then has no weight.
 
 use glam::{Vec3, Vec3A};
 use parry3d::math::Pose;
@@ -67,8 +67,8 @@ impl Convex<'_> {
         (sample.normal != Vec3A::ZERO && sample.distance.is_finite()).then_some(Near { weights, point, sample })
     }
 
-    /// What GJK found, which stops early at round shapes, after projections in turn onto part and face: they approach the closest points of
-    /// any two convex sets.
+    /// What GJK found, which stops early at round shapes, after projections in turn onto part and face: they approach the
+    /// closest points of any two convex sets.
     fn refined(&self, face: &Face, weights: [f32; 3]) -> Option<Near> {
         let mut best = self.near(face, weights)?;
         for _ in 0..PROJECTIONS {

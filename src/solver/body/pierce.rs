@@ -6,8 +6,9 @@
 //!          '-.-'
 //! ```
 //!
-//! Nothing can bring the ends together as long as the bone pushes them apart. So it does not: it meets neither of them until they are out of it.
-//! Those that the skin has outside of the bone, and has limits for, it draws through it, as a tangle is drawn ([`Skinned::draw`]).
+//! Nothing can bring the ends together as long as the bone pushes them apart. So it does not: it meets neither of them until
+//! they are out of it. Those that the skin has outside of the bone, and has limits for, it draws through it, as a tangle is
+//! drawn ([`Skinned::draw`]).
 //!
 //! What its skin holds so close to a bone that no place it may go to is far enough away is kept only as far away as it may go:
 //!
@@ -54,7 +55,8 @@ pub struct Pierced {
     pairs: Vec<Pair>,
     before: Buffer<Vec<Pair>>,
     held: Vec<Held>,
-    /// Particles of pairs that have their targets outside, and those of which one is inside, as the skin goes through the bone, too; sorted.
+    /// Particles of pairs that have their targets outside, and those of which one is inside, as the skin goes through the bone,
+    /// too; sorted.
     drawn: Vec<u32>,
     inside: Buffer<Vec<u32>>,
     /// Ends of edges that are far too long.
@@ -73,7 +75,8 @@ impl Pierced {
         &self.held
     }
 
-    /// The particles of pairs that have their targets outside of the bone, sorted: the skin [draws](Skinned::draw) them through it to where they belong.
+    /// The particles of pairs that have their targets outside of the bone, sorted: the skin [draws](Skinned::draw) them through
+    /// it to where they belong.
     pub(crate) fn drawn(&self) -> &[u32] {
         &self.drawn
     }

@@ -1,7 +1,7 @@
 //! Cloth that is pinched between two bones of the character that wears it: an arm against the chest, a thigh against a thigh.
 //!
-//! No contact can be right there: pushed out of one bone it is in the other, and animation moves both as it likes. Such particles are let be until the bones
-//! part (Baraff, Witkin and Kass 2003, "Untangling cloth", call that flypaper).
+//! No contact can be right there: pushed out of one bone it is in the other, and animation moves both as it likes. Such
+//! particles are let be until the bones part (Baraff, Witkin and Kass 2003, "Untangling cloth", call that flypaper).
 
 use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
@@ -10,7 +10,8 @@ use super::geometry::for_each_geometry;
 use super::squeeze::OPPOSED;
 use super::{Body, motion};
 
-/// Gap between two bones below which cloth is pinched, and below which it stays so, in distances that are kept from a bone (dimensionless).
+/// Gap between two bones below which cloth is pinched, and below which it stays so, in distances that are kept from a bone
+/// (dimensionless).
 const PINCHED: f32 = 2.0;
 const RELEASED: f32 = 3.0;
 
@@ -33,7 +34,8 @@ impl Pinches {
         &self.particles
     }
 
-    /// Finds what is between two bones that leave it no room, as they are at the end of the frame. `thickness` is that of the fabric `[m]`.
+    /// Finds what is between two bones that leave it no room, as they are at the end of the frame. `thickness` is that of the
+    /// fabric `[m]`.
     pub fn find(&mut self, bodies: &[Body], thickness: f32, positions: &[Vec4]) {
         let Self { particles, before, nearest, planes } = self;
         core::mem::swap(particles, before);

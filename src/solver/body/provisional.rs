@@ -8,8 +8,8 @@
 //!   project            the body bears it, as if nothing had been
 //! ```
 //!
-//! Without friction here a sheet that lies on another would rub on what springs have drawn along and the body is going to pull back: of 730 pairs of
-//! two sheets over a box 10 stick, with it 130, and the upper one stays **`[measured]`**.
+//! Without friction here a sheet that lies on another would rub on what springs have drawn along and the body is going to pull
+//! back: of 730 pairs of two sheets over a box 10 stick, with it 130, and the upper one stays **`[measured]`**.
 
 use glam::{Mat3A, Vec3A, Vec4};
 
@@ -18,12 +18,13 @@ use super::respond::{BAND, Friction, Plane};
 use super::{Body, Pose, Touch};
 use crate::solver::couple::Coupling;
 
-/// What slips by less than this share of what static friction holds is let be (dimensionless): pairs stick all the same, and are held again when bodies
-/// have pushed. Two sheets on a floor go on creeping by 0.15 mm in a second with 0, by 0.08 with this; over a box they shake longer with more.
+/// What slips by less than this share of what static friction holds is let be (dimensionless): pairs stick all the same, and
+/// are held again when bodies have pushed. Two sheets on a floor go on creeping by 0.15 mm in a second with 0, by 0.08 with
+/// this; over a box they shake longer with more.
 const LET_BE: f32 = 0.6;
 
-/// Deepest that cloth is laid from, in distances kept (dimensionless): with one, what hangs on a corner and was drawn deeper would be too deep to
-/// be laid and too stretched to get out.
+/// Deepest that cloth is laid from, in distances kept (dimensionless): with one, what hangs on a corner and was drawn deeper
+/// would be too deep to be laid and too stretched to get out.
 const DEEPEST: f32 = 2.0;
 
 /// Where particles were before they were laid, and where to `[m]`.
@@ -67,15 +68,16 @@ pub struct Grounds<'a> {
     pub span: (f32, f32),
     /// How the cloth touches them.
     pub touch: Touch,
-    /// Whether friction holds it there, too: where it touches other cloths. Folds of a single one creep more with it: crumpled ones on a floor 0.07 to
-    /// 0.18 mm in a second instead of 0.02 to 0.05 **`[measured]`**.
+    /// Whether friction holds it there, too: where it touches other cloths. Folds of a single one creep more with it: crumpled
+    /// ones on a floor 0.07 to 0.18 mm in a second instead of 0.02 to 0.05 **`[measured]`**.
     pub rubs: bool,
     /// What takes part.
     pub coupling: &'a mut Coupling,
 }
 
 impl Grounds<'_> {
-    /// The part of body `body` at `local` in it, with its farthest point at `radius` `[m]`; `None` for a body that is not there.
+    /// The part of body `body` at `local` in it, with its farthest point at `radius` `[m]`; `None` for a body that is not
+    /// there.
     pub(super) fn part(&mut self, body: u32, local: Pose, radius: f32) -> Option<Ground> {
         let body = self.bodies.get(body as usize)?;
         let motion = Motion::so_far(body, local, radius, self.span, self.coupling);
@@ -96,9 +98,10 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The way `[m]` to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction holds what slips under
-    /// its `load` `[m]`. `old` and `now`: where it was when the substep began and is now `[m]`; `kept`: its distance from the part `[m]`. `None`: it touches
-    /// no more, or is so deep that it is not where it was when it last touched.
+    /// The way `[m]` to where a touch will be: out to its plane, which is in the space of the part, and back as far as friction
+    /// holds what slips under its `load` `[m]`. `old` and `now`: where it was when the substep began and is now `[m]`; `kept`:
+    /// its distance from the part `[m]`. `None`: it touches no more, or is so deep that it is not where it was when it last
+    /// touched.
     pub(super) fn way_out(&self, plane: Plane, load: f32, [old, now]: [Vec3A; 2], kept: f32) -> Option<Vec3A> {
         let Motion { rotation1, translation0, translation1, .. } = &self.motion;
         let end = self.to_body[1] * (now - *translation1);

@@ -7,19 +7,20 @@
 //!   ~~~~~~~~~~~ surface
 //! ```
 //!
-//! *No bounce.* Velocity is `(q1 - q0) / h`. A particle that was outside (`g0 >= 0`) ends on the plane with the approaching velocity `-g0 / h`:
-//! a plastic impact. One that was inside already (`g0 < 0`: overlap at the start, a teleported body) is brought out at the speed
-//! `v = RECOVERY_SPEED` at most, and `q0` is moved out with it, so that the recovery itself leaves no velocity (the split
-//! impulses of Catto 2006, in position form).
+//! *No bounce.* Velocity is `(q1 - q0) / h`. A particle that was outside (`g0 >= 0`) ends on the plane with the approaching
+//! velocity `-g0 / h`: a plastic impact. One that was inside already (`g0 < 0`: overlap at the start, a teleported body) is
+//! brought out at the speed `v = RECOVERY_SPEED` at most, and `q0` is moved out with it, so that the recovery itself leaves no
+//! velocity (the split impulses of Catto 2006, in position form).
 //!
-//! *Bounce.* With a restitution `e` above 0, one that was outside and comes in with more than [`IMPACT_SPEED`], by `a` in the substep, goes to
-//! `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in the push that moves bodies and bears
-//! friction. It turns where it was when the substep began. Only what its speed brings in counts: what springs press on a body does not bounce.
+//! *Bounce.* With a restitution `e` above 0, one that was outside and comes in with more than [`IMPACT_SPEED`], by `a` in the
+//! substep, goes to `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in
+//! the push that moves bodies and bears friction. It turns where it was when the substep began. Only what its speed brings in
+//! counts: what springs press on a body does not bounce.
 //!
-//! *Friction* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the normal load `λ`:
-//! `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed down by its springs from
-//! substep to substep, so `λ` is not the push of this substep but its running mean, and it still acts within a thin band over the plane. The
-//! mean of the load is the mean of the pushes, hence the mean friction is Coulomb's.
+//! *Friction* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the
+//! normal load `λ`: `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed
+//! down by its springs from substep to substep, so `λ` is not the push of this substep but its running mean, and it still acts
+//! within a thin band over the plane. The mean of the load is the mean of the pushes, hence the mean friction is Coulomb's.
 
 use glam::Vec3A;
 
@@ -27,7 +28,8 @@ use glam::Vec3A;
 /// visible; higher, springs of the cloth are stretched by it.
 pub(super) const RECOVERY_SPEED: f32 = 1.0;
 
-/// Share of the newest push in the running mean of the load (dimensionless), range 0.05 to 1. At 1 friction flickers with the springs.
+/// Share of the newest push in the running mean of the load (dimensionless), range 0.05 to 1. At 1 friction flickers with the
+/// springs.
 const LOAD_SHARE: f32 = 0.25;
 
 /// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
@@ -65,7 +67,8 @@ impl Friction {
     }
 }
 
-/// Speed of approach up to which nothing bounces `[m/s]`: what rests is pulled in by its springs and by gravity in every substep.
+/// Speed of approach up to which nothing bounces `[m/s]`: what rests is pulled in by its springs and by gravity in every
+/// substep.
 pub(crate) const IMPACT_SPEED: f32 = 0.25;
 
 /// The contact plane `n · q = c`; with a normal of zero nothing is below it.
@@ -140,8 +143,9 @@ pub(crate) struct Pushed {
     pub(crate) push: f32,
 }
 
-/// Pushes a particle out to the plane. `start`, `wanted`: its way in this substep `[m]`; `end`: where a sweep stopped it (equal to `wanted` without one)
-/// `[m]`; `recovery`: how far at most an overlap is brought out `[m]`; `rise`: how far over where it began what bounces ends `[m]`, 0: it does not.
+/// Pushes a particle out to the plane. `start`, `wanted`: its way in this substep `[m]`; `end`: where a sweep stopped it (equal
+/// to `wanted` without one) `[m]`; `recovery`: how far at most an overlap is brought out `[m]`; `rise`: how far over where it
+/// began what bounces ends `[m]`, 0: it does not.
 #[inline]
 pub(crate) fn push_out(plane: Plane, start: Vec3A, wanted: Vec3A, end: Vec3A, recovery: f32, rise: f32) -> Pushed {
     let n = plane.normal;

@@ -1,6 +1,7 @@
 //! Shapes from anything a user may pass: a valid shape, or one line that says what is wrong. Nothing here panics.
 //!
-//! parry's own constructors index out of bounds on bad indices and assert on flat or non-finite input, so everything is checked before.
+//! parry's own constructors index out of bounds on bad indices and assert on flat or non-finite input, so everything is checked
+//! before.
 
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
@@ -10,7 +11,8 @@ use parry3d::utils::Array2;
 
 /// Largest coordinate or size of a shape `[m]`.
 const LARGEST: f32 = 1.0e6;
-/// Coordinates of triangles that are nearer to zero are zero `[m]`: parry divides by how far apart their middles are, which overflows, and panics.
+/// Coordinates of triangles that are nearer to zero are zero `[m]`: parry divides by how far apart their middles are, which
+/// overflows, and panics.
 const NOTHING: f32 = 1.0e-29;
 /// Smallest size of a primitive and of a triangle's height `[m]`.
 const SMALLEST: f32 = 1.0e-6;
@@ -110,7 +112,8 @@ pub fn ball(radius: f32) -> Result<SharedShape, ShapeError> {
     Ok(SharedShape::ball(size("radius", radius)?))
 }
 
-/// All points within `radius` `[m]` of the segment from `-half_length` to `+half_length` `[m]` on the Y axis. A half length of 0 makes a ball.
+/// All points within `radius` `[m]` of the segment from `-half_length` to `+half_length` `[m]` on the Y axis. A half length of
+/// 0 makes a ball.
 pub fn capsule(radius: f32, half_length: f32) -> Result<SharedShape, ShapeError> {
     let radius = size("radius", radius)?;
     if half_length == 0.0 {
@@ -259,8 +262,8 @@ pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedSh
     trimesh_with(vertices, triangles, TriMeshFlags::empty())
 }
 
-/// A closed triangle mesh with an inside `[m]`, wound counter-clockwise seen from outside: cloth that starts inside is brought out.
-/// A mesh that is not closed or not manifold has no inside; use [`trimesh`].
+/// A closed triangle mesh with an inside `[m]`, wound counter-clockwise seen from outside: cloth that starts inside is brought
+/// out. A mesh that is not closed or not manifold has no inside; use [`trimesh`].
 pub fn solid_trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedShape, ShapeError> {
     trimesh_with(vertices, triangles, TriMeshFlags::ORIENTED)
 }
@@ -296,8 +299,8 @@ fn trimesh_with(vertices: Vec<Vec3>, mut triangles: Vec<[u32; 3]>, flags: TriMes
     }
 }
 
-/// A terrain with two sides: `rows x columns` heights, row by row along Z, each row along X, over a rectangle of `extent.x` by `extent.z` `[m]` around
-/// the origin; heights are multiplied by `extent.y`.
+/// A terrain with two sides: `rows x columns` heights, row by row along Z, each row along X, over a rectangle of `extent.x` by
+/// `extent.z` `[m]` around the origin; heights are multiplied by `extent.y`.
 pub fn heightfield(rows: usize, columns: usize, heights: &[f32], extent: Vec3) -> Result<SharedShape, ShapeError> {
     if rows < 2 || columns < 2 || rows.checked_mul(columns) != Some(heights.len()) || heights.len() > (1 << 30) {
         return Err(ShapeError::Grid { rows, columns, heights: heights.len() });
@@ -333,7 +336,8 @@ pub fn compound(parts: Vec<(Pose, SharedShape)>) -> Result<SharedShape, ShapeErr
     Ok(SharedShape::new(Compound::new(parts)))
 }
 
-/// The shape scaled by a body's world scale along its own axes. Negative scales mirror. Round primitives under an uneven scale become convex hulls.
+/// The shape scaled by a body's world scale along its own axes. Negative scales mirror. Round primitives under an uneven scale
+/// become convex hulls.
 pub fn scaled(shape: &SharedShape, scale: Vec3) -> Result<SharedShape, ShapeError> {
     if scale == Vec3::ONE {
         return Ok(shape.clone());
@@ -382,7 +386,8 @@ pub fn scaled(shape: &SharedShape, scale: Vec3) -> Result<SharedShape, ShapeErro
     }
 }
 
-/// A part of a compound. An uneven scale shears a turned part, which only a hull of its points can be: the turn is baked into them.
+/// A part of a compound. An uneven scale shears a turned part, which only a hull of its points can be: the turn is baked into
+/// them.
 fn scaled_part(pose: Pose, part: &SharedShape, scale: Vec3) -> Result<(Pose, SharedShape), ShapeError> {
     let even = scale.max_element() - scale.min_element() <= 1.0e-4 * scale.abs().max_element();
     if even && scale.x > 0.0 {

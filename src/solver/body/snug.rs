@@ -4,8 +4,9 @@
 //!   kept from the bone = min(thickness + margin, distance in the bind pose)
 //! ```
 //!
-//! The margin is there for what of the body sticks out of its bones. Where cloth was made closer than that, nothing does; pushed out all the same, a whole
-//! sleeve would be stretched over its arm, and what lies between arm and chest would have no room.
+//! The margin is there for what of the body sticks out of its bones. Where cloth was made closer than that, nothing does;
+//! pushed out all the same, a whole sleeve would be stretched over its arm, and what lies between arm and chest would have no
+//! room.
 
 use glam::{Vec3, Vec3A};
 
@@ -21,7 +22,8 @@ pub struct Snug {
 }
 
 impl Snug {
-    /// The particles nearer than `reach` `[m]` to a shape. `points`: all particles of the cloth in the bind pose, in the space of the shape `[m]`.
+    /// The particles nearer than `reach` `[m]` to a shape. `points`: all particles of the cloth in the bind pose, in the space
+    /// of the shape `[m]`.
     #[must_use]
     pub fn of(shape: &SharedShape, reach: f32, points: &[Vec3]) -> Self {
         let mut nearest = vec![f32::INFINITY; points.len()];

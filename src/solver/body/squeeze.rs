@@ -49,7 +49,8 @@ impl Squeezes {
         self.substep += 1;
     }
 
-    /// The distance to keep `[m]` from `part`, `distance` away along its unit normal: `keep`, or half of the room that another part leaves.
+    /// The distance to keep `[m]` from `part`, `distance` away along its unit normal: `keep`, or half of the room that another
+    /// part leaves.
     #[inline]
     pub(super) fn keep(&mut self, index: u32, part: u32, normal: Vec3A, distance: f32, keep: f32) -> f32 {
         let Some(close) = self.close.get_mut(index as usize) else { return keep };

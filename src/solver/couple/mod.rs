@@ -8,20 +8,21 @@
 //!  frame      given    Σ impulses, d               the engine adds impulse / mass to the velocity, and d to the pose
 //! ```
 //!
-//! A correction of `Δ` between a particle and a body takes the impulse `J = K⁻¹ Δ` (times the substep), so that both together come as far:
+//! A correction of `Δ` between a particle and a body takes the impulse `J = K⁻¹ Δ` (times the substep), so that both together
+//! come as far:
 //!
 //! ```text
 //! K = w 1 + 1/M - [r] I⁻¹ [r]        w: inverse mass of the particle, M, I: mass and inertia of the body, r: from its centre to the particle
 //! Δx = w J,   Δd = -J / M,   Δθ = -I⁻¹ (r × J)
 //! ```
 //!
-//! (XPBD for rigid bodies, Müller et al. 2020, eq. 2 to 9, for a whole vector instead of one direction.) The body moves within the
-//! substeps, so that one lighter than the cloth is as stable as a heavier one, and no momentum is lost: what a particle gains the body
-//! loses.
+//! (XPBD for rigid bodies, Müller et al. 2020, eq. 2 to 9, for a whole vector instead of one direction.) The body moves within
+//! the substeps, so that one lighter than the cloth is as stable as a heavier one, and no momentum is lost: what a particle
+//! gains the body loses.
 //!
-//! All contacts of a body in a substep are solved at once, so that none comes first: each is given a body of `1/n` of the mass, and the
-//! body moves by the mean of what they make of it (mass splitting, Tonge et al. 2012), which is the sum of the impulses over the whole
-//! mass. Several cloths at one body are stepped without knowing of each other, and share it in the same way.
+//! All contacts of a body in a substep are solved at once, so that none comes first: each is given a body of `1/n` of the mass,
+//! and the body moves by the mean of what they make of it (mass splitting, Tonge et al. 2012), which is the sum of the impulses
+//! over the whole mass. Several cloths at one body are stepped without knowing of each other, and share it in the same way.
 
 mod pins;
 
@@ -213,7 +214,8 @@ impl BodyImpulse {
     }
 }
 
-/// The bodies that one cloth gives something to, and its pins on them. Buffers are reused: nothing is allocated once they are warm.
+/// The bodies that one cloth gives something to, and its pins on them. Buffers are reused: nothing is allocated once they are
+/// warm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupling {
@@ -250,8 +252,8 @@ impl Coupling {
         })
     }
 
-    /// Mass of body `slot` `[kg]` along the axis along which it is least, or the cloth's share of it where several give it something; infinite if cloth
-    /// cannot move it.
+    /// Mass of body `slot` `[kg]` along the axis along which it is least, or the cloth's share of it where several give it
+    /// something; infinite if cloth cannot move it.
     pub(crate) fn mass(&self, slot: u32) -> f32 {
         self.slots.get(slot as usize).map_or(f32::INFINITY, |slot| slot.rigid.inverse_mass.max_element().recip())
     }

@@ -1,12 +1,12 @@
-//! Faces of which one lies on one side of the plane of the other, farther off than rounding can tell: they do not cross, and need not be asked for exact signs.
-//! Most faces of layers do.
+//! Faces of which one lies on one side of the plane of the other, farther off than rounding can tell: they do not cross, and
+//! need not be asked for exact signs. Most faces of layers do.
 
 use glam::{BVec4A, Vec3A, Vec4};
 
 use super::four::Four;
 
-/// Height over the plane of a face from which on its sign is sure in `f32`, as a share of what the lengths of edges and way come to (dimensionless): five
-/// times what rounding can be.
+/// Height over the plane of a face from which on its sign is sure in `f32`, as a share of what the lengths of edges and way
+/// come to (dimensionless): five times what rounding can be.
 const BESIDE: f32 = 1.0e-5;
 
 /// Whether all corners of face `g` lie on one side of the plane of face `f`, except those that they have in `common`.
@@ -22,12 +22,14 @@ pub(super) fn lies_beside_plane(positions: &[Vec4], f: [u32; 3], g: [u32; 3], co
         let height = normal.dot(w);
         (low, high, squares) = (low.min(height), high.max(height), squares + w.length_squared());
     }
-    // Rounding of all this is some `2e-6 |u| |v| |w|`; squares keep their sign. What is not a number is in the sum, and passes no comparison.
+    // Rounding of all this is some `2e-6 |u| |v| |w|`; squares keep their sign. What is not a number is in the sum, and passes
+    // no comparison.
     let slack = BESIDE * BESIDE * scale * squares;
     low * low.abs() > slack || -high * high.abs() > slack
 }
 
-/// Of four pairs of faces, each by its corners `[m]`, those that lie beside each other, a bit for each: either beside the other. With a corner in common none is.
+/// Of four pairs of faces, each by its corners `[m]`, those that lie beside each other, a bit for each: either beside the
+/// other. With a corner in common none is.
 #[inline]
 pub(in crate::solver) fn are_beside(f: &[Four; 3], g: &[Four; 3]) -> u32 {
     let mut beside = lie_beside_plane(f, g);

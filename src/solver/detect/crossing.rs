@@ -41,8 +41,8 @@ pub struct Crossing {
     pub t: f32,
     /// Weights of the face's corners at the crossing; not negative, sum 1.
     pub weights: [f32; 3],
-    /// Whether some of the five orientations are exactly zero. It takes part in the contour like any other: surfaces of aligned grids
-    /// can cut straight through each other with nothing but such crossings.
+    /// Whether some of the five orientations are exactly zero. It takes part in the contour like any other: surfaces of aligned
+    /// grids can cut straight through each other with nothing but such crossings.
     pub touching: bool,
 }
 
@@ -154,8 +154,9 @@ impl Detector {
         &self.crossings
     }
 
-    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`. Calls `also` with every two leaves that have
-    /// faces whose boxes come within `margin` `[m]`, to ask of those that may cross; no more once something is known to cross.
+    /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`. Calls `also` with every two leaves that
+    /// have faces whose boxes come within `margin` `[m]`, to ask of those that may cross; no more once something is known to
+    /// cross.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
@@ -196,7 +197,8 @@ impl Detector {
         self.parts.is_whole
     }
 
-    /// Edges that crossed faces elsewhere, where the last look was at a part of the cloth only: when it was looked at there, or 1 while nobody did.
+    /// Edges that crossed faces elsewhere, where the last look was at a part of the cloth only: when it was looked at there, or
+    /// 1 while nobody did.
     #[must_use]
     pub fn elsewhere(&self) -> u32 {
         self.parts.elsewhere
@@ -245,8 +247,8 @@ impl Detector {
         debug_assert!(self.crossings.windows(2).all(|pair| (pair[0].edge, pair[0].face) < (pair[1].edge, pair[1].face)));
     }
 
-    /// Some points lie exactly in a plane, as borders that are pinned along a line do. Asks the pairs that met such a tie again, with a direction
-    /// for each of their particles; every pair that asks about the same four points met the same tie.
+    /// Some points lie exactly in a plane, as borders that are pinned along a line do. Asks the pairs that met such a tie
+    /// again, with a direction for each of their particles; every pair that asks about the same four points met the same tie.
     #[cold]
     fn cross_doubtful(&mut self, surface: &Surface, positions: &[Vec4]) {
         let Self { asks, ties, doubtful, crossings, .. } = self;
@@ -419,8 +421,8 @@ fn cross_close_faces(
     cross(g, &pg, &sides_g, f, &pf);
 }
 
-/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` `[m]` apart, a shared particle aside:
-/// a cheap way to dismiss almost all neighbours in a smooth sheet.
+/// Whether a plane across the line between the centres has the faces on different sides, at least `gap` `[m]` apart, a shared
+/// particle aside: a cheap way to dismiss almost all neighbours in a smooth sheet.
 #[inline]
 pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>, gap: f32) -> bool {
     let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
@@ -440,8 +442,8 @@ pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Op
     low.min_element() > border + slack && high.max_element() < border - slack
 }
 
-/// Sides of three points, `None` for one shared with the plane; nothing when no crossing is possible: all are clear of the plane on
-/// one side, or all lie in it.
+/// Sides of three points, `None` for one shared with the plane; nothing when no crossing is possible: all are clear of the
+/// plane on one side, or all lie in it.
 #[inline]
 fn sides(plane: &Plane, points: &[Point; 3], shared: [bool; 3], ties: &mut Ties) -> Option<[Option<Side>; 3]> {
     let mut sides = [None; 3];

@@ -1,6 +1,7 @@
 //! Detect: where surfaces cross, and where they come close.
 //!
-//! Cloths are concatenated into one [`Surface`], so that a cloth meeting another and a cloth meeting itself are the same question.
+//! Cloths are concatenated into one [`Surface`], so that a cloth meeting another and a cloth meeting itself are the same
+//! question.
 //!
 //! ```text
 //! positions ─► Tree::refit ─► pairs of faces whose boxes meet ─► orientation signs ─► crossings, sorted

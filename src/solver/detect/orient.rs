@@ -4,15 +4,17 @@
 //! orient(a, b, c, d) = ((b - a) × (c - a)) · (d - a)      > 0: d on the side the normal of (a, b, c) points to
 //! ```
 //!
-//! A floating-point filter decides almost every case (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast robust
-//! geometric predicates*: the rounded determinant has the right sign when it exceeds `(7 + 56 ε) ε` times its permanent); the rest
-//! is summed exactly as an expansion. Positions are `f32`, so a product of two differences is exact in `f64` almost always.
+//! A floating-point filter decides almost every case (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast
+//! robust geometric predicates*: the rounded determinant has the right sign when it exceeds `(7 + 56 ε) ε` times its
+//! permanent); the rest is summed exactly as an expansion. Positions are `f32`, so a product of two differences is exact in
+//! `f64` almost always.
 //!
-//! Four points in one plane are a tie. Counting ties as positive in a fixed order of the ids is not enough: a particle lying exactly on
-//! a flat sheet is then above one of its faces and below the next, and contours break **`[measured: 25 pieces instead of 1]`**. Instead
-//! every particle is thought to be moved by an infinitesimal multiple of its own direction (Edelsbrunner and Mücke 1990, *Simulation of
-//! simplicity*), so the answers are those of real surfaces in general position. The direction is the normal, longer for each
-//! further cloth, plus a little noise: cloths that only touch are thought apart, and count as not crossing.
+//! Four points in one plane are a tie. Counting ties as positive in a fixed order of the ids is not enough: a particle lying
+//! exactly on a flat sheet is then above one of its faces and below the next, and contours break
+//! **`[measured: 25 pieces instead of 1]`**. Instead every particle is thought to be moved by an infinitesimal multiple of its
+//! own direction (Edelsbrunner and Mücke 1990, *Simulation of simplicity*), so the answers are those of real surfaces in
+//! general position. The direction is the normal, longer for each further cloth, plus a little noise: cloths that only touch
+//! are thought apart, and count as not crossing.
 //!
 //! ```text
 //! tie:  sign of  d/dε det(positions + ε directions) ;  if that is zero too, the parity of sorting the four ids

@@ -5,7 +5,8 @@
 //!  edge-edge:    closest points of two segments, section 5.1.9; only where both are inside, the ends are vertex-face pairs
 //! ```
 //!
-//! Left out: pairs within [`ProximitySettings::exclude_rings`] edges of each other, and pairs of one cloth that are as close at rest.
+//! Left out: pairs within [`ProximitySettings::exclude_rings`] edges of each other, and pairs of one cloth that are as close at
+//! rest.
 
 use glam::{Vec3, Vec4};
 
@@ -31,8 +32,8 @@ pub struct Proximity {
     pub kind: ProximityKind,
     /// Their particles.
     pub particles: [u32; 4],
-    /// The closest points are `Σ wᵢ xᵢ` of the first primitive and `-Σ wᵢ xᵢ` of the second: `Σ wᵢ xᵢ` over all four is the vector from the
-    /// second's closest point to the first's.
+    /// The closest points are `Σ wᵢ xᵢ` of the first primitive and `-Σ wᵢ xᵢ` of the second: `Σ wᵢ xᵢ` over all four is the
+    /// vector from the second's closest point to the first's.
     pub weights: [f32; 4],
     /// Distance `[m]`.
     pub distance: f32,
@@ -57,8 +58,8 @@ impl Default for ProximitySettings {
 }
 
 impl Detector {
-    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`; those that come last are left out where there is too
-    /// much work.
+    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`; those that come last are
+    /// left out where there is too much work.
     pub fn proximities(
         &mut self,
         surface: &Surface,

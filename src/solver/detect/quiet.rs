@@ -5,8 +5,8 @@
 //! while no particle has gone farther than half of `reach`   ─►  only these can cross
 //! ```
 //!
-//! No particle may go farther than a tenth of the height that the faces around it had at the look, so that normals by which flat cloth was
-//! dismissed turn by some 0.2 radians meanwhile.
+//! No particle may go farther than a tenth of the height that the faces around it had at the look, so that normals by which
+//! flat cloth was dismissed turn by some 0.2 radians meanwhile.
 
 use glam::{Vec3A, Vec4};
 
@@ -55,8 +55,8 @@ impl QuietPairs {
         Some(&self.close)
     }
 
-    /// Begins a look at everything, at `positions` `[m]`. Whether it is worth [taking in](Self::take_in) what is close: where cloth has
-    /// hardly moved since the last look, or did so for some time.
+    /// Begins a look at everything, at `positions` `[m]`. Whether it is worth [taking in](Self::take_in) what is close: where
+    /// cloth has hardly moved since the last look, or did so for some time.
     pub fn begin(&mut self, surface: &Surface, positions: &[Vec4]) -> bool {
         let pays = match self.used {
             Some(used) => used > 1,

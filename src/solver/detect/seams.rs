@@ -12,7 +12,8 @@ pub fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec
     })
 }
 
-/// Edges at which normals say nothing about whether cloth lies on itself: more than two faces meet there, or the fronts of two face different sides.
+/// Edges at which normals say nothing about whether cloth lies on itself: more than two faces meet there, or the fronts of two
+/// face different sides.
 pub fn seams(surface: &Surface) -> Vec<bool> {
     let topology = &surface.topology;
     let mut seams = vec![false; topology.edges.len()];
@@ -42,8 +43,8 @@ pub fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32)
     })
 }
 
-/// Particles around which cloth may lie over itself although normals agree: at `seams`, and at borders of the mesh but those along the
-/// sides of its box at rest.
+/// Particles around which cloth may lie over itself although normals agree: at `seams`, and at borders of the mesh but those
+/// along the sides of its box at rest.
 pub fn loose(surface: &Surface, seams: &[bool]) -> Vec<bool> {
     let topology = &surface.topology;
     let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();

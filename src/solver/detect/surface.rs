@@ -175,8 +175,8 @@ impl Surface {
         self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
     }
 
-    /// Finds the squares of the least heights of the faces around each particle `[m²]`, with particles `at` their positions `[m]`; infinite
-    /// where there is no face.
+    /// Finds the squares of the least heights of the faces around each particle `[m²]`, with particles `at` their positions
+    /// `[m]`; infinite where there is no face.
     pub(crate) fn least_heights_squared(&self, at: impl Fn(u32) -> Vec3A, squares: &mut Vec<f32>) {
         squares.clear();
         squares.resize(self.len(), f32::INFINITY);

@@ -1,15 +1,17 @@
 //! Air that goes with the cloth.
 //!
-//! A sheet that waves with a wavelength `λ` moves the air on both of its sides with it, out to some `λ / 2π`: across its plane it has the mass of
-//! `m = ρ_air λ / π` per area on top of its own `ρ` (potential flow over a wavy wall), which has inertia and no weight. So light fabric floats: silk
-//! of 0.06 kg/m² carries as much air again. Folds of cloth have the wavelength of a sheet that hangs by its own weight (Cerda and Mahadevan 2003):
+//! A sheet that waves with a wavelength `λ` moves the air on both of its sides with it, out to some `λ / 2π`: across its plane
+//! it has the mass of `m = ρ_air λ / π` per area on top of its own `ρ` (potential flow over a wavy wall), which has inertia and
+//! no weight. So light fabric floats: silk of 0.06 kg/m² carries as much air again. Folds of cloth have the wavelength of a
+//! sheet that hangs by its own weight (Cerda and Mahadevan 2003):
 //!
 //! ```text
 //! λ = 2 √π c^(3/4) L^(1/4)      c = (B / (ρ g))^(1/3), L: size of the cloth, λ at most 2 L
 //! Δv ← Δv - m / (ρ + m) n (n · Δv)      of each particle in a substep: added mass
 //! ```
 //!
-//! What holds the cloth still holds it as before: only a change of velocity is made less. Without gravity nothing tells a wavelength, and there is no air.
+//! What holds the cloth still holds it as before: only a change of velocity is made less. Without gravity nothing tells a
+//! wavelength, and there is no air.
 
 use core::f32::consts::PI;
 
@@ -84,7 +86,8 @@ impl Carried {
         }
     }
 
-    /// Notes the velocities at the start of a substep; `substep` `[s]` lies between `previous` and `positions`, 0 before the first.
+    /// Notes the velocities at the start of a substep; `substep` `[s]` lies between `previous` and `positions`, 0 before the
+    /// first.
     pub fn note(&mut self, substep: f32, positions: &[Vec4], previous: &[Vec4]) {
         self.before.clear();
         if !self.normals.is_empty() {

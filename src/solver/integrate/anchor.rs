@@ -7,7 +7,8 @@ use crate::solver::anchors::{Anchors, RIGID};
 /// Time in which a pin of weight one half pulls its particle to 1/e of the distance `[s]`.
 const SOFT_TIME: f32 = 0.1;
 
-/// Moves anchored particles towards their targets at fraction `s` of the frame, in a step of `h` `[s]`; rigid ones are put there.
+/// Moves anchored particles towards their targets at fraction `s` of the frame, in a step of `h` `[s]`; rigid ones are put
+/// there.
 pub fn solve(anchors: &Anchors, s: f32, h: f32, positions: &mut [Vec4]) {
     solve_rigid(anchors, s, positions);
     solve_soft(anchors, s, h, positions);

@@ -1,9 +1,10 @@
 //! Bending: a step of the quadratic energy with as many stages as the mesh and the stiffness need.
 //!
-//! `E = ½ Σ B_e A_e |v / A_e - κ₀ n|²`, `v = Σ c_i x_i`, has a constant matrix `K`. With `Z = h² W K`, `W` the inverse masses, an explicit step
-//! `x - Z x` is unstable once an eigenvalue of `Z` passes 4/3: at 5 mm and 360 Hz cotton has 150. A polynomial `R(Z)` with `R(0) = 1` and
-//! `R'(0) = -1` that is small up to that eigenvalue is as stable as an implicit step, which is `1 / (1 + Z)`, and needs no factorization.
-//! Chebyshev polynomials reach farthest (van der Houwen and Sommeijer 1980; Verwer 1996), shifted by `a`:
+//! `E = ½ Σ B_e A_e |v / A_e - κ₀ n|²`, `v = Σ c_i x_i`, has a constant matrix `K`. With `Z = h² W K`, `W` the inverse masses,
+//! an explicit step `x - Z x` is unstable once an eigenvalue of `Z` passes 4/3: at 5 mm and 360 Hz cotton has 150. A polynomial
+//! `R(Z)` with `R(0) = 1` and `R'(0) = -1` that is small up to that eigenvalue is as stable as an implicit step, which is
+//! `1 / (1 + Z)`, and needs no factorization. Chebyshev polynomials reach farthest (van der Houwen and Sommeijer 1980; Verwer
+//! 1996), shifted by `a`:
 //!
 //! ```text
 //! R(z) = a + (1 - a) T_s(w₀ - w₁ z) / T_s(w₀)          stable up to z = (1 + w₀) / w₁, some 0.9 s²
@@ -11,20 +12,22 @@
 //!       μ = 2 w₀ T_(j-1)(w₀) / T_j(w₀),  μ̃ = 2 w₁ T_(j-1)(w₀) / T_j(w₀),  D_0 = 0,  D_1 = -w₁ / w₀ r
 //! ```
 //!
-//! The shift: positions carry velocities, so that a mode with `q = R(z)` goes as `λ² - 2 q λ + q = 0`. Both roots lie within the unit circle for
-//! `q` from -1/3 to 1 only, and nothing swings from substep to substep for `q` from 0 on.
+//! The shift: positions carry velocities, so that a mode with `q = R(z)` goes as `λ² - 2 q λ + q = 0`. Both roots lie within
+//! the unit circle for `q` from -1/3 to 1 only, and nothing swings from substep to substep for `q` from 0 on.
 //!
-//! What bends also rubs, yarn on yarn. A second spring, of stiffness `GRIP · B`, between the curvature and one that follows it at most
-//! `κ_y` behind is that dry friction (Prandtl's element; Miguel et al. 2013). Its moment is Kawabata's `HB = GRIP · B κ_y`:
+//! What bends also rubs, yarn on yarn. A second spring, of stiffness `GRIP · B`, between the curvature and one that follows it
+//! at most `κ_y` behind is that dry friction (Prandtl's element; Miguel et al. 2013). Its moment is Kawabata's
+//! `HB = GRIP · B κ_y`:
 //!
 //! ```text
 //! M = B (κ - κ_rest) + GRIP · B (κ - κ_set)        |κ - κ_set| <= κ_y
 //! ```
 //!
-//! Flat cloth that was pressed to `κ_p` and is let go stays at `(κ_p - κ_y) / 2`, but at `κ_y = HB / B` at most, from `κ_p = 3 κ_y` on.
+//! Flat cloth that was pressed to `κ_p` and is let go stays at `(κ_p - κ_y) / 2`, but at `κ_y = HB / B` at most, from
+//! `κ_p = 3 κ_y` on.
 //!
-//! What keeps the curvature points where it did when it was found, once a frame: cloth that turns by a large angle in a frame is braked by it, the more
-//! the stiffer and the more bent it is.
+//! What keeps the curvature points where it did when it was found, once a frame: cloth that turns by a large angle in a frame
+//! is braked by it, the more the stiffer and the more bent it is.
 
 use glam::{BVec4A, Vec4};
 
@@ -32,8 +35,9 @@ use super::rows::Rows;
 use crate::solver::rest::{Bends, LANES, Weave};
 use crate::solver::settings::Fabric;
 
-/// Stiffness of the friction between yarns over that of the fabric (dimensionless): a fabric that begins to bend is about twice as stiff as one that
-/// goes on bending (Kawabata 1980). Then what friction holds, `HB / B`, is also how far the curvature goes before it slips.
+/// Stiffness of the friction between yarns over that of the fabric (dimensionless): a fabric that begins to bend is about twice
+/// as stiff as one that goes on bending (Kawabata 1980). Then what friction holds, `HB / B`, is also how far the curvature goes
+/// before it slips.
 const GRIP: f32 = 1.0;
 
 /// The `a` of the polynomial, about which it swings, and `T_s(w₀)`: it swings by `(1 - MIDDLE) / SWING`, from 0 to 0.85.
@@ -43,10 +47,12 @@ const SWING: f32 = 1.353;
 /// Most stages in a substep: what needs more is made softer, and [`BendFactors::held`] tells.
 const MOST_STAGES: u32 = 32;
 
-/// Share of the reach of the most stages that is made use of (dimensionless): the eigenvalue is an estimate, and beyond the reach they grow without bound.
+/// Share of the reach of the most stages that is made use of (dimensionless): the eigenvalue is an estimate, and beyond the
+/// reach they grow without bound.
 const WITHIN: f32 = 0.9;
 
-/// Curvature that friction holds in any cloth `[1/m]`, far less than measured in any: 0, and it trembles for long; much more, and folds creep to their place.
+/// Curvature that friction holds in any cloth `[1/m]`, far less than measured in any: 0, and it trembles for long; much more,
+/// and folds creep to their place.
 const TREMBLE: f32 = 4.0;
 
 /// Share of a rate that one element may take (dimensionless), since elements overlap.
@@ -67,7 +73,8 @@ pub struct BendFactors {
     fastest: f32,
     /// Largest eigenvalue of `h² W K` that the most stages hold.
     most: f32,
-    /// Where the warp is stiffer than the weft or the other way round: its own `K` `[1/m²]` and shares of stiffness that elements keep.
+    /// Where the warp is stiffer than the weft or the other way round: its own `K` `[1/m²]` and shares of stiffness that
+    /// elements keep.
     weave: Option<Weave>,
     matrix: Vec<[f32; LANES]>,
     keeps: Vec<Vec4>,
@@ -119,7 +126,8 @@ impl BendFactors {
             + weave
     }
 
-    /// Must follow a change of the fabric or of inverse masses, in `w` of `positions` `[1/kg]`; `areas` `[m²]` around particles.
+    /// Must follow a change of the fabric or of inverse masses, in `w` of `positions` `[1/kg]`; `areas` `[m²]` around
+    /// particles.
     pub fn update(&mut self, bends: &Bends, fabric: &Fabric, areas: &[f32], positions: &[Vec4]) {
         self.stiffness = (1.0 + grip(fabric)) * fabric.bend_stiffness;
         // A pin on a light body may be lighter than the cloth around it.
@@ -159,8 +167,8 @@ impl BendFactors {
         (self.most / (h * h * self.fastest)).min(1.0)
     }
 
-    /// Finds what keeps the curvature at rest, and folds, where the cloth is now; once a frame. `set`: the curvature `[1/m]` from which friction holds each
-    /// hinge, which follows.
+    /// Finds what keeps the curvature at rest, and folds, where the cloth is now; once a frame. `set`: the curvature `[1/m]`
+    /// from which friction holds each hinge, which follows.
     pub fn fold(&mut self, bends: &Bends, fabric: &Fabric, positions: &[Vec4], set: &mut Vec<Vec4>) {
         self.folds.clear();
         let grip = grip(fabric);
@@ -254,7 +262,8 @@ impl BendFactors {
 }
 
 /// Takes out what trembles: a moment `M = B · TREMBLE` `[N]` per width against every change of `v`, whatever its speed. Once
-/// per frame of `dt` `[s]`, for the `motion` `[m]` over a substep of `h` `[s]`, `w` its inverse mass `[1/kg]`; Coulomb's law as an impulse:
+/// per frame of `dt` `[s]`, for the `motion` `[m]` over a substep of `h` `[s]`, `w` its inverse mass `[1/kg]`; Coulomb's law as
+/// an impulse:
 ///
 /// ```text
 /// Δv̇ = -min(|v̇| / 4, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
@@ -288,7 +297,8 @@ fn grip(fabric: &Fabric) -> f32 {
     if fabric.bend_hysteresis > 0.0 { GRIP } else { 0.0 }
 }
 
-/// A row of the matrix times a vector whose entry of the row itself is `own`, in four sums: each would wait for the one before it otherwise.
+/// A row of the matrix times a vector whose entry of the row itself is `own`, in four sums: each would wait for the one before
+/// it otherwise.
 #[inline(always)]
 fn product(columns: &[[u32; LANES]], row: &[[f32; LANES]], x: &[Vec4], own: Vec4) -> Vec4 {
     let mut sum = [Vec4::ZERO; LANES];

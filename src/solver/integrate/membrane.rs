@@ -1,14 +1,16 @@
 //! The membrane in triangles: stretch along warp and weft, shear between them, on a mesh that is cut in any way.
 //!
-//! `F = [F_warp F_weft]` is the deformation gradient of a triangle, linear in its corners. Three constraints of it (strain-based dynamics, Müller et al. 2014, with the
-//! lengths of Kim 2020, eq. 18) store the energy of a fabric whose threads stretch apart from each other:
+//! `F = [F_warp F_weft]` is the deformation gradient of a triangle, linear in its corners. Three constraints of it
+//! (strain-based dynamics, Müller et al. 2014, with the lengths of Kim 2020, eq. 18) store the energy of a fabric whose threads
+//! stretch apart from each other:
 //!
 //! ```text
 //! E = ½ A (K_warp C_warp² + K_weft C_weft² + G C_shear²)      A: area at rest
 //! C_warp = |F_warp| - 1     C_weft = |F_weft| - 1     C_shear = F_warp · F_weft
 //! ```
 //!
-//! They are solved one after the other, each a constraint of XPBD of compliance `1 / (A K)`. With `a_i = ∂F_warp/∂x_i` and `b_i = ∂F_weft/∂x_i` `[1/m]` all that they do is
+//! They are solved one after the other, each a constraint of XPBD of compliance `1 / (A K)`. With `a_i = ∂F_warp/∂x_i` and
+//! `b_i = ∂F_weft/∂x_i` `[1/m]` all that they do is
 //!
 //! ```text
 //! Δx_i = w_i (a_i P + b_i Q)      ΔF_warp = g_aa P + g_ab Q,  ΔF_weft = g_ab P + g_bb Q      g_ab = Σ w_i a_i b_i
@@ -23,8 +25,9 @@ use super::spring::{Bound, inverse_length};
 use crate::solver::rest::{LANES, Membrane};
 use crate::solver::settings::Fabric;
 
-/// Least mobility of a thread over what it would be if all corners moved as easily as the lightest (dimensionless). Where only a corner next to the line of the
-/// held ones can move, it would have to go far to change the length of a thread: half as much, and it is thrown as far again.
+/// Least mobility of a thread over what it would be if all corners moved as easily as the lightest (dimensionless). Where only
+/// a corner next to the line of the held ones can move, it would have to go far to change the length of a thread: half as much,
+/// and it is thrown as far again.
 const LEAST_MOBILITY: f32 = 1.0 / 16.0;
 
 /// Solves every triangle once in a substep of `h` `[s]`.
@@ -70,7 +73,8 @@ pub fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mut [Vec4
     }
 }
 
-/// How much of `F` to take back `[kg m²]`: its `square`d length (dimensionless), how easily it yields `[1/(kg m²)]`, and its compliance in the substep `[1/(kg m²)]`.
+/// How much of `F` to take back `[kg m²]`: its `square`d length (dimensionless), how easily it yields `[1/(kg m²)]`, and its
+/// compliance in the substep `[1/(kg m²)]`.
 #[inline(always)]
 fn stretch(square: Vec4, mobility: Vec4, compliance: Vec4, bound: Bound) -> Vec4 {
     let u = inverse_length(square);

@@ -4,8 +4,8 @@
 //! p = Σ g_i x_i      λ = (target - p) / (Σ g_i² w_i + α / h²),  |λ| <= F h²      x_i += w_i g_i λ        Σ g_i = 1
 //! ```
 //!
-//! XPBD (Macklin et al. 2016, eq. 18, one iteration) with a clamped multiplier. It comes before springs and bodies, so that the cloth
-//! follows as a whole and is kept out of what is in its way.
+//! XPBD (Macklin et al. 2016, eq. 18, one iteration) with a clamped multiplier. It comes before springs and bodies, so that the
+//! cloth follows as a whole and is kept out of what is in its way.
 
 use glam::{Vec3, Vec4};
 

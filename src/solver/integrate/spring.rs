@@ -1,14 +1,15 @@
 //! Springs along edges, with Provot's strain limit in the same pass.
 //!
-//! A spring of stiffness `k` is the constraint `C = |d| - L` of compliance `1/k` (XPBD, Macklin et al. 2016, eq. 18, one iteration):
+//! A spring of stiffness `k` is the constraint `C = |d| - L` of compliance `1/k` (XPBD, Macklin et al. 2016, eq. 18, one
+//! iteration):
 //!
 //! ```text
 //! Δx_a = +w_a s d      s = (1 - L/|d|) / (w_a + w_b + 1 / (k h²))        d = x_b - x_a
 //! Δx_b = -w_b s d
 //! ```
 //!
-//! `L/|d|` is taken as `(q + 3) / (3 q + 1)` with `q = |d|²/L²`: equal to second order at `|d| = L`, monotone, never below 1/3, so it has the
-//! same fixed point, needs no square root, and cannot fling apart two particles at one place.
+//! `L/|d|` is taken as `(q + 3) / (3 q + 1)` with `q = |d|²/L²`: equal to second order at `|d| = L`, monotone, never below 1/3,
+//! so it has the same fixed point, needs no square root, and cannot fling apart two particles at one place.
 //!
 //! Beyond `(1 + limit) L` the spring does not yield (Provot 1995): `s` is at least `(1 - (1 + limit) L/|d|) / (w_a + w_b)`.
 //!
@@ -19,8 +20,9 @@ use glam::{Mat4, Vec2, Vec4};
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
 
-/// Stiffness of a diagonal over what `k = K · ΣA / L²` makes of the shear stiffness `G` (dimensionless): sheared by `γ`, the diagonal of a square of
-/// side `a` lengthens by `γ a / √2`, and stores the `½ G γ² a²` of the square with `k = 2 G`, where `ΣA / L²` is ½.
+/// Stiffness of a diagonal over what `k = K · ΣA / L²` makes of the shear stiffness `G` (dimensionless): sheared by `γ`, the
+/// diagonal of a square of side `a` lengthens by `γ a / √2`, and stores the `½ G γ² a²` of the square with `k = 2 G`, where
+/// `ΣA / L²` is ½.
 const DIAGONAL: f32 = 4.0;
 
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
@@ -149,8 +151,8 @@ pub struct Tight {
 const TIGHT: f32 = 0.25;
 
 impl Tight {
-    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get there within
-    /// the frame; with `keep`, those that were close stay listed.
+    /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get
+    /// there within the frame; with `keep`, those that were close stay listed.
     pub fn find(&mut self, springs: &Springs, strain_limit: f32, (all, keep): (bool, bool), positions: &[Vec4]) {
         self.batches.clear();
         self.batches.reserve(springs.a.len());
@@ -176,8 +178,8 @@ impl Tight {
         }
     }
 
-    /// Sweeps once over those beyond the strain limit, and shortens them. Springs that are too short do not push back, so nothing keeps others
-    /// from giving way.
+    /// Sweeps once over those beyond the strain limit, and shortens them. Springs that are too short do not push back, so
+    /// nothing keeps others from giving way.
     pub fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
         let bound = Bound::new(strain_limit);
         for k in self.batches.iter().map(|&k| k as usize) {
@@ -189,7 +191,8 @@ impl Tight {
     }
 }
 
-/// Longest and mean length over rest length of all springs (dimensionless), lanes that repeat counted again. Positions that are not finite give infinity.
+/// Longest and mean length over rest length of all springs (dimensionless), lanes that repeat counted again. Positions that are
+/// not finite give infinity.
 #[must_use]
 pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
     let mut worst = Vec4::ZERO;
@@ -243,7 +246,8 @@ impl Overlong {
         worst.max_element() > far * far
     }
 
-    /// Shortens what was [listed](Self::find) and is longer than `bound` times its length at rest (dimensionless), `passes` times over.
+    /// Shortens what was [listed](Self::find) and is longer than `bound` times its length at rest (dimensionless), `passes`
+    /// times over.
     pub fn shorten(&self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
         for k in (0..passes).flat_map(|_| &self.batches).map(|&batch| batch as usize) {
             let (a, b) = (&springs.a[k], &springs.b[k]);

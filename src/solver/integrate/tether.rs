@@ -1,7 +1,7 @@
 //! Tethers: no particle is farther from a pin than along the cloth at rest (long-range attachments, Kim et al. 2012).
 //!
-//! `|x - x_pin| ≤ scale · geodesic distance`; the pin does not move, so a tether costs one particle one projection, and a hanging sheet
-//! of any resolution carries its weight at once.
+//! `|x - x_pin| ≤ scale · geodesic distance`; the pin does not move, so a tether costs one particle one projection, and a
+//! hanging sheet of any resolution carries its weight at once.
 
 use glam::{Mat4, Vec4};
 
@@ -74,8 +74,9 @@ impl Tethers {
         tethers
     }
 
-    /// By how much the tethers of some particles are longer than `scale` (dimensionless), the most, over their length at rest; of those that are so by
-    /// more than `least` `[m]`. 0 of none. Only the shortest tether of each particle counts, to whose pins it is drawn hardest.
+    /// By how much the tethers of some particles are longer than `scale` (dimensionless), the most, over their length at rest;
+    /// of those that are so by more than `least` `[m]`. 0 of none. Only the shortest tether of each particle counts, to whose
+    /// pins it is drawn hardest.
     #[must_use]
     pub fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
         let list = self.particle.as_flattened();
@@ -102,7 +103,8 @@ impl Tethers {
             let d: [Vec4; LANES] = std::array::from_fn(|l| x[l] - anchor[l]);
             let m = Mat4::from_cols(d[0], d[1], d[2], d[3]).transpose();
             let square = m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis;
-            // 1 - L/|d| to second order, as for springs. Most tethers of a hanging cloth are taut: a test would cost more than it saves.
+            // 1 - L/|d| to second order, as for springs. Most tethers of a hanging cloth are taut: a test would cost more than
+            // it saves.
             let u = Vec4::splat(8.0 / 9.0) / (square * (inverse_square * shrink) + Vec4::splat(1.0 / 3.0));
             let back = (Vec4::splat(2.0 / 3.0) - u).max(Vec4::ZERO).to_array();
             for lane in 0..LANES {

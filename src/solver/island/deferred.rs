@@ -50,7 +50,8 @@ impl Island {
         }
     }
 
-    /// Work that untangling was in the last frame, in visits for each face: what is done about one particle, edge, crossing or pair.
+    /// Work that untangling was in the last frame, in visits for each face: what is done about one particle, edge, crossing or
+    /// pair.
     #[must_use]
     pub fn work(&self) -> f32 {
         self.worked as f32 / self.surface.topology.faces.len().max(1) as f32

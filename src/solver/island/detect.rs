@@ -7,8 +7,8 @@ use crate::solver::respond::{Moment, NeighborList};
 use crate::solver::verdict::Verdict;
 
 impl Island {
-    /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame, the longest of the frames that
-    /// they will take.
+    /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame,
+    /// the longest of the frames that they will take.
     pub(super) fn detect(&mut self, cloths: &[Member<'_>]) {
         core::mem::swap(&mut self.touch, &mut *self.touch_before);
         core::mem::swap(&mut self.takes_part, &mut *self.took_part);
@@ -38,8 +38,8 @@ impl Island {
         self.detect_gathered()
     }
 
-    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs of a tangle
-    /// are left out.
+    /// Finds the pairs that may touch before the next frame, unless [`Self::detect`] found them and nothing moved since. Pairs
+    /// of a tangle are left out.
     pub(super) fn respond(&mut self) {
         if self.looks == 0 || self.moved || !self.crossings().is_empty() {
             self.share = 0.0;
@@ -126,8 +126,8 @@ impl Island {
         self.known = all && self.crossings().is_empty();
     }
 
-    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for what moved
-    /// is looked anew. False where that is not so, or something crosses.
+    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for
+    /// what moved is looked anew. False where that is not so, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
         let Self {
             surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
@@ -163,8 +163,8 @@ impl Island {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps apart is not
-        // rolled back.
+        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps
+        // apart is not rolled back.
         let touches = self.takes_part.contains(&true);
         let clean = touches && self.total.is_clean() && (self.rollback.knows() || !self.contacts.coincide());
         self.rollback.note(&self.surface, &self.positions, &self.previous, clean);

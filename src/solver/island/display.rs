@@ -23,8 +23,8 @@ impl Display {
         self.shown.clear();
     }
 
-    /// Decides a frame of `dt` `[s]` from the verdict on one cloth. `weights` says how much each particle belongs to a tangle, `pose` where
-    /// what carries the cloth is.
+    /// Decides a frame of `dt` `[s]` from the verdict on one cloth. `weights` says how much each particle belongs to a tangle,
+    /// `pose` where what carries the cloth is.
     pub fn settle(
         &mut self,
         verdict: &Verdict,

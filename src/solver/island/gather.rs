@@ -1,5 +1,5 @@
-//! What an island takes in of its cloths, and gives back. Each cloth lives in a frame of its own; `offset` brings it into that of the island, and 0 for the only
-//! cloth of an island changes no bit.
+//! What an island takes in of its cloths, and gives back. Each cloth lives in a frame of its own; `offset` brings it into that
+//! of the island, and 0 for the only cloth of an island changes no bit.
 
 use glam::{Vec3, Vec4};
 
@@ -24,7 +24,8 @@ impl Island {
         }
     }
 
-    /// Takes over the state of cloth `part`, moved by `offset` `[m]`. A `fixed` cloth is an obstacle for the others and never moved.
+    /// Takes over the state of cloth `part`, moved by `offset` `[m]`. A `fixed` cloth is an obstacle for the others and never
+    /// moved.
     pub(super) fn gather(&mut self, part: usize, state: &ClothState, offset: Vec3, fixed: bool) {
         let range = self.range(part);
         if state.positions.len() != range.len() || state.previous.len() != range.len() {

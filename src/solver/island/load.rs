@@ -4,7 +4,8 @@
 //! (advance ─► springs ─► look)*       first by end type, then by region, then along more directions, until clean or spent
 //! ```
 //!
-//! No time passes and no velocity comes of it. What is more than the work of a frame goes on in the next ones, between which time does pass.
+//! No time passes and no velocity comes of it. What is more than the work of a frame goes on in the next ones, between which
+//! time does pass.
 
 use glam::{Vec3, Vec4};
 
@@ -32,7 +33,8 @@ pub struct LoadReport {
     pub farthest: f32,
 }
 
-/// Brings every edge halfway to its length at rest, in order; what to sweep the springs with before the first step has prepared any.
+/// Brings every edge halfway to its length at rest, in order; what to sweep the springs with before the first step has prepared
+/// any.
 fn relax_edges(rest: &RestShape, positions: &mut [Vec4]) {
     if positions.len() != rest.positions.len() {
         return;
@@ -85,8 +87,8 @@ impl Island {
         }
     }
 
-    /// Takes what was gathered apart in at most `most` iterations, those that the report tells of included, as far as the work of a frame allows.
-    /// Whether there is more to be done.
+    /// Takes what was gathered apart in at most `most` iterations, those that the report tells of included, as far as the work
+    /// of a frame allows. Whether there is more to be done.
     fn load(&mut self, settings: &UntangleSettings, most: u32, report: &mut LoadReport, cloths: &[Member<'_>]) -> bool {
         let mut relax = |part: usize, positions: &mut [Vec4]| {
             if let Some(m) = cloths.get(part) {

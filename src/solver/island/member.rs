@@ -21,7 +21,8 @@ pub struct Member<'a> {
     pub scratch: &'a mut Scratch,
     /// What [`Integrate`](super::Stage::Integrate) did with it.
     pub report: &'a mut Option<StepReport>,
-    /// Where its animation puts its particles; none: the shape at rest is what it is drawn to when nothing else takes it out of a tangle.
+    /// Where its animation puts its particles; none: the shape at rest is what it is drawn to when nothing else takes it out of
+    /// a tangle.
     pub animation: Option<&'a dyn Animation>,
     /// From its frame of simulation to that of the island `[m]`.
     pub offset: Vec3,
@@ -44,7 +45,8 @@ pub struct Member<'a> {
 }
 
 impl Member<'_> {
-    /// Writes the pose that it is drawn to when nothing else helps `[m]`: the animated one, or the shape at rest where that fits best.
+    /// Writes the pose that it is drawn to when nothing else helps `[m]`: the animated one, or the shape at rest where that
+    /// fits best.
     pub(super) fn pose(&self, pose: &mut Vec<Vec3>) {
         pose.clear();
         match self.animation {

@@ -4,9 +4,9 @@
 //! integrate ─► detect ─► resolve ─► evaluate ─► respond
 //! ```
 //!
-//! [`Stage::FRAME`] is the whole frame: [`Island::run`] runs each stage once, in this order, for systems, scenes and recordings alike, on a slice of
-//! [`Member`]s. The island copies their particles into arrays of its own when it detects. While nothing crosses it writes nothing back, so that a clean cloth
-//! has the same bits with and without an island.
+//! [`Stage::FRAME`] is the whole frame: [`Island::run`] runs each stage once, in this order, for systems, scenes and recordings
+//! alike, on a slice of [`Member`]s. The island copies their particles into arrays of its own when it detects. While nothing
+//! crosses it writes nothing back, so that a clean cloth has the same bits with and without an island.
 
 mod detect;
 mod display;
@@ -52,19 +52,21 @@ const MOST_ROLLBACKS: usize = 8;
 /// Rounds in which one cloth after the other stays where it was.
 const MOST_ROUNDS: usize = 8;
 
-/// How far ahead pairs are looked for at most `[s]`: in a longer frame all are looked for again. Boxes swept farther meet half of the cloth.
+/// How far ahead pairs are looked for at most `[s]`: in a longer frame all are looked for again. Boxes swept farther meet half
+/// of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
-/// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be rolled back at its
-/// end: not where a fast body is by then. Looking in every substep costs twice as much for a flag in the wind or a sheet that falls on a ball.
+/// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be
+/// rolled back at its end: not where a fast body is by then. Looking in every substep costs twice as much for a flag in the
+/// wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
-/// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball, looked at less
-/// often, cross.
+/// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball,
+/// looked at less often, cross.
 const CROWDED: usize = 2;
 
-/// Time for which frames take twice as many substeps after one was rolled back, as an integrator that rejects a step goes on with shorter ones `[s]`: not on
-/// bodies, where a character's cape then was twice as often in a bone. Light cloth in gusts, eight seeds each at 40² and 30²: 280 of 4,800 frames cross
-/// without it, 51 with this.
+/// Time for which frames take twice as many substeps after one was rolled back, as an integrator that rejects a step goes on
+/// with shorter ones `[s]`: not on bodies, where a character's cape then was twice as often in a bone. Light cloth in gusts,
+/// eight seeds each at 40² and 30²: 280 of 4,800 frames cross without it, 51 with this.
 const REFINED_TIME: f32 = 0.25;
 
 /// Time in which a tangle is drawn to a pose, the last resort `[s]`.
@@ -80,9 +82,10 @@ pub struct UntangleSettings {
     pub iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
     pub relaxations: u32,
-    /// Most work of a frame beyond what is in proportion to its size, in visits for each face, each of one particle, edge, crossing or pair: of each look, of the looks
-    /// within it, and of untangling. Default 512, range 16 to 1,000,000. What is more goes on in the next frame. A garment of many layers that starts tangled takes 170; less
-    /// keeps them tangled for longer, and lets piles that land hard cross. More holds up the frame where a heap crosses all over.
+    /// Most work of a frame beyond what is in proportion to its size, in visits for each face, each of one particle, edge,
+    /// crossing or pair: of each look, of the looks within it, and of untangling. Default 512, range 16 to 1,000,000. What is
+    /// more goes on in the next frame. A garment of many layers that starts tangled takes 170; less keeps them tangled for
+    /// longer, and lets piles that land hard cross. More holds up the frame where a heap crosses all over.
     pub effort: u32,
 }
 
@@ -186,8 +189,8 @@ impl Island {
         Ok(island)
     }
 
-    /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays known, except where it may
-    /// cross itself.
+    /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays
+    /// known, except where it may cross itself.
     pub fn tune(&mut self, part: usize, layer: i32, self_collision: bool, thickness: f32) {
         let Some(settings) = self.surface.parts.get_mut(part) else { return };
         if settings.self_collision != self_collision {
@@ -221,8 +224,9 @@ impl Island {
         &self.contacts
     }
 
-    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them `[m]` in the
-    /// frame of the island, the unit normal towards the first, and the mean push per substep times the mass it moves `[kg·m]`.
+    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them
+    /// `[m]` in the frame of the island, the unit normal towards the first, and the mean push per substep times the mass it
+    /// moves `[kg·m]`.
     pub fn touches(&self, mut found: impl FnMut([usize; 2], Vec3, Vec3, f32)) {
         for (ids, weights, normal, drive) in self.contacts.pushes() {
             let parts = [ids[0], ids[3]].map(|v| usize::from(self.surface.part(v)));
@@ -260,13 +264,15 @@ impl Island {
         self.verdicts.get(part).copied().unwrap_or_default()
     }
 
-    /// Crossings of cloth `part` that pins or the skin hold as they are, which [`Self::verdict`] does not count: nothing can be done about them.
+    /// Crossings of cloth `part` that pins or the skin hold as they are, which [`Self::verdict`] does not count: nothing can be
+    /// done about them.
     #[must_use]
     pub fn authored(&self, part: usize) -> u32 {
         self.authored.get(part).copied().unwrap_or_default()
     }
 
-    /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Stage::Evaluate`]; empty before the first tangle.
+    /// How much each particle of cloth `part` belongs to a tangle, 0 to 1, as of the last [`Stage::Evaluate`]; empty before the
+    /// first tangle.
     #[must_use]
     pub fn weights(&self, part: usize) -> &[f32] {
         if part < self.surface.parts.len() { self.weights.get(self.range(part)).unwrap_or(&[]) } else { &[] }
@@ -302,7 +308,8 @@ impl Island {
         &self.untangler.resolver.graph().contours
     }
 
-    /// Cloths whose layers are in another order than pins hold them, the one with the higher layer first: nothing is done about their order.
+    /// Cloths whose layers are in another order than pins hold them, the one with the higher layer first: nothing is done about
+    /// their order.
     pub fn overruled_layers(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         self.untangler.resolver.overruled_layers().map(|pair| pair.map(usize::from))
     }

@@ -139,7 +139,8 @@ impl Island {
         }
         let any = undo.end(surface, parts_of_contours(surface, untangler), positions, previous);
         let mut undone = any;
-        // One more cloth each time, as long as there may be work. What then crosses one that was put back, the next frame takes apart.
+        // One more cloth each time, as long as there may be work. What then crosses one that was put back, the next frame takes
+        // apart.
         while undone && !self.untangler.resolver.effort.is_spent() {
             self.look();
             let Self { surface, untangler, undo, positions, previous, .. } = self;
@@ -195,8 +196,8 @@ impl Island {
         self.put_back(MOST_ROLLBACKS, Rollback::follow_pins);
     }
 
-    /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is left to put; whether there
-    /// was any.
+    /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is
+    /// left to put; whether there was any.
     fn put_back(
         &mut self,
         rounds: usize,
@@ -217,9 +218,9 @@ impl Island {
         any
     }
 
-    /// When bodies pushed what was rolled back, and something crosses again: it goes to the very place where it was when nothing did; where
-    /// that is not enough, the cloths that cross stay where they were, as a whole. Whether anything does, and is to be
-    /// [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    /// When bodies pushed what was rolled back, and something crosses again: it goes to the very place where it was when
+    /// nothing did; where that is not enough, the cloths that cross stay where they were, as a whole. Whether anything does,
+    /// and is to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
     pub(super) fn stay(&mut self) -> bool {
         if !(self.stale && self.rollback.rolled_back()) {
             return false;
@@ -241,8 +242,8 @@ impl Island {
         self.untangler.resolver.inspect_layers();
     }
 
-    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose `[m]` in the cloth's own frame, by a
-    /// fraction of the way: [`Escalation::Blend`]. All others weigh at least `least`.
+    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose `[m]` in the cloth's
+    /// own frame, by a fraction of the way: [`Escalation::Blend`]. All others weigh at least `least`.
     pub(super) fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
         let range = self.range(part);
         if pose.len() != range.len() || self.weights.len() != self.positions.len() || self.total.is_clean() {

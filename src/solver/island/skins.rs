@@ -1,4 +1,5 @@
-//! Tangles of cloth that its skin holds close are drawn to the skin, where that is whole: see [`TangledLimits`](crate::solver::skinned::TangledLimits).
+//! Tangles of cloth that its skin holds close are drawn to the skin, where that is whole: see
+//! [`TangledLimits`](crate::solver::skinned::TangledLimits).
 
 use glam::Vec4;
 

@@ -20,13 +20,14 @@ pub enum Stage {
 impl Stage {
     /// The frame: every stage once, in this order.
     pub const FRAME: [Self; 5] = [Self::Integrate, Self::Detect, Self::Resolve, Self::Evaluate, Self::Respond];
-    /// The frame of cloths that were stepped one by one, since none of them rests on another: [`step`](crate::solver::step::step).
+    /// The frame of cloths that were stepped one by one, since none of them rests on another:
+    /// [`step`](crate::solver::step::step).
     pub const AFTER_INTEGRATE: [Self; 4] = [Self::Detect, Self::Resolve, Self::Evaluate, Self::Respond];
 }
 
 impl Island {
-    /// Runs one stage of a frame of `dt` `[s]` on its cloths, in the order in which the island was made. Integrate, Detect and Resolve do nothing with other
-    /// cloths than all of them.
+    /// Runs one stage of a frame of `dt` `[s]` on its cloths, in the order in which the island was made. Integrate, Detect and
+    /// Resolve do nothing with other cloths than all of them.
     pub fn run(&mut self, stage: Stage, dt: f32, settings: &UntangleSettings, cloths: &mut [Member<'_>]) {
         let all = cloths.len() == self.surface.parts.len();
         match stage {

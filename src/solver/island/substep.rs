@@ -12,13 +12,13 @@ use crate::solver::settings::Stepping;
 use crate::solver::state::ClothState;
 use crate::solver::step::substeps_of;
 
-/// Turns in which what contacts stretched is shortened and kept apart again, at most. Light cloth in gusts, eight seeds at 40²: 105 of 2,400 frames have an edge
-/// beyond 1.5 without, one with three, none with six.
+/// Turns in which what contacts stretched is shortened and kept apart again, at most. Light cloth in gusts, eight seeds at 40²:
+/// 105 of 2,400 frames have an edge beyond 1.5 without, one with three, none with six.
 const STRAIN_TURNS: u32 = 6;
 
 impl Island {
-    /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the others meet it
-    /// where it is.
+    /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the
+    /// others meet it where it is.
     pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
         if self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
             self.refined_for = REFINED_TIME;
@@ -94,15 +94,16 @@ impl Island {
         self.clamp_motion(cloths, true);
     }
 
-    /// Whether cloth that lies on bodies may touch cloth, so that care is to be taken of both at once. Folds of one cloth in motion cross no less
-    /// without, and a sheet of 64² on a ball takes an eighth longer with it.
+    /// Whether cloth that lies on bodies may touch cloth, so that care is to be taken of both at once. Folds of one cloth in
+    /// motion cross no less without, and a sheet of 64² on a ball takes an eighth longer with it.
     fn lies_on_bodies(&self, cloths: &[Member<'_>]) -> bool {
         let parts = self.surface.parts.len();
         let lies = |m: &Member<'_>| (parts > 1 || m.scratch.is_settling()) && m.scratch.grounded().next().is_some();
         !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
-    /// Puts what lies on bodies where they will put it; `rubs`: their friction holds it there, too, which it does once a substep.
+    /// Puts what lies on bodies where they will put it; `rubs`: their friction holds it there, too, which it does once a
+    /// substep.
     fn project_provisionally(&self, rubs: bool, cloths: &mut [Member<'_>]) {
         for (part, m) in cloths.iter_mut().enumerate() {
             m.cloth.project_provisionally(rubs && self.contacts.meets_other(part), m.state, m.scratch);
@@ -143,8 +144,8 @@ impl Island {
         self.scatter_pairs(cloths);
     }
 
-    /// Shortens what contacts and the CCD hold far beyond its strain limit, and keeps it apart again, in turns: springs draw cloth together before it touches,
-    /// and in the next substep would draw it through again.
+    /// Shortens what contacts and the CCD hold far beyond its strain limit, and keeps it apart again, in turns: springs draw
+    /// cloth together before it touches, and in the next substep would draw it through again.
     fn limit_strain(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.is_empty() {
             return;
@@ -176,7 +177,8 @@ impl Island {
         self.scatter_pairs(cloths);
     }
 
-    /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the substep began.
+    /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the
+    /// substep began.
     fn apply_restitution(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.has_impacts() {
             self.gather_pairs(cloths);
@@ -217,9 +219,9 @@ impl Island {
         }
     }
 
-    /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that [`Stepped::finish`] moved it, which gave
-    /// it no speed. To be stopped there gives a settling cloth none either; to others it is a brake: without it edges of a strip that is overwound get seven
-    /// times as long.
+    /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that
+    /// [`Stepped::finish`] moved it, which gave it no speed. To be stopped there gives a settling cloth none either; to others
+    /// it is a brake: without it edges of a strip that is overwound get seven times as long.
     fn clamp_motion(&mut self, cloths: &mut [Member<'_>], finished: bool) {
         if self.contacts.is_empty() {
             return;
@@ -249,8 +251,8 @@ impl Island {
         }
     }
 
-    /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead, where it was
-    /// foreseen to be; everywhere when that time is up. Otherwise only when that is `due`.
+    /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead,
+    /// where it was foreseen to be; everywhere when that time is up. Otherwise only when that is `due`.
     fn look_ahead(&mut self, cloths: &[Member<'_>], each: f32, due: bool) {
         let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
         if !over && (!due || self.within.is_spent()) {

@@ -1,15 +1,16 @@
-//! What takes crossings apart is undone where it makes them much longer than they were at the least since nothing crossed: cloth that is
-//! pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes. It waits, as slow as it was made, until there
-//! is room, or for the shape at rest, the last resort. What gets shorter is never undone; what something else made much longer may only get
-//! shorter.
+//! What takes crossings apart is undone where it makes them much longer than they were at the least since nothing crossed:
+//! cloth that is pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes. It waits, as
+//! slow as it was made, until there is room, or for the shape at rest, the last resort. What gets shorter is never undone; what
+//! something else made much longer may only get shorter.
 
 use glam::Vec4;
 
 use crate::solver::detect::Surface;
 use crate::solver::resolve::Contour;
 
-/// Contours that get more than so many times as long as they were at least (dimensionless), and more than so many mean edges longer, are
-/// much longer. On its way apart a tangle may get somewhat longer: less would stop what works; much more lets it get hopeless.
+/// Contours that get more than so many times as long as they were at least (dimensionless), and more than so many mean edges
+/// longer, are much longer. On its way apart a tangle may get somewhat longer: less would stop what works; much more lets it
+/// get hopeless.
 const WORSE_TIMES: f32 = 1.7;
 const WORSE_EDGES: f32 = 8.0;
 
@@ -67,8 +68,8 @@ impl Undo {
         }
     }
 
-    /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without a change of
-    /// velocity; whether there were any.
+    /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without
+    /// a change of velocity; whether there were any.
     pub fn end<'a>(
         &mut self,
         surface: &Surface,

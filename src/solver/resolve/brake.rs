@@ -8,8 +8,8 @@ use super::tracked::Strategy;
 use super::view::View;
 
 impl Resolver {
-    /// Removes the velocity with which the two sides of a contour run deeper into each other, and no other. The exchange is that of a
-    /// perfectly inelastic collision along the direction of separation: momentum stays, energy does not grow.
+    /// Removes the velocity with which the two sides of a contour run deeper into each other, and no other. The exchange is
+    /// that of a perfectly inelastic collision along the direction of separation: momentum stays, energy does not grow.
     pub(super) fn stop_approach(&mut self, view: View<'_>, previous: &[Vec4], contour: usize) {
         let tracked = self.tracked.now[contour];
         let out = tracked.heading.normalize_or_zero();

@@ -1,8 +1,8 @@
 //! The contour graph: crossings linked into intersection curves, their two sides, and how they end.
 //!
-//! A node is a crossing (edge `e`, face `f`). Each face `g` at `e` forms one segment with `f`; at the segment's other end stands the
-//! crossing of another edge of `g` with `f` (the walk keeps the side) or of an edge of `f` with `g` (the walk flips it). That parity
-//! tells the two sheets apart even where a cloth crosses itself.
+//! A node is a crossing (edge `e`, face `f`). Each face `g` at `e` forms one segment with `f`; at the segment's other end
+//! stands the crossing of another edge of `g` with `f` (the walk keeps the side) or of an edge of `f` with `g` (the walk flips
+//! it). That parity tells the two sheets apart even where a cloth crosses itself.
 //!
 //! ```text
 //!      e  ┊g┊  e'            degree: 2 on inner edges, 1 on border edges, one less per loop vertex
@@ -332,7 +332,8 @@ impl ContourGraph {
         }
     }
 
-    /// The first path of the contour that a path belongs to. It and all on the way there are led to it at once, with their flips.
+    /// The first path of the contour that a path belongs to. It and all on the way there are led to it at once, with their
+    /// flips.
     fn root(&mut self, path: u32) -> u32 {
         let (mut root, mut flip) = (path, 0);
         while self.paths[root as usize].root != root {

@@ -6,12 +6,12 @@ use super::contour::ContourGraph;
 use super::separation::{Member, nodes};
 use super::view::View;
 
-/// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of normals within 80° of
-/// it: all around a tube it is none, and what brings one flank of it in drives the other one out.
+/// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of
+/// normals within 80° of it: all around a tube it is none, and what brings one flank of it in drives the other one out.
 pub(super) const ONE_WAY: f32 = 0.7;
 
-/// Smallest cosine between normals that face the same way (dimensionless): of layers that lie on each other, and on the mean, as [`agreement`], of
-/// sides that go apart each along the normals of the other.
+/// Smallest cosine between normals that face the same way (dimensionless): of layers that lie on each other, and on the mean,
+/// as [`agreement`], of sides that go apart each along the normals of the other.
 pub(super) const AGREE: f32 = 0.5;
 
 /// Where a side faces at each crossing of some contours.

@@ -1,7 +1,7 @@
 //! How the length of a contour changes when its surfaces move (Volino and Magnenat-Thalmann 2006; Wen et al. 2009).
 //!
-//! At a crossing of an edge with unit direction `E` and a face with unit normal `N`, each face `i` at the edge starts a segment of
-//! the contour in the unit direction `Rᵢ`, pointing from the crossing into that face:
+//! At a crossing of an edge with unit direction `E` and a face with unit normal `N`, each face `i` at the edge starts a segment
+//! of the contour in the unit direction `Rᵢ`, pointing from the crossing into that face:
 //!
 //! ```text
 //!   Rᵢ = ± N × Mᵢ / |N × Mᵢ|         Mᵢ normal of face i, sign from the in-plane inward normal
@@ -36,7 +36,8 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Evaluates one crossing; `at` gives the positions `[m]`. `bound` is [`BOUND`] except where the exact derivative is wanted (0).
+    /// Evaluates one crossing; `at` gives the positions `[m]`. `bound` is [`BOUND`] except where the exact derivative is wanted
+    /// (0).
     #[must_use]
     pub fn new(topology: &Topology, crossing: &Crossing, bound: f64, at: impl Fn(u32) -> DVec3) -> Self {
         let [a, b] = topology.edges[crossing.edge as usize].map(&at);

@@ -1,5 +1,5 @@
-//! The traditional method (1995): every close pair of a particle and a face remembers on which side it was first seen, and is pushed
-//! back there when it is found on the other.
+//! The traditional method (1995): every close pair of a particle and a face remembers on which side it was first seen, and is
+//! pushed back there when it is found on the other.
 //!
 //! ```text
 //!   s = sign((x - c) · N)  when the pair is first seen        push by (thickness - s (x - c)·N) / 2 along s N, both ways
@@ -25,8 +25,8 @@ pub struct History {
 pub type Push = (u32, Vec3);
 
 impl History {
-    /// Looks for close pairs within `reach` `[m]`, remembers new ones, and returns where those on the wrong side should be pushed, until they
-    /// are `thickness` `[m]` on the right one. Pairs that `meter` leaves out are forgotten.
+    /// Looks for close pairs within `reach` `[m]`, remembers new ones, and returns where those on the wrong side should be
+    /// pushed, until they are `thickness` `[m]` on the right one. Pairs that `meter` leaves out are forgotten.
     pub fn pushes(
         &mut self,
         surface: &Surface,

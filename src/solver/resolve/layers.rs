@@ -6,9 +6,10 @@
 //!        ● ── 1 ──────────────────┘
 //! ```
 //!
-//! Where cloths of different layers cross, their order decides, whatever would be shorter: each particle goes along the normal of what it has to
-//! pass. Cloths that lie in the wrong order without crossing are found by looking along the normals of a few particles in every iteration. Where
-//! pins hold both on the wrong side of each other nothing could come of it, and the order is not asked for.
+//! Where cloths of different layers cross, their order decides, whatever would be shorter: each particle goes along the normal
+//! of what it has to pass. Cloths that lie in the wrong order without crossing are found by looking along the normals of a few
+//! particles in every iteration. Where pins hold both on the wrong side of each other nothing could come of it, and the order
+//! is not asked for.
 
 use glam::{Vec3, Vec4};
 
@@ -67,8 +68,8 @@ impl Layers {
         self.plans.any() || !self.strays.is_empty()
     }
 
-    /// Looks for cloths on the wrong side of each other, as seen from some of their particles. The tree must fit the positions, to a tenth
-    /// of an edge.
+    /// Looks for cloths on the wrong side of each other, as seen from some of their particles. The tree must fit the positions,
+    /// to a tenth of an edge.
     pub fn patrol(&mut self, surface: &Surface, tree: &mut Tree, positions: &[Vec4]) {
         self.strays.clear();
         // Pins may have changed.

@@ -4,9 +4,9 @@
 //! crossings ─► contour graph ─► what was decided for each contour ─► displacements, capped ─► positions and previous together
 //! ```
 //!
-//! One call to [`Resolver::advance`] is one iteration: it moves every tangled particle by at most a fraction of an edge and leaves the
-//! cloth to its springs. Positions and previous positions move together, so untangling injects no velocity; what is left of the motion
-//! of both sides into each other is taken out as in an inelastic collision.
+//! One call to [`Resolver::advance`] is one iteration: it moves every tangled particle by at most a fraction of an edge and
+//! leaves the cloth to its springs. Positions and previous positions move together, so untangling injects no velocity; what is
+//! left of the motion of both sides into each other is taken out as in an inelastic collision.
 //!
 //! | end type | first | when that makes no progress |
 //! |---|---|---|
@@ -81,8 +81,8 @@ pub enum Method {
     /// One summed gradient per contour (Wen et al. 2009).
     #[cfg(feature = "research")]
     GlobalGradient,
-    /// Per contour, by how it ends: the cheapest way apart, region push, summed gradient with the exact vertex gradient, or gradient along
-    /// stretches; another of these when one makes no progress. Layers of clothing come into their order.
+    /// Per contour, by how it ends: the cheapest way apart, region push, summed gradient with the exact vertex gradient, or
+    /// gradient along stretches; another of these when one makes no progress. Layers of clothing come into their order.
     #[default]
     ByEndType,
 }
@@ -104,16 +104,16 @@ impl Method {
 pub struct ResolveSettings {
     /// The method.
     pub method: Method,
-    /// Largest displacement of a particle per iteration, as a fraction of the mean edge, of each side when both are equally heavy.
-    /// Default 0.1. Smaller is slower; much larger overshoots and folds triangles over.
+    /// Largest displacement of a particle per iteration, as a fraction of the mean edge, of each side when both are equally
+    /// heavy. Default 0.1. Smaller is slower; much larger overshoots and folds triangles over.
     pub step: f32,
     /// Iterations without progress after which a contour's strategy is changed; doubled with every change. Default 10.
     pub stall_iterations: u32,
-    /// Largest growth of the step of a contour that keeps moving in one direction. Default 5. More is faster on deep tangles and tears at
-    /// the edges around a pushed region; 1 keeps every step the same.
+    /// Largest growth of the step of a contour that keeps moving in one direction. Default 5. More is faster on deep tangles
+    /// and tears at the edges around a pushed region; 1 keeps every step the same.
     pub pace: f32,
-    /// How far the motion of a shrinking contour spreads into its sheets, as a fraction of its length. Default 0.5. 0 moves only the
-    /// particles at the contour, which the rest of a fine sheet holds back.
+    /// How far the motion of a shrinking contour spreads into its sheets, as a fraction of its length. Default 0.5. 0 moves
+    /// only the particles at the contour, which the rest of a fine sheet holds back.
     pub spread: f32,
 }
 
@@ -211,7 +211,8 @@ impl Resolver {
         self.tracked.now.iter().map(|l| l.strategy)
     }
 
-    /// One iteration on the crossings analysed last: moves `positions` and `previous` together. Returns whether something was to be moved.
+    /// One iteration on the crossings analysed last: moves `positions` and `previous` together. Returns whether something was
+    /// to be moved.
     pub fn advance(
         &mut self,
         surface: &Surface,

@@ -17,8 +17,8 @@ const HELD: f32 = 0.5;
 /// Share of the crossings that moving one way must undo.
 const UNDONE: f32 = 0.8;
 
-/// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own. None where the cloths
-/// face opposite ways: what one goes by would drive the other out, too.
+/// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own.
+/// None where the cloths face opposite ways: what one goes by would drive the other out, too.
 fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray]) -> Option<Course> {
     // A stray of the inner cloth only knows the outer one; where it lies on the wrong side they face the same way.
     let mean = mean(facing_at(view, graph, set, INNER).chain(strays.iter().map(|s| view.facing(s.face))));

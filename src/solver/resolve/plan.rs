@@ -1,4 +1,5 @@
-//! Ways apart being carried out: each particle in proportion to its way over several iterations, and the rest of both sheets follows.
+//! Ways apart being carried out: each particle in proportion to its way over several iterations, and the rest of both sheets
+//! follows.
 
 use std::collections::BinaryHeap;
 
@@ -12,13 +13,15 @@ use super::share::{load, shares};
 use super::shift::Shift;
 use super::view::View;
 
-/// Strain of an edge along the way that the displacements may leave (dimensionless): a strip that was stabbed through a sheet is drawn out whole.
+/// Strain of an edge along the way that the displacements may leave (dimensionless): a strip that was stabbed through a sheet
+/// is drawn out whole.
 const STRAIN: f32 = 0.1;
 /// Change of the displacements along an edge across the way, in metres per metre; it strains by half its square.
 const SLOPE: f32 = 0.3;
 /// Room left between the sheets beside their thickness, as a fraction of an edge.
 const ROOM: f32 = 0.5;
-/// Least room, as a fraction of an edge: between sides of one cloth that lie closer at rest, more would push them into the next layer.
+/// Least room, as a fraction of an edge: between sides of one cloth that lie closer at rest, more would push them into the next
+/// layer.
 const LEAST_ROOM: f32 = 0.02;
 
 /// A displacement being carried out.
@@ -112,7 +115,8 @@ impl Plans {
         self.count();
     }
 
-    /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` `[m]`. Returns its number, never 0.
+    /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` `[m]`. Returns its
+    /// number, never 0.
     pub fn carry_out(
         &mut self,
         view: View<'_>,
@@ -199,8 +203,8 @@ fn share_ways(view: View<'_>, separation: &mut Separation) {
     }
 }
 
-/// Lengthens every way by `room` `[m]` and lets the rest of the side follow, so far that no edge is strained much. Returns how many edges were looked
-/// at.
+/// Lengthens every way by `room` `[m]` and lets the rest of the side follow, so far that no edge is strained much. Returns how
+/// many edges were looked at.
 fn follow(view: View<'_>, separation: &mut Separation, side: usize, room: f32, farthest: &mut BinaryHeap<(u32, u32)>) -> usize {
     let at = |v: u32| view.positions[v as usize].truncate();
     let Separation { seen, stamp, behind, .. } = separation;

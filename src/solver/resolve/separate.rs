@@ -1,8 +1,8 @@
 //! The cheapest way apart: of a few candidate directions, the one along which the least area has the least way to go.
 //!
-//! A capped version of *Type-Free Global Intersection Analysis* (2026): candidates are both normals of both sides at the contour, and the direction
-//! taken before; between two cloths that face many ways along the contour, as tubes do, each particle goes along the normal of what it meets, in or
-//! out. What is chosen is carried out over several iterations.
+//! A capped version of *Type-Free Global Intersection Analysis* (2026): candidates are both normals of both sides at the
+//! contour, and the direction taken before; between two cloths that face many ways along the contour, as tubes do, each
+//! particle goes along the normal of what it meets, in or out. What is chosen is carried out over several iterations.
 
 use glam::Vec3;
 
@@ -18,8 +18,8 @@ use crate::solver::verdict::Escalation;
 const HYSTERESIS: f32 = 0.25;
 
 impl Resolver {
-    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`, together with all other contours
-    /// between the same two cloths if one direction undoes them all. Returns whether there is one.
+    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`, together with all other
+    /// contours between the same two cloths if one direction undoes them all. Returns whether there is one.
     pub(super) fn separate(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
         let mut set = core::mem::take(&mut self.set);
         set.clear();

@@ -4,8 +4,8 @@
 //!   g = Σ ± G          d = step g / sqrt(|g|² + 1)          every particle of the patch moves by ± its share of d
 //! ```
 //!
-//! `±` by the side of the crossing's edge. The motion falls off over rings around the patch, so that a fine sheet follows instead of
-//! holding its contour back.
+//! `±` by the side of the crossing's edge. The motion falls off over rings around the patch, so that a fine sheet follows
+//! instead of holding its contour back.
 
 use glam::{DVec3, Vec3};
 

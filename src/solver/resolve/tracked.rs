@@ -1,7 +1,7 @@
 //! What was decided for a contour, kept until that contour dies.
 //!
-//! Choosing anew every time flips between strategies halfway and never ends. A contour is recognized by the crossings it shares with
-//! the time before, as these vote (`votes`); without any, the nearest centre within reach.
+//! Choosing anew every time flips between strategies halfway and never ends. A contour is recognized by the crossings it shares
+//! with the time before, as these vote (`votes`); without any, the nearest centre within reach.
 
 use glam::Vec3;
 
@@ -24,7 +24,8 @@ pub enum Strategy {
     Push,
     /// Both sides go apart along the cheapest of a few directions.
     Separate,
-    /// Each stretch of the contour follows the gradient summed over its neighbourhood along the curve, not over the whole curve.
+    /// Each stretch of the contour follows the gradient summed over its neighbourhood along the curve, not over the whole
+    /// curve.
     Peel,
 }
 
@@ -85,8 +86,8 @@ impl TrackedContour {
         *self = Self { strategy, turns: self.turns + 1, age, longest, centre, escalation, ..Self::new() };
     }
 
-    /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when it turns.
-    /// Returns the motion as a multiple of the first step.
+    /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when
+    /// it turns. Returns the motion as a multiple of the first step.
     pub fn steer(&mut self, direction: Vec3, fastest: f32, inertia: f32) -> Vec3 {
         let turn = direction.normalize_or_zero().dot(self.heading.normalize_or_zero());
         if turn > 0.7 {
@@ -104,8 +105,8 @@ impl TrackedContour {
 const GROWTH: f32 = 1.15;
 /// How far a contour can have gone when it is recognized by its centre alone, in edges.
 const REACH: f32 = 2.0;
-/// How much of the former direction a shrinking contour keeps. Without it, contours that leave sideways over a border swing from side
-/// to side for ever.
+/// How much of the former direction a shrinking contour keeps. Without it, contours that leave sideways over a border swing
+/// from side to side for ever.
 pub const INERTIA: f32 = 0.8;
 
 /// Memories of all contours, in their order.

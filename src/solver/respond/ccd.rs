@@ -6,12 +6,12 @@
 //!   else x1 ─► x0 + u + α (x1 - x0 - u)          u: mean motion of the pair by mass; α: the largest share that leaves d1 > 0
 //! ```
 //!
-//! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair would pass.
-//! The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in a plastic impact. Pairs
-//! share particles, so passes are repeated until none cuts anything. Pairs that still pass are bounded:
-//! relative to the mean motion of free particles, each moves at most half of the gap that may close (Offset Geometric Contact, section 3.5), so that two that are
-//! bound do not meet. Momentum is not kept there. What is held cannot be cut: what meets it moves as it does, and is as held for what it meets in turn.
-//! Between two that are held and close, cloth has nowhere to go.
+//! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair
+//! would pass. The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in
+//! a plastic impact. Pairs share particles, so passes are repeated until none cuts anything. Pairs that still pass are bounded:
+//! relative to the mean motion of free particles, each moves at most half of the gap that may close (Offset Geometric Contact,
+//! section 3.5), so that two that are bound do not meet. Momentum is not kept there. What is held cannot be cut: what meets it
+//! moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec4};
 
@@ -29,13 +29,14 @@ const MOST_PASSES: u8 = 30;
 /// In place of a pass: a particle moves with what is held, and nothing else moves it.
 const WITH_HELD: u8 = u8::MAX;
 
-/// Distance that is kept, as a share of that at the start, and in thicknesses: much closer, nobody could say which side is which.
+/// Distance that is kept, as a share of that at the start, and in thicknesses: much closer, nobody could say which side is
+/// which.
 const KEPT: f32 = 0.2;
 const FLOOR: f32 = 0.02;
 
 impl Contacts {
-    /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`]; whether any. Once `effort` is spent
-    /// on pairs that are asked again, what still passes is bounded at once.
+    /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`];
+    /// whether any. Once `effort` is spent on pairs that are asked again, what still passes is bounded at once.
     pub fn clamp_motion(&mut self, effort: &mut Effort) -> bool {
         self.clamp_motion_except(effort, |_, _| false)
     }
@@ -103,7 +104,8 @@ impl Contacts {
         true
     }
 
-    /// Takes in where the particles of pairs in cloth `part` would end the substep: `read` gives the position of its `i`-th (`[m]`, `w` inverse mass).
+    /// Takes in where the particles of pairs in cloth `part` would end the substep: `read` gives the position of its `i`-th
+    /// (`[m]`, `w` inverse mass).
     pub fn gather_end(&mut self, part: usize, read: impl Fn(usize) -> Vec4) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
@@ -128,7 +130,8 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all; or [`WITH_HELD`].
     cut: &'a mut [u8],
-    /// Farthest way of each particle relative to the mean motion of all `[m]`, or not a number where nobody asked; and that motion `[m]`.
+    /// Farthest way of each particle relative to the mean motion of all `[m]`, or not a number where nobody asked; and that
+    /// motion `[m]`.
     bounds: &'a mut Vec<f32>,
     shared: Vec3,
     pass: u8,
@@ -218,8 +221,8 @@ impl Ways<'_> {
 struct Gaps<'a, F> {
     pairs: &'a [Contact],
     start: &'a [Vec4],
-    /// Of each pair the unit normal of a plane between the two primitives, and in `w` how far they are apart along it `[m]`; not a number where nobody asked, and
-    /// empty until one is asked again.
+    /// Of each pair the unit normal of a plane between the two primitives, and in `w` how far they are apart along it `[m]`;
+    /// not a number where nobody asked, and empty until one is asked again.
     dividers: &'a mut Vec<Vec4>,
     /// Whether a pair may pass.
     is_free: F,
@@ -264,7 +267,8 @@ fn divides(n: Vec3, first: usize, from: &[Vec4; 4], to: &[Vec4; 4]) -> bool {
     separation(n, first, from) > 0.0 && separation(n, first, to) > 0.0
 }
 
-/// How far the first primitive, `first` points, lies beyond the second along `n` `[m]`; of what is not a number nothing is known.
+/// How far the first primitive, `first` points, lies beyond the second along `n` `[m]`; of what is not a number nothing is
+/// known.
 #[inline]
 fn separation(n: Vec3, first: usize, points: &[Vec4; 4]) -> f32 {
     let [a, b, c, d] = Four::of(*points).dot(Four::splat(n.into())).to_array();
@@ -272,8 +276,8 @@ fn separation(n: Vec3, first: usize, points: &[Vec4; 4]) -> f32 {
     if first == 1 { low - high.max(b) } else { low.min(b) - high }
 }
 
-/// Unit normal of a plane between the two primitives: of the face, or across both edges, where the closest points are inside, which stays exact
-/// however close they are; else from one closest point to the other.
+/// Unit normal of a plane between the two primitives: of the face, or across both edges, where the closest points are inside,
+/// which stays exact however close they are; else from one closest point to the other.
 fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
     let at = from.map(|x| x.truncate() - from[0].truncate());
     let [p, q, r, s] = at;

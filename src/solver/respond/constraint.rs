@@ -1,4 +1,5 @@
-//! What keeps a pair apart in a substep: solved in several passes, with the closest points and the normal that it had in the first.
+//! What keeps a pair apart in a substep: solved in several passes, with the closest points and the normal that it had in the
+//! first.
 //!
 //! ```text
 //!   C   = n · δ - t               δ = Σ wᵢ xᵢ, t: thickness
@@ -6,11 +7,13 @@
 //!   C*  = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
 //! ```
 //!
-//! The sum is no less than `mᵢ⁻¹ / 16`, so that in a pass nothing goes farther than four times `C`; what is cut short goes on in the next. Pushes of all passes add up. Friction comes in the last pass, for the
-//! way of the whole substep, under the mean of what all passes push. Recovery and friction are those of bodies ([`push_out`]), for `δ` in place of a particle.
+//! The sum is no less than `mᵢ⁻¹ / 16`, so that in a pass nothing goes farther than four times `C`; what is cut short goes on
+//! in the next. Pushes of all passes add up. Friction comes in the last pass, for the way of the whole substep, under the mean
+//! of what all passes push. Recovery and friction are those of bodies ([`push_out`]), for `δ` in place of a particle.
 //!
-//! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its restitution says
-//! (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based dynamics", section 3.6); without restitution it is given none.
+//! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its
+//! restitution says (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based
+//! dynamics", section 3.6); without restitution it is given none.
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -44,7 +47,8 @@ pub(super) struct Constraint {
 }
 
 impl Constraint {
-    /// Keeps the pair apart in one of the passes: what began the substep closer is brought out by at most `recovery` `[m]`. In the `last` pass it rubs.
+    /// Keeps the pair apart in one of the passes: what began the substep closer is brought out by at most `recovery` `[m]`. In
+    /// the `last` pass it rubs.
     #[inline]
     pub fn solve(&mut self, recovery: f32, last: bool, now: &mut [Vec4], old: &mut [Vec4]) {
         let (start, end) = (self.delta(old), self.delta(now));
@@ -101,14 +105,15 @@ impl Constraint {
         mean_load(self.load, self.push)
     }
 
-    /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: that of the substeps before it.
+    /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: that of the
+    /// substeps before it.
     #[inline]
     pub fn mean_drive(&self, before: f32) -> f32 {
         mean_load(before, self.push / self.mobility)
     }
 
-    /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep began. None of one that did
-    /// not, however hard springs press it together, or that was not pushed.
+    /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep
+    /// began. None of one that did not, however hard springs press it together, or that was not pushed.
     #[inline]
     pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
         let approach = -self.along(self.slots.map(|s| velocities[s as usize]));

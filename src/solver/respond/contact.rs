@@ -1,4 +1,5 @@
-//! One pair of primitives that may touch: a particle and a face, or two edges. What keeps it apart in a substep is a [`Constraint`].
+//! One pair of primitives that may touch: a particle and a face, or two edges. What keeps it apart in a substep is a
+//! [`Constraint`].
 //!
 //! ```text
 //!   x_v            δ = Σ wᵢ xᵢ      from the closest point of the second to that of the first
@@ -7,8 +8,8 @@
 //!  ---o-------
 //! ```
 //!
-//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier for other cloth, and the body takes the
-//! difference.
+//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier for other
+//! cloth, and the body takes the difference.
 
 use core::cmp::Ordering;
 
@@ -20,11 +21,11 @@ use crate::solver::body::{BAND, Friction, Plane};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 
-/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1 leaves a pile of three
-/// on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1
+/// leaves a pile of three on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
 const SUPPORT: f32 = 0.02;
-/// In a pass no particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it would have to go far to matter,
-/// where the others are held.
+/// In a pass no particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it
+/// would have to go far to matter, where the others are held.
 const MOST_PUSHES: f32 = 4.0;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
@@ -110,11 +111,13 @@ impl Contact {
         let delta = sum(&near.weights, &x);
         let mut distance = near.distance;
         if delta.dot(self.normal) < 0.0 && {
-            // Through, or around? Where it was as far from one side as it is now from the other, it must have been in the other.
+            // Through, or around? Where it was as far from one side as it is now from the other, it must have been in the
+            // other.
             let before = self.normal.dot(sum(&near.weights, &was)).max(0.0);
             let t = before / (before + distance);
             let midway = at(&std::array::from_fn(|i| was[i].lerp(x[i], t)));
-            // Who was through at the end of the last substep still is, unless clearly not. A particle that was flung away passed nothing.
+            // Who was through at the end of the last substep still is, unless clearly not. A particle that was flung away
+            // passed nothing.
             let share = if self.inverted { 1.0 } else { 0.25 };
             midway.distance < share * self.thickness.max(distance.min(4.0 * self.thickness))
         } {
@@ -150,8 +153,8 @@ impl Contact {
         })
     }
 
-    /// Whether no closest points need be asked for: a plane across the last normal keeps the pair too far apart to touch, or the last closest points
-    /// are [far](FAR) apart along it.
+    /// Whether no closest points need be asked for: a plane across the last normal keeps the pair too far apart to touch, or
+    /// the last closest points are [far](FAR) apart along it.
     #[inline]
     fn is_apart(&self, x: &[Vec4; 4]) -> bool {
         let [x, y, z, w] = *x;
@@ -163,18 +166,21 @@ impl Contact {
         gap > (1.0 + BAND) * self.thickness || along.dot(self.weights.into()) > FAR * self.thickness
     }
 
-    /// How far a unit push moves the closest points apart `[1/kg]`, or a share of that of the lightest particle; 0 where nothing moves.
+    /// How far a unit push moves the closest points apart `[1/kg]`, or a share of that of the lightest particle; 0 where
+    /// nothing moves.
     #[inline]
     fn mobility(&self, x: &[Vec4; 4]) -> f32 {
         let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
         let lightest = x.iter().map(|x| x.w).fold(0.0, f32::max);
-        // `|w| / max(w², 1/16) <= 4`. Momentum is kept whatever they are divided by; a push that is cut short goes on in the next substeps.
+        // `|w| / max(w², 1/16) <= 4`. Momentum is kept whatever they are divided by; a push that is cut short goes on in the
+        // next substeps.
         if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 }
     }
 
-    /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only push it back (mass scaling
-    /// as in Macklin et al. 2014, section 5.2). Not within a cloth: it presses its folds together itself, much more than gravity does, and where
-    /// nothing takes the reaction they would lift themselves off a floor, and fall back, for ever.
+    /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only
+    /// push it back (mass scaling as in Macklin et al. 2014, section 5.2). Not within a cloth: it presses its folds together
+    /// itself, much more than gravity does, and where nothing takes the reaction they would lift themselves off a floor, and
+    /// fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
         let ids = self.slots.map(|s| particles.ids[s as usize] as usize);

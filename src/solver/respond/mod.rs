@@ -7,10 +7,10 @@
 //!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
-//! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is brought back to
-//! the front. So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that can be met before the next,
-//! and it holds until something drifts by the margin, or a face turns. Pairs of a tangle have no right side; they are left to
-//! [`resolve`](crate::solver::resolve), which stops at what has no part in the tangle.
+//! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is
+//! brought back to the front. So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that
+//! can be met before the next, and it holds until something drifts by the margin, or a face turns. Pairs of a tangle have no
+//! right side; they are left to [`resolve`](crate::solver::resolve), which stops at what has no part in the tangle.
 //!
 //! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.
 
@@ -66,7 +66,8 @@ pub struct Contacts {
     dividers: Buffer<Vec<Vec4>>,
     /// The pairs of each slot, where the CCD asks again.
     incidence: Buffer<Incidence>,
-    /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them touched the body; or [`FREE`].
+    /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them
+    /// touched the body; or [`FREE`].
     levels: Vec<u8>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     inverted: Vec<(u8, [u32; 4])>,
@@ -85,16 +86,17 @@ pub struct Contacts {
 /// Speed at which pairs that are closer than their thickness are taken apart `[m/s]`.
 const RECOVERY_SPEED: f32 = 0.5;
 
-/// Passes over the pairs that touch in a substep. A heap of ten sheets that lies on a ball trembles for ever at 140 mm/s (root mean square) with one, at
-/// 90 with two, 19 with three, 14 with four, 11 with six.
+/// Passes over the pairs that touch in a substep. A heap of ten sheets that lies on a ball trembles for ever at 140 mm/s (root
+/// mean square) with one, at 90 with two, 19 with three, 14 with four, 11 with six.
 const PASSES: u32 = 6;
 
-/// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part at 0.17 m/s after
-/// one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
+/// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part
+/// at 0.17 m/s after one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
 const RESTITUTION_PASSES: u32 = 3;
 
-/// Levels for each layer. It is also after how many substeps (22 ms at the default rate) what has left a body lies on nothing: longer carries bouncing
-/// cloth in the air; shorter hides deep piles from their ground, since each pass brings support up by one layer.
+/// Levels for each layer. It is also after how many substeps (22 ms at the default rate) what has left a body lies on nothing:
+/// longer carries bouncing cloth in the air; shorter hides deep piles from their ground, since each pass brings support up by
+/// one layer.
 const LEVEL: u8 = 8;
 /// Level of a particle that lies on nothing, or on some thirty layers.
 const FREE: u8 = u8::MAX;
@@ -147,7 +149,8 @@ impl Contacts {
         }
     }
 
-    /// Whether primitives lay in the same place at the last look, so that nobody can say on which side of each other they belong.
+    /// Whether primitives lay in the same place at the last look, so that nobody can say on which side of each other they
+    /// belong.
     #[must_use]
     pub fn coincide(&self) -> bool {
         self.coincide
@@ -177,8 +180,8 @@ impl Contacts {
         self.pairs.iter().filter(|pair| pair.load > 0.0).count() as u32
     }
 
-    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep `[kg·m]` of every pair that touched in
-    /// the last substep.
+    /// Particles, weights, unit normal towards the first and mean of push over mobility per substep `[kg·m]` of every pair that
+    /// touched in the last substep.
     pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
         touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.drive))
@@ -294,8 +297,8 @@ impl Contacts {
         self.incidence.reserve(self.particles.len(), self.pairs.capacity());
     }
 
-    /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its `i`-th `[m]` and its
-    /// velocity `[m/s]`.
+    /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its
+    /// `i`-th `[m]` and its velocity `[m/s]`.
     pub fn note_start(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec3A)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
@@ -312,8 +315,8 @@ impl Contacts {
         self.old.resize(self.particles.len(), Vec4::NAN);
     }
 
-    /// Takes in the particles of pairs in cloth `part`: `read` gives the position (`[m]`, `w` inverse mass) and the position at the start of
-    /// the substep `[m]` of its `i`-th.
+    /// Takes in the particles of pairs in cloth `part`: `read` gives the position (`[m]`, `w` inverse mass) and the position at
+    /// the start of the substep `[m]` of its `i`-th.
     pub fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
@@ -321,7 +324,8 @@ impl Contacts {
         }
     }
 
-    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along `gravity`, carries what lies on it.
+    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along
+    /// `gravity`, carries what lies on it.
     pub fn touch(&mut self, h: f32, gravity: Vec3) {
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);

@@ -8,14 +8,15 @@
 //!        x3
 //! ```
 //!
-//! With this weight a cylinder of radius `r` stores the `B / (2 r²)` per area of a plate, on right and on equilateral triangles (on the latter it is
-//! the `√3/2` of Seung and Nelson 1988). The paper's 3 is for an energy without that normalization.
+//! With this weight a cylinder of radius `r` stores the `B / (2 r²)` per area of a plate, on right and on equilateral triangles
+//! (on the latter it is the `√3/2` of Seung and Nelson 1988). The paper's 3 is for an energy without that normalization.
 //!
-//! `E` is quadratic in positions, with one constant matrix `K` for all three coordinates: `E = ½ B Σ_xyz xᵀ K x`. It is the same for every fabric of a
-//! uniform mass, and so are the eigenvalues of `A⁻¹ K`, `A` the areas around particles.
+//! `E` is quadratic in positions, with one constant matrix `K` for all three coordinates: `E = ½ B Σ_xyz xᵀ K x`. It is the
+//! same for every fabric of a uniform mass, and so are the eigenvalues of `A⁻¹ K`, `A` the areas around particles.
 //!
-//! On a cylinder that is the energy of a plate. A strip with free edges is up to 20 % softer along the threads, where it relaxes sideways, and stiffer at 45°:
-//! bending lengths, which go with the third root, are within 8 % of theory (`lab::cantilever`).
+//! On a cylinder that is the energy of a plate. A strip with free edges is up to 20 % softer along the threads, where it
+//! relaxes sideways, and stiffer at 45°: bending lengths, which go with the third root, are within 8 % of theory
+//! (`lab::cantilever`).
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -23,8 +24,8 @@ use super::batch::LANES;
 use super::weave::Threads;
 use crate::solver::topology::{NONE, Topology};
 
-/// Bending elements in batches of four, and the pattern of their matrix. Per-batch arrays hold one entry for each of four lanes; lanes beyond the
-/// last element have coefficients of zero.
+/// Bending elements in batches of four, and the pattern of their matrix. Per-batch arrays hold one entry for each of four
+/// lanes; lanes beyond the last element have coefficients of zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bends {
@@ -32,7 +33,8 @@ pub struct Bends {
     pub hinges: Vec<[[u32; 4]; LANES]>,
     /// Coefficients `c` of the four particles (dimensionless), one vector per lane.
     pub coefficients: Vec<[Vec4; LANES]>,
-    /// Curvature at rest `[1/m]` across the edge, `±|v| / (A1 + A2)`, by lane; positive where `v` points along the [normal](Self::lean).
+    /// Curvature at rest `[1/m]` across the edge, `±|v| / (A1 + A2)`, by lane; positive where `v` points along the
+    /// [normal](Self::lean).
     pub rest: Vec<Vec4>,
     /// How far the normal leans to one of the two triangles (dimensionless), -1 to 1, by lane: it is `(x1 - x0) × o`,
     /// `o = (x3 - x2) + lean (x3 + x2 - 2 x0)`, which at rest points along `v`.
@@ -45,26 +47,31 @@ pub struct Bends {
     pub is_flat: bool,
     /// Start of each particle's row in [`Self::columns`]; `particles + 1` entries.
     pub row_start: Vec<u32>,
-    /// Particles that share an element with the particle of the row, sorted; filled up with the last, whose entries count once. The diagonal is not kept:
-    /// rows sum to zero, since a cloth that is only moved has no curvature, so that `(K x)_i = Σ K_ij (x_j - x_i)`.
+    /// Particles that share an element with the particle of the row, sorted; filled up with the last, whose entries count once.
+    /// The diagonal is not kept: rows sum to zero, since a cloth that is only moved has no curvature, so that
+    /// `(K x)_i = Σ K_ij (x_j - x_i)`.
     pub columns: Vec<[u32; LANES]>,
     /// Entries of `K` `[1/m²]`, as the columns.
     pub matrix: Vec<[f32; LANES]>,
     /// Largest eigenvalue of `A⁻¹ K` `[1/m⁴]`; 0 without elements.
     pub fastest: f32,
-    /// Share of the stiffness that each element keeps (dimensionless), by lane: less than all where triangles are much smaller than the rest.
+    /// Share of the stiffness that each element keeps (dimensionless), by lane: less than all where triangles are much smaller
+    /// than the rest.
     pub keeps: Vec<Vec4>,
-    /// `cos 2φ` and `sin 2φ` by lane, `φ` the angle of the direction in which it bends from the warp towards the weft; empty where nothing tells it.
+    /// `cos 2φ` and `sin 2φ` by lane, `φ` the angle of the direction in which it bends from the warp towards the weft; empty
+    /// where nothing tells it.
     pub warp: Vec<[Vec4; 2]>,
-    /// What it takes for curvature (dimensionless), by lane: `κ = H_00 κ_warp + 2 H_01 κ_twist + H_11 κ_weft`; as [`Self::warp`].
+    /// What it takes for curvature (dimensionless), by lane: `κ = H_00 κ_warp + 2 H_01 κ_twist + H_11 κ_weft`; as
+    /// [`Self::warp`].
     pub shape: Vec<[Vec4; 3]>,
 }
 
-/// Share of the particles whose elements keep all of their stiffness (dimensionless): the few smallest triangles of a mesh would ask for steps that
-/// no other needs.
+/// Share of the particles whose elements keep all of their stiffness (dimensionless): the few smallest triangles of a mesh
+/// would ask for steps that no other needs.
 const KEPT: f32 = 0.99;
 
-/// The same for meshes with more small triangles: those with edges half as long as is usual keep all (dimensionless), since widths go with the fourth power.
+/// The same for meshes with more small triangles: those with edges half as long as is usual keep all (dimensionless), since
+/// widths go with the fourth power.
 const SMALL: f32 = 16.0;
 
 /// Steps of the power iteration, and what its result is multiplied by (dimensionless): it comes from below.
@@ -253,8 +260,9 @@ impl Bends {
     }
 }
 
-/// What makes bending along the warp as stiff as asked beside bending along the weft: each element is `1 + α cos 2(φ - φ₀)` times as stiff, `φ` the direction
-/// in which it bends and `φ₀` the warp's, and `α` is found from what the elements of this mesh take for curvature along the two.
+/// What makes bending along the warp as stiff as asked beside bending along the weft: each element is `1 + α cos 2(φ - φ₀)`
+/// times as stiff, `φ` the direction in which it bends and `φ₀` the warp's, and `α` is found from what the elements of this
+/// mesh take for curvature along the two.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weave {
@@ -271,12 +279,12 @@ pub struct Weave {
     uneven: Vec2,
 }
 
-/// Largest `α` (dimensionless): no element may be without stiffness. Grids along the threads reach a ratio of 40, equilateral triangles one of 3 in their
-/// worst direction.
+/// Largest `α` (dimensionless): no element may be without stiffness. Grids along the threads reach a ratio of 40, equilateral
+/// triangles one of 3 in their worst direction.
 const MOST_UNEVEN: f32 = 0.95;
 
-/// By how much `α` moves the ratio where edges have all directions alike (dimensionless), as on equilateral triangles. Meshes on which it moves it less, as
-/// squares cut into four at 45° to the threads, which it does not move at all, get less of it.
+/// By how much `α` moves the ratio where edges have all directions alike (dimensionless), as on equilateral triangles. Meshes
+/// on which it moves it less, as squares cut into four at 45° to the threads, which it does not move at all, get less of it.
 const SPREAD: f32 = 4.0 / 3.0;
 
 impl Weave {
@@ -314,11 +322,13 @@ impl Weave {
         Some(Self { angle, along, matrix, fastest, even, uneven })
     }
 
-    /// `α`, and the share of all stiffness that keeps the mean of the two directions (dimensionless), for a `ratio` of the warp's stiffness to the weft's.
+    /// `α`, and the share of all stiffness that keeps the mean of the two directions (dimensionless), for a `ratio` of the
+    /// warp's stiffness to the weft's.
     #[must_use]
     pub fn split(&self, ratio: f32) -> (f32, f32) {
         let Self { even, uneven, .. } = self;
-        // (even.x + α uneven.x) / (even.y + α uneven.y) = ratio even.x / even.y: what the mesh itself is uneven by stays, as with a ratio of 1.
+        // (even.x + α uneven.x) / (even.y + α uneven.y) = ratio even.x / even.y: what the mesh itself is uneven by stays, as
+        // with a ratio of 1.
         let ratio = ratio * even.x / even.y;
         let (wanted, rises) = (ratio * even.y - even.x, uneven.x - ratio * uneven.y);
         // A ratio beyond what any `α` has is met at its end.

@@ -1,4 +1,5 @@
-//! A coarse level over the cloth: hubs some edges apart, and links that are as long as the way between two hubs along the cloth.
+//! A coarse level over the cloth: hubs some edges apart, and links that are as long as the way between two hubs along the
+//! cloth.
 //!
 //! ```text
 //!      o---------o        o   hub, a particle like any other
@@ -6,7 +7,8 @@
 //!    o---o-----o---o      --  link: no longer than the geodesic distance at rest
 //! ```
 //!
-//! Springs carry a load one edge a sweep; links carry it across many edges at once (hierarchical position based dynamics, Müller 2008).
+//! Springs carry a load one edge a sweep; links carry it across many edges at once (hierarchical position based dynamics,
+//! Müller 2008).
 
 use glam::Vec3;
 

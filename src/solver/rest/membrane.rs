@@ -6,10 +6,12 @@ use super::batch::{LANES, batches};
 use super::weave::Threads;
 use crate::solver::topology::Topology;
 
-/// One element for each triangle, in batches of four that share no particle. All arrays have one entry per batch; empty without directions of threads.
+/// One element for each triangle, in batches of four that share no particle. All arrays have one entry per batch; empty without
+/// directions of threads.
 ///
-/// With the edges `d1 = x1 - x0`, `d2 = x2 - x0`, the columns of the deformation gradient are `F_warp = d1 warp[0] + d2 warp[1]` and
-/// `F_weft = d1 weft[0] + d2 weft[1]`: what a unit of length along each thread has become.
+/// With the edges `d1 = x1 - x0`, `d2 = x2 - x0`, the columns of the deformation gradient are
+/// `F_warp = d1 warp[0] + d2 warp[1]` and `F_weft = d1 weft[0] + d2 weft[1]`: what a unit of length along each thread has
+/// become.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Membrane {

@@ -143,7 +143,8 @@ impl RestShape {
         Ok((shape, report))
     }
 
-    /// The search tree over the faces, which islands join; multiples of a shape share it. Made when it is first asked for: cloth that meets no cloth has none.
+    /// The search tree over the faces, which islands join; multiples of a shape share it. Made when it is first asked for:
+    /// cloth that meets no cloth has none.
     pub fn tree(&self) -> &Tree {
         self.shared_tree()
     }
@@ -157,7 +158,8 @@ impl RestShape {
         })
     }
 
-    /// Whether every index is that of a particle, arrays have one length, and constraints that are solved at once share no particle.
+    /// Whether every index is that of a particle, arrays have one length, and constraints that are solved at once share no
+    /// particle.
     fn is_consistent(&self) -> bool {
         let n = self.positions.len();
         let known = |p: &u32| (*p as usize) < n;
@@ -240,7 +242,8 @@ fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
 }
 
-/// Welded triangles without those that are out of range, degenerate or repeated, either way round; and the directions of their threads, if any has one.
+/// Welded triangles without those that are out of range, degenerate or repeated, either way round; and the directions of their
+/// threads, if any has one.
 fn clean(mesh: &SourceMesh, leader: &[u32], area: f32, report: &mut BuildReport) -> (Vec<[u32; 3]>, Vec<weave::Threads>) {
     let mut kept: Vec<([u32; 3], [u32; 3], Option<weave::Threads>)> = Vec::with_capacity(mesh.triangles.len());
     for triangle in &mesh.triangles {

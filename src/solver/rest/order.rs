@@ -1,6 +1,7 @@
 //! Numbers particles so that neighbours in the mesh are neighbours in memory (Cuthill and McKee 1969).
 //!
-//! Randomly numbered particles cost 1.8 times as much at 65,000. Ordering from the pins outwards instead was tried: the same stretch.
+//! Randomly numbered particles cost 1.8 times as much at 65,000. Ordering from the pins outwards instead was tried: the same
+//! stretch.
 
 use crate::solver::topology::Topology;
 

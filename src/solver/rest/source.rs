@@ -11,10 +11,11 @@ pub(super) const FARTHEST: f32 = 1.0e9;
 pub struct SourceMesh {
     /// Positions `[m]` of the render vertices, scaled to world size, unrotated.
     pub positions: Vec<Vec3>,
-    /// Corners of each triangle; may be out of range, degenerate or repeated: [`RestShape::build`](super::RestShape::build) cleans up.
+    /// Corners of each triangle; may be out of range, degenerate or repeated: [`RestShape::build`](super::RestShape::build)
+    /// cleans up.
     pub triangles: Vec<[u32; 3]>,
-    /// Texture coordinates of the vertices (dimensionless), which tell the threads' directions: `u` runs along the weft, `v` along the warp. As many as
-    /// positions, or none.
+    /// Texture coordinates of the vertices (dimensionless), which tell the threads' directions: `u` runs along the weft, `v`
+    /// along the warp. As many as positions, or none.
     pub uvs: Vec<Vec2>,
 }
 

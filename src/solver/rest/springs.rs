@@ -5,11 +5,12 @@ use glam::{Vec2, Vec3, Vec4};
 use super::batch::{LANES, batches};
 use crate::solver::topology::{NONE, Topology};
 
-/// A diagonal is this much longer than every other edge of its two faces (dimensionless; √2 in a square, 1 among equilateral triangles).
+/// A diagonal is this much longer than every other edge of its two faces (dimensionless; √2 in a square, 1 among equilateral
+/// triangles).
 const DIAGONAL_RATIO: f32 = 1.15;
 
-/// Angle to the threads `[rad]` at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff as it shears, add as much
-/// shear stiffness `K sin²(2φ) / 4` as it has.
+/// Angle to the threads `[rad]` at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff
+/// as it shears, add as much shear stiffness `K sin²(2φ) / 4` as it has.
 const OFF_THREAD: f32 = 5.0 * core::f32::consts::PI / 180.0;
 
 /// Distance constraints in batches of four. All arrays have one entry per batch.
@@ -33,7 +34,8 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// One spring per edge of `topology`, at rest at `positions` `[m]`; `twice`: cosine and sine of twice the angle of each edge from the warp, or none.
+    /// One spring per edge of `topology`, at rest at `positions` `[m]`; `twice`: cosine and sine of twice the angle of each
+    /// edge from the warp, or none.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], twice: &[Vec2]) -> Self {
         let length = |e: u32| {
@@ -75,15 +77,16 @@ impl Springs {
         springs
     }
 
-    /// Both ends of each, and one over its squared length at rest `[1/m²]`; what fills up the last lanes of a colour comes twice.
+    /// Both ends of each, and one over its squared length at rest `[1/m²]`; what fills up the last lanes of a colour comes
+    /// twice.
     pub(in crate::solver) fn each(&self) -> impl Iterator<Item = (usize, usize, f32)> {
         self.a.iter().zip(&self.b).zip(&self.inverse_square).flat_map(|((a, b), inverse_square)| {
             (0..LANES).map(move |lane| (a[lane] as usize, b[lane] as usize, inverse_square[lane]))
         })
     }
 
-    /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as anything tells those: only then are they a membrane that
-    /// stretches and shears as the fabric.
+    /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as anything tells
+    /// those: only then are they a membrane that stretches and shears as the fabric.
     #[must_use]
     pub fn run_along_threads(&self, warp_angle: f32) -> bool {
         let threads = Vec2::from_angle(2.0 * warp_angle);

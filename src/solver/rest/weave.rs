@@ -4,10 +4,12 @@ use glam::{Vec2, Vec3};
 
 use crate::solver::topology::{NONE, Topology};
 
-/// Least area of a triangle in the texture, over the product of its two longer sides there (dimensionless): with less it has no direction.
+/// Least area of a triangle in the texture, over the product of its two longer sides there (dimensionless): with less it has no
+/// direction.
 const LEAST: f32 = 1.0e-4;
 
-/// Directions in the plane of a triangle: unit vectors along the warp and, at a right angle, to the side of the weft. Zero where nothing tells them.
+/// Directions in the plane of a triangle: unit vectors along the warp and, at a right angle, to the side of the weft. Zero
+/// where nothing tells them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Threads {
@@ -16,7 +18,8 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// Of a triangle at `x` `[m]` with texture coordinates `uv`. A mirrored texture has its weft mirrored, as a piece cut from the other side has.
+    /// Of a triangle at `x` `[m]` with texture coordinates `uv`. A mirrored texture has its weft mirrored, as a piece cut from
+    /// the other side has.
     pub fn new(x: [Vec3; 3], uv: [Vec2; 3]) -> Option<Self> {
         let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
         let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
@@ -49,8 +52,8 @@ impl Threads {
     }
 }
 
-/// `cos 2φ` and `sin 2φ` of each edge of `topology`, `φ` its angle from the warp towards the weft, in the mean over its faces; less than a unit vector
-/// where they disagree. Empty when there are no `threads`.
+/// `cos 2φ` and `sin 2φ` of each edge of `topology`, `φ` its angle from the warp towards the weft, in the mean over its faces;
+/// less than a unit vector where they disagree. Empty when there are no `threads`.
 pub(super) fn of_edges(topology: &Topology, positions: &[Vec3], threads: &[Threads]) -> Vec<Vec2> {
     if threads.is_empty() {
         return Vec::new();

@@ -7,9 +7,9 @@
 //!   x ─► R x0 + c   where pins went on: along with those that it crosses ([`pins`])
 //! ```
 //!
-//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do. Contacts and
-//! their CCD know the pairs in the next frame. Tangles that were there before, that are held, that came from far, or of cloths that started in
-//! the same place are left to [`resolve`](super::resolve).
+//! What was clean together and moves together is clean, so each look adds the particles that still cross until none do.
+//! Contacts and their CCD know the pairs in the next frame. Tangles that were there before, that are held, that came from far,
+//! or of cloths that started in the same place are left to [`resolve`](super::resolve).
 
 mod pins;
 
@@ -20,8 +20,8 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::detect::{Crossing, Part, Surface};
 use pins::Pins;
 
-/// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was moved
-/// farther, by a teleport, is not rolled back.
+/// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was
+/// moved farther, by a teleport, is not rolled back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// How far all together may have moved, in mean edges, for single particles to be left where they were.
@@ -42,7 +42,8 @@ pub struct Rollback {
     /// Which particles were rolled back in this frame, and in the one before.
     restored: Vec<bool>,
     was_restored: Vec<bool>,
-    /// Mean motion since then of the cloth that crosses and moved least `[m]`: what rests is not put where what fell on it went.
+    /// Mean motion since then of the cloth that crosses and moved least `[m]`: what rests is not put where what fell on it
+    /// went.
     shared: Vec3A,
     /// Substeps of the frame.
     substeps: f32,
@@ -76,7 +77,8 @@ impl Rollback {
         !self.clean.is_empty()
     }
 
-    /// Notes how a frame ended, whose last substep lies between `previous` and `positions` `[m]`; nothing is known of one that was not clean.
+    /// Notes how a frame ended, whose last substep lies between `previous` and `positions` `[m]`; nothing is known of one that
+    /// was not clean.
     pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
         self.restored.resize(positions.len(), false);
@@ -91,8 +93,8 @@ impl Rollback {
         (self.rolled_back, self.stayed) = (false, false);
     }
 
-    /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to begin the next one at
-    /// `positions`, `offset` `[m]` from the frame of the island.
+    /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to
+    /// begin the next one at `positions`, `offset` `[m]` from the frame of the island.
     pub fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
         let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
@@ -109,8 +111,8 @@ impl Rollback {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
-    /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame took as many `substeps`,
-    /// the last of which lies between `previous` and `positions` `[m]`.
+    /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame took as
+    /// many `substeps`, the last of which lies between `previous` and `positions` `[m]`.
     pub fn begin(
         &mut self,
         surface: &Surface,
@@ -179,8 +181,9 @@ impl Rollback {
         self.rolled_back
     }
 
-    /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was taken along
-    /// with all, or rounding made it cross what it touched. They go on as all together did. Whether any was elsewhere.
+    /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was
+    /// taken along with all, or rounding made it cross what it touched. They go on as all together did. Whether any was
+    /// elsewhere.
     pub fn restore_exactly(
         &mut self,
         surface: &Surface,
@@ -198,8 +201,8 @@ impl Rollback {
         })
     }
 
-    /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins cannot be taken
-    /// back. Whether any was elsewhere.
+    /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins
+    /// cannot be taken back. Whether any was elsewhere.
     pub fn follow_pins(
         &mut self,
         surface: &Surface,
@@ -239,7 +242,8 @@ impl Rollback {
         any
     }
 
-    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing, and with its position `[m]`.
+    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing, and with its
+    /// position `[m]`.
     fn for_each_that_crosses(
         &mut self,
         surface: &Surface,
@@ -266,9 +270,9 @@ impl Rollback {
         Vec3::from(self.shared / self.substeps.max(1.0))
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was rolled back, and
-    /// nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was rolled back goes on as all
-    /// together did: it would do the same again. What came from far does not stay.
+    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was
+    /// rolled back, and nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was
+    /// rolled back goes on as all together did: it would do the same again. What came from far does not stay.
     pub fn restore_cloths(
         &mut self,
         surface: &Surface,

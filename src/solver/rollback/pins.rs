@@ -7,8 +7,8 @@
 //!   q ◄ t q,  t ~ (s, 1 + √(1 - s²))      in a few rounds; turns of less than 90° in a frame
 //! ```
 //!
-//! Pins are joined by a few edges between them: each end of a strip that is twisted turns by itself, and a rail bends. Of the turn around a straight
-//! row of pins nothing is known; it is the least.
+//! Pins are joined by a few edges between them: each end of a strip that is twisted turns by itself, and a rail bends. Of the
+//! turn around a straight row of pins nothing is known; it is the least.
 
 use glam::{Mat3, Quat, Vec3, Vec4};
 
@@ -129,7 +129,8 @@ mod tests {
     use crate::solver::detect::PartRef;
     use crate::solver::topology::Topology;
 
-    /// A strip of three by two pins, and how far the corners of its first face end from where they ride when all of it is turned.
+    /// A strip of three by two pins, and how far the corners of its first face end from where they ride when all of it is
+    /// turned.
     fn miss(axis: Vec3, degrees: f32) -> f32 {
         let topology = Topology::new(6, vec![[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]]);
         let rest: Vec<Vec3> = (0u8..6).map(|i| vec3(f32::from(i % 3) * 0.5, f32::from(i / 3) * 0.4, 0.0)).collect();

@@ -7,7 +7,8 @@ use crate::solver::body::{Body, take_out};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
-/// Fastest that a skin brings cloth to it `[m/s]`: a way out of a body that changes sides, a tangle, or what a bone goes through.
+/// Fastest that a skin brings cloth to it `[m/s]`: a way out of a body that changes sides, a tangle, or what a bone goes
+/// through.
 pub(in crate::solver) const FASTEST: f32 = 2.0;
 
 /// Sweeps over targets that are too far from their neighbours.
@@ -31,7 +32,8 @@ pub struct Surroundings<'a> {
 #[derive(Debug, Default)]
 pub struct AvoidBuffers {
     planes: Vec<Vec4>,
-    /// Whether each target is away from the skin, and the springs with one end that is: both ends, and one over the squared length at rest `[1/m²]`.
+    /// Whether each target is away from the skin, and the springs with one end that is: both ends, and one over the squared
+    /// length at rest `[1/m²]`.
     away: Vec<bool>,
     springs: Vec<(usize, usize, f32)>,
 }
@@ -64,10 +66,11 @@ impl Skinned {
         }
     }
 
-    /// Brings targets as near to their neighbours as the fabric asks for, or the skin has them. Where a bone goes through the skin, one is taken out on this
-    /// side of it and the next on the other: no cloth can be at both.
+    /// Brings targets as near to their neighbours as the fabric asks for, or the skin has them. Where a bone goes through the
+    /// skin, one is taken out on this side of it and the next on the other: no cloth can be at both.
     ///
-    /// Of two targets on the skin nothing is asked, so that only springs are gone through that have an end away from it; as targets move they become more.
+    /// Of two targets on the skin nothing is asked, so that only springs are gone through that have an end away from it; as
+    /// targets move they become more.
     fn keep_together(&mut self, around: &Surroundings<'_>, buffers: &mut AvoidBuffers) {
         let Self { to, skin, .. } = self;
         let AvoidBuffers { away, springs, .. } = buffers;
@@ -119,7 +122,8 @@ mod tests {
     use super::*;
     use crate::solver::rest::SourceMesh;
 
-    /// A sheet of 15 by 15 particles in xy with edges of 20 mm, pinned along one side; and its targets after an arm went through them.
+    /// A sheet of 15 by 15 particles in xy with edges of 20 mm, pinned along one side; and its targets after an arm went
+    /// through them.
     fn avoided(arm: SharedShape, at: Vec3) -> (RestShape, Vec<Vec4>, Skinned) {
         let place = |i: u32| vec3(0.02 * (i % 15) as f32 - 0.14, 0.14 - 0.02 * (i / 15) as f32, 0.0);
         let quads = (0..14 * 14u32).map(|q| q / 14 * 15 + q % 14);

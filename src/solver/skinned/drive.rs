@@ -7,8 +7,9 @@ use glam::Vec4;
 use super::Skinned;
 
 impl Skinned {
-    /// Draws particles to their targets, in a step of `h` `[s]` from the share `s0` of the frame to `s1`. `start`: where they were before they were
-    /// predicted `[m]`. It is implicit in the position and in the speed, so that no frequency is too high.
+    /// Draws particles to their targets, in a step of `h` `[s]` from the share `s0` of the frame to `s1`. `start`: where they
+    /// were before they were predicted `[m]`. It is implicit in the position and in the speed, so that no frequency is too
+    /// high.
     pub fn drive(&self, [s0, s1]: [f32; 2], h: f32, start: &[Vec4], positions: &mut [Vec4]) {
         if self.frequency.is_empty() || !self.fits(positions.len()) {
             return;

@@ -6,8 +6,8 @@ use super::avoid::FASTEST;
 use super::{Skinned, TangledLimits};
 
 impl Skinned {
-    /// Brings particles back within their limits at the end of a substep, from the share `s0` of the frame to `s1`. What takes one farther than its own
-    /// way and that of its target gives it no speed: a limit that shrinks, a blend, a jump.
+    /// Brings particles back within their limits at the end of a substep, from the share `s0` of the frame to `s1`. What takes
+    /// one farther than its own way and that of its target gives it no speed: a limit that shrinks, a blend, a jump.
     pub fn limit(&self, tangled_limits: &TangledLimits, [s0, s1]: [f32; 2], positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.limits(positions.len()) {
             return;
@@ -28,8 +28,8 @@ impl Skinned {
         }
     }
 
-    /// Draws `particles` to their targets in a substep of `h` `[s]`, as a tangle is drawn, and without any speed: from the share `s0` of the frame to `s1`.
-    /// Before forces act, so that what holds the cloth together takes the others along.
+    /// Draws `particles` to their targets in a substep of `h` `[s]`, as a tangle is drawn, and without any speed: from the
+    /// share `s0` of the frame to `s1`. Before forces act, so that what holds the cloth together takes the others along.
     pub fn draw(&self, particles: &[u32], (s0, s1): (f32, f32), h: f32, positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.fits(positions.len()) {
             return;

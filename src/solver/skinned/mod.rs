@@ -7,8 +7,9 @@
 //! draw      x, x₀ ← + Δ, at most v h + |u|     of what a bone goes through, before forces act and without speed; v: 2 m/s
 //! ```
 //!
-//! `q` and `n` are the place and the normal that the skin gives a particle. They move within the frame, so that no substep sees a jump.
-//! Limits act on positions before speeds are taken, so that what they stop has no speed outwards. The names are those of Jolt's skinned constraints.
+//! `q` and `n` are the place and the normal that the skin gives a particle. They move within the frame, so that no substep sees
+//! a jump. Limits act on positions before speeds are taken, so that what they stop has no speed outwards. The names are those
+//! of Jolt's skinned constraints.
 
 mod avoid;
 mod drive;
@@ -40,8 +41,8 @@ pub struct Skinned {
     pub normals_to: Vec<Vec3>,
     /// Farthest distance from the target `[m]`; infinite: none.
     pub max_distance: Vec<f32>,
-    /// How far behind the target, against the normal, the surface of the backstop lies `[m]`; infinite: none. Off where it is no less than the maximum
-    /// distance.
+    /// How far behind the target, against the normal, the surface of the backstop lies `[m]`; infinite: none. Off where it is
+    /// no less than the maximum distance.
     pub backstop_distance: Vec<f32>,
     /// Radius of the ball behind each particle `[m]`.
     pub backstop_radius: f32,
@@ -53,7 +54,8 @@ pub struct Skinned {
     pub frequency: Vec<f32>,
     /// Damping of that spring over critical damping (dimensionless).
     pub damping_ratio: f32,
-    /// Where the skin itself is at the end of the frame, and from there to the targets `[m]`, while they are taken out of bodies.
+    /// Where the skin itself is at the end of the frame, and from there to the targets `[m]`, while they are taken out of
+    /// bodies.
     pub(super) skin: Vec<Vec3>,
     pub(super) way_out: Vec<Vec3>,
 }

@@ -5,8 +5,8 @@
 //!   else      r ← r + d Δt / 0.25 s              until it is d again
 //! ```
 //!
-//! Cloth that may go no farther than a few centimetres from its skin cannot be taken apart like other cloth: there is no room. Its skin is where it was
-//! authored, and that is whole. Where it is not, nothing can be done: such crossings are *authored*.
+//! Cloth that may go no farther than a few centimetres from its skin cannot be taken apart like other cloth: there is no room.
+//! Its skin is where it was authored, and that is whole. Where it is not, nothing can be done: such crossings are *authored*.
 
 use super::Skinned;
 use super::avoid::FASTEST;
@@ -31,8 +31,8 @@ impl TangledLimits {
         self.most.get(i).map_or(most, |limit| limit.min(most))
     }
 
-    /// Takes tangled particles nearer to their skin in a frame of `dt` `[s]`, and lets others go. `tangled`: how much each belongs to a tangle, 0 to 1;
-    /// empty when nothing is.
+    /// Takes tangled particles nearer to their skin in a frame of `dt` `[s]`, and lets others go. `tangled`: how much each
+    /// belongs to a tangle, 0 to 1; empty when nothing is.
     pub fn advance(&mut self, skinned: &Skinned, tangled: &[f32], dt: f32) {
         let count = skinned.to.len();
         if tangled.len() == count && self.most.is_empty() && tangled.iter().any(|weight| *weight > 0.0) {

@@ -140,7 +140,8 @@ impl Stepped<'_> {
         let topology = &self.rest.topology;
         let lie =
             scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(topology.faces.len() + topology.edges.len());
-        // Before pairs and after their first pass, or in each sweep. Not only in settling cloth, since the list would grow when it becomes so.
+        // Before pairs and after their first pass, or in each sweep. Not only in settling cloth, since the list would grow when
+        // it becomes so.
         let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { 2 };
         scratch.provisional.begin(lie * times as usize);
     }

@@ -9,7 +9,8 @@ use crate::solver::state::ClothState;
 
 /// Most times as many substeps a cloth takes while a body comes through (dimensionless).
 pub(super) const MOST_FOR_BODIES: f32 = 8.0;
-/// The same of a bone of the character that wears it: the cloth goes along with the rest of the body, and every runner would cost as much.
+/// The same of a bone of the character that wears it: the cloth goes along with the rest of the body, and every runner would
+/// cost as much.
 const MOST_FOR_BONES: f32 = 2.0;
 /// Way of the body in a substep that needs no more, in thicknesses (dimensionless). Say that it is three, and a ball of 0.1 m
 /// goes through the middle of a hanging sheet at 5 m/s. It is there before the pull is, and edges around it get many times as
@@ -79,8 +80,9 @@ impl Stepped<'_> {
         count * for_heavy_body.max(for_fast_body)
     }
 
-    /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many where cloth would fall by more than an edge in one, `g h² > L`.
-    /// There its constraints have turned by more than they are long before they are solved, and tear at each other.
+    /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many where cloth would fall by more
+    /// than an edge in one, `g h² > L`. There its constraints have turned by more than they are long before they are solved,
+    /// and tear at each other.
     fn substeps_of_pull(&self, stepping: &Stepping) -> u32 {
         let Self { rest, input, .. } = *self;
         let count = substeps_of(stepping, input.dt);

@@ -5,8 +5,8 @@ use crate::solver::body::{Body, Touch};
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
 
-/// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of that. Whether
-/// bodies stopped anything.
+/// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of
+/// that. Whether bodies stopped anything.
 pub fn displace(
     fabric: &Fabric,
     bodies: &[Body],

@@ -19,7 +19,8 @@ impl Stepped<'_> {
         scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
     }
 
-    /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration times `push` `[s²]`.
+    /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration
+    /// times `push` `[s²]`.
     pub(super) fn predict(&self, (carry, push): (f32, f32), state: &mut ClothState, scratch: &Scratch) {
         let (x, old) = (&mut state.positions, &mut state.previous);
         if self.input.wind.density > 0.0 {

@@ -8,7 +8,8 @@ use crate::solver::integrate::{bend, membrane, spring};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
-/// Tethers are solved once in this many substeps; in every substep of a settling cloth, which the alternation would keep from rest.
+/// Tethers are solved once in this many substeps; in every substep of a settling cloth, which the alternation would keep from
+/// rest.
 const TETHER_EVERY: u64 = 2;
 
 impl Stepped<'_> {
@@ -25,8 +26,8 @@ impl Stepped<'_> {
         }
     }
 
-    /// Finds the folds again where the cloth is now, in the middle of a frame of a settling cloth. Bends turn within a frame, and
-    /// what lags behind by a whole one would keep it from rest.
+    /// Finds the folds again where the cloth is now, in the middle of a frame of a settling cloth. Bends turn within a frame,
+    /// and what lags behind by a whole one would keep it from rest.
     pub(super) fn fold_again(&self, frame: &Frame, positions: &[Vec4], folds: &mut Vec<Vec4>, bends: &mut bend::BendFactors) {
         let begun = frame.begun - 1;
         if frame.settling && begun > 0 && begun == frame.report.substeps / 2 {
@@ -35,7 +36,8 @@ impl Stepped<'_> {
     }
 }
 
-/// Sweeps the springs or triangles once, as a substep does, without letting time pass. Nothing happens before the first [`step`](super::step()).
+/// Sweeps the springs or triangles once, as a substep does, without letting time pass. Nothing happens before the first
+/// [`step`](super::step()).
 pub fn relax(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions: &mut [Vec4]) {
     if positions.len() == rest.positions.len() && scratch.factors_for > 0.0 {
         hold_together(rest, fabric, scratch, positions);

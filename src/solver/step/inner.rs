@@ -65,7 +65,8 @@ impl Stepped<'_> {
         }
     }
 
-    /// Ends a substep taken [in inner steps](Self::advance_in_steps): velocities become those of the last, and what bounds and contacts added.
+    /// Ends a substep taken [in inner steps](Self::advance_in_steps): velocities become those of the last, and what bounds and
+    /// contacts added.
     pub(super) fn give_back(state: &mut ClothState, scratch: &mut Scratch) {
         for (old, late) in state.previous.iter_mut().zip(scratch.late.iter()) {
             *old -= *late;

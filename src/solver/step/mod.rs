@@ -1,4 +1,5 @@
-//! A frame of a cloth that no island steps, as one function; [`Island::run`](crate::solver::island::Island::run) steps those that touch.
+//! A frame of a cloth that no island steps, as one function; [`Island::run`](crate::solver::island::Island::run) steps those
+//! that touch.
 //!
 //! ```text
 //! begin ─► (constrain ─► project)* ─► finish
@@ -62,8 +63,8 @@ pub fn step(
     cloth.finish(false, state, scratch).unwrap_or_default()
 }
 
-/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side, and are kept apart
-/// after [`project`](Self::project).
+/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side, and are
+/// kept apart after [`project`](Self::project).
 #[derive(Clone, Copy, Debug)]
 pub struct Stepped<'a> {
     /// Rest shape.

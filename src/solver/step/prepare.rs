@@ -9,8 +9,8 @@ use crate::solver::state::ClothState;
 
 /// Sets inverse masses from density and anchors, constraint factors and tethers.
 ///
-/// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them are held
-/// rigidly changed. Keeps positions and velocities.
+/// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them
+/// are held rigidly changed. Keeps positions and velocities.
 pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
     let rigid = weigh(rest, fabric, anchors, state, scratch);
     if scratch.rigid != rigid || scratch.factors_for == 0.0 {

@@ -15,8 +15,8 @@ const GIVE_WAY: f32 = 10.0;
 const GIVE_BACK: f32 = 0.5;
 
 impl Stepped<'_> {
-    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between. `rubs`: whether friction is to hold
-    /// it there, too.
+    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between. `rubs`:
+    /// whether friction is to hold it there, too.
     pub fn project_provisionally(&self, rubs: bool, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, provisional, .. } = scratch;

@@ -128,8 +128,8 @@ impl Scratch {
         })
     }
 
-    /// The next frame lists other bodies than the last one: `number` says which place each has now, in the same order, or none. What is known of those that
-    /// stay goes with them.
+    /// The next frame lists other bodies than the last one: `number` says which place each has now, in the same order, or none.
+    /// What is known of those that stay goes with them.
     pub fn renumber_bodies(&mut self, number: impl Fn(u32) -> Option<u32>) {
         self.contacts.renumber(&number);
         self.faces.renumber(&number);
@@ -142,8 +142,8 @@ impl Scratch {
         &self.coupling
     }
 
-    /// The bodies that take what the cloth gives them; filled before each frame. When the pins on movable bodies or those bodies' masses change,
-    /// [`prepare`](super::prepare) must follow.
+    /// The bodies that take what the cloth gives them; filled before each frame. When the pins on movable bodies or those
+    /// bodies' masses change, [`prepare`](super::prepare) must follow.
     pub fn coupling_mut(&mut self) -> &mut Coupling {
         &mut self.coupling
     }

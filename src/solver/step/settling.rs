@@ -11,8 +11,8 @@ const SETTLING_SPEED: f32 = 0.03;
 /// Time for which it has to be that slow `[s]`.
 const SETTLING_AFTER: f32 = 0.25;
 
-/// What a settling cloth loses of its velocities on top of drag `[1/s]`. What one sweep over constraints in a row leaves over keeps
-/// going around for ever otherwise.
+/// What a settling cloth loses of its velocities on top of drag `[1/s]`. What one sweep over constraints in a row leaves over
+/// keeps going around for ever otherwise.
 pub(super) const SETTLING_DRAG: f32 = 6.0;
 
 /// What got less far within a frame than this share of the way its speed would take it is stuck (dimensionless). Constraints
@@ -26,7 +26,8 @@ impl Scratch {
         self.slow_for >= SETTLING_AFTER
     }
 
-    /// Notes for how long the cloth has been slow, after a frame of `dt` `[s]` in which its mean square of speeds was `speed2` `[m²/s²]`.
+    /// Notes for how long the cloth has been slow, after a frame of `dt` `[s]` in which its mean square of speeds was `speed2`
+    /// `[m²/s²]`.
     pub(super) fn note_speed(&mut self, speed2: f32, dt: f32) {
         let bound = if self.is_settling() { 2.0 * SETTLING_SPEED } else { SETTLING_SPEED };
         // False for what is not a number.
@@ -34,7 +35,8 @@ impl Scratch {
     }
 }
 
-/// Gives particles that hardly moved [`OSCILLATING`] since they were `before`, a substep being the `share` of that time, the speed with which they did.
+/// Gives particles that hardly moved [`OSCILLATING`] since they were `before`, a substep being the `share` of that time, the
+/// speed with which they did.
 pub(super) fn damp_oscillation(before: &[Vec4], share: f32, state: &mut ClothState) {
     for ((x, old), before) in state.positions.iter().zip(&mut state.previous).zip(before) {
         let (motion, mean) = (*x - *old, (*x - *before) * share);
@@ -44,8 +46,8 @@ pub(super) fn damp_oscillation(before: &[Vec4], share: f32, state: &mut ClothSta
     }
 }
 
-/// Mean square of speeds `[m²/s²]`: of free particles that were `before` and are where they are after a frame of `dt` `[s]`. Where constraints pull
-/// against each other within it, they only tremble.
+/// Mean square of speeds `[m²/s²]`: of free particles that were `before` and are where they are after a frame of `dt` `[s]`.
+/// Where constraints pull against each other within it, they only tremble.
 pub(super) fn mean_square_speed(positions: &[Vec4], before: &[Vec4], dt: f32) -> f32 {
     let (mut sum, mut count) = (0.0, 0u32);
     for (x, before) in positions.iter().zip(before) {

@@ -39,7 +39,8 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
             x.clone_from(&scratch.displaced);
         }
     }
-    // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked for.
+    // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked
+    // for.
     let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
     limit_ways(x, before, farthest);
     let slip = Touch::frictionless(fabric);

@@ -14,12 +14,12 @@ const SETTLING_STRAINED: f32 = 2.5;
 /// springs that are close to the limit are also [swept](super::Stepped::tighten) for it alone.
 pub(super) const TAUT: f32 = 2.0;
 
-/// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame. What contacts hold as long in a substep is
-/// [shortened](super::Stepped::shorten_overlong) before it ends, until it is no longer [`TAUT`].
+/// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame. What contacts
+/// hold as long in a substep is [shortened](super::Stepped::shorten_overlong) before it ends, until it is no longer [`TAUT`].
 pub(super) const WILD: f32 = 8.0;
 
-/// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done beyond it would
-/// do it every other frame.
+/// Within this many strain limits a cloth is neither. Less than the others: a cloth that is held at a bound by what is done
+/// beyond it would do it every other frame.
 const EASED: f32 = 0.5;
 
 impl Scratch {

@@ -1,4 +1,5 @@
-//! Holds a cloth to its strain limit within a substep: springs before bodies are met, and whatever contacts have stretched after.
+//! Holds a cloth to its strain limit within a substep: springs before bodies are met, and whatever contacts have stretched
+//! after.
 
 use glam::Vec4;
 
@@ -55,8 +56,9 @@ impl Stepped<'_> {
         self.input.skinned.is_none() && !scratch.is_near_bodies()
     }
 
-    /// Shortens edges that cloth holds beyond the strain limit, if one is [far beyond](WILD) it, or when `again` still [taut](TAUT); whether it is. No particle
-    /// goes farther than a thickness in a substep. Only where cloth [stands alone](Self::stands_alone); `again` only what was shortened in the first turn.
+    /// Shortens edges that cloth holds beyond the strain limit, if one is [far beyond](WILD) it, or when `again` still
+    /// [taut](TAUT); whether it is. No particle goes farther than a thickness in a substep. Only where cloth [stands
+    /// alone](Self::stands_alone); `again` only what was shortened in the first turn.
     pub(crate) fn shorten_overlong(&self, again: bool, state: &mut ClothState, scratch: &mut Scratch) -> bool {
         let Self { rest, fabric, .. } = *self;
         let bound = 1.0 + fabric.strain_limit;

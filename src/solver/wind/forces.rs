@@ -49,9 +49,9 @@ impl WindForces {
 
     /// Adds the acceleration of each particle by the air to `acc` (`xyz` `[m/s²]`, `w` unused).
     ///
-    /// `positions`: `w` = inverse mass `[1/kg]`, particles with 0 get nothing. `substep`: time between `previous` and `positions` `[s]`, 0 or
-    /// less when the cloth is at rest. `hold`: how long the accelerations will be used before the next call `[s]`. Faces with an index past
-    /// the end: no force.
+    /// `positions`: `w` = inverse mass `[1/kg]`, particles with 0 get nothing. `substep`: time between `previous` and
+    /// `positions` `[s]`, 0 or less when the cloth is at rest. `hold`: how long the accelerations will be used before the next
+    /// call `[s]`. Faces with an index past the end: no force.
     #[expect(clippy::too_many_arguments, reason = "arrays of a cloth, which the frame keeps apart")]
     pub fn apply(
         &mut self,

@@ -12,13 +12,14 @@ const RATIO_CBRT: f32 = 1.1;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Turbulence {
-    /// Root mean square of each component of the gusts over the mean wind speed (dimensionless). Default 0; open country 0.15, a city 0.3.
-    /// Range 0 to 5.
+    /// Root mean square of each component of the gusts over the mean wind speed (dimensionless). Default 0; open country 0.15,
+    /// a city 0.3. Range 0 to 5.
     pub intensity: f32,
-    /// Size of the largest eddies `[m]`. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells and fades as a whole;
-    /// smaller than its triangles: noise.
+    /// Size of the largest eddies `[m]`. Default 4, range 0.05 to 1000. Much larger than the cloth: the wind swells and fades
+    /// as a whole; smaller than its triangles: noise.
     pub length: f32,
-    /// How often the largest eddies turn over `[Hz]`, on top of the `speed / length` at which they pass by. Default 0.5, range 0 to 20.
+    /// How often the largest eddies turn over `[Hz]`, on top of the `speed / length` at which they pass by. Default 0.5, range
+    /// 0 to 20.
     pub frequency: f32,
     /// Same seed, same gusts.
     pub seed: u64,

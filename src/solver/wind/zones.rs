@@ -16,7 +16,8 @@ pub struct WindZone {
     pub rotation: Quat,
     /// Velocity of the zone in the axes of the frame of simulation `[m/s]`.
     pub velocity: Vec3,
-    /// Distance from the border inwards over which the zone rises to its full strength `[m]`. Default 0.2, range 0 to 1000; 0: a hard edge.
+    /// Distance from the border inwards over which the zone rises to its full strength `[m]`. Default 0.2, range 0 to 1000; 0:
+    /// a hard edge.
     pub falloff: f32,
     /// Whether the zone's wind adds to the wind around it or takes its place.
     pub mode: ZoneMode,

@@ -90,7 +90,8 @@ fn reports(stage: &mut Stage) -> Option<Broken> {
     None
 }
 
-/// What the last frame may have taken for what was to be done `[s]`; without end where the oldest method untangles, which is there to compare with.
+/// What the last frame may have taken for what was to be done `[s]`; without end where the oldest method untangles, which is
+/// there to compare with.
 pub fn work(stage: &mut Stage) -> f32 {
     let fixed = stage.fixed;
     let world = stage.app.world_mut();

@@ -48,7 +48,8 @@ pub fn app(setup: &Setup, options: &Options) -> App {
     app
 }
 
-/// Starts an app, with its own clock. Its systems run in this thread, because what is logged is listened to in one thread, unless threads are what is asked for.
+/// Starts an app, with its own clock. Its systems run in this thread, because what is logged is listened to in one thread,
+/// unless threads are what is asked for.
 pub fn begin(app: &mut App, options: &Options) {
     if options.threads.is_none() {
         for label in [FixedPostUpdate.intern(), PreUpdate.intern(), PostUpdate.intern()] {

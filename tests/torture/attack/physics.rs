@@ -1,4 +1,5 @@
-//! Bodies of avian, some of which take what cloth gives them. Nobody sets wild numbers on them: what avian makes of these is not asked here.
+//! Bodies of avian, some of which take what cloth gives them. Nobody sets wild numbers on them: what avian makes of these is
+//! not asked here.
 
 use avian3d::prelude::{Collider, ColliderDisabled, LinearVelocity, Mass, RigidBody};
 use bevy::prelude::*;

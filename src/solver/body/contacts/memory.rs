@@ -5,8 +5,9 @@ use glam::Vec3;
 use super::{BodyContacts, Candidate};
 
 impl BodyContacts {
-    /// Passes on what is known of the candidates of a `part` (body, index), the last that were listed. Parts come in ascending order: those of
-    /// the frame before have been looked through up to `known`. Returns where the places of its candidates begin, for a surface.
+    /// Passes on what is known of the candidates of a `part` (body, index), the last that were listed. Parts come in ascending
+    /// order: those of the frame before have been looked through up to `known`. Returns where the places of its candidates
+    /// begin, for a surface.
     pub(super) fn remember(
         &mut self,
         part: (u32, u32),

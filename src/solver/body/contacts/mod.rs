@@ -44,7 +44,8 @@ struct Part {
     local: Pose,
     planes: (u32, u32),
     candidates: (u32, u32),
-    /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side by.
+    /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side
+    /// by.
     places: Option<u32>,
     /// Farthest point of the part from its own origin `[m]`; infinite for a half-space.
     radius: f32,

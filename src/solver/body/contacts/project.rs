@@ -13,8 +13,8 @@ use crate::solver::body::{Body, Touch};
 use crate::solver::couple::Coupling;
 
 impl BodyContacts {
-    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing. [`Provisional::restore`] must come
-    /// before [`Self::project`].
+    /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing.
+    /// [`Provisional::restore`] must come before [`Self::project`].
     pub fn project_provisionally(
         &self,
         grounds: &mut Grounds<'_>,
@@ -39,10 +39,11 @@ impl BodyContacts {
 
     /// Once per substep, after every other constraint: resolves contacts.
     ///
-    /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from before the
-    /// substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that name one of `coupling`
-    /// are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles in the substep `[m]` as their speeds at its start
-    /// and gravity have them; empty: nothing bounces. Returns the number of contacts.
+    /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from
+    /// before the substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that
+    /// name one of `coupling` are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles
+    /// in the substep `[m]` as their speeds at its start and gravity have them; empty: nothing bounces. Returns the number of
+    /// contacts.
     #[expect(clippy::too_many_arguments, reason = "arrays of a cloth and of a substep, which the frame keeps apart")]
     pub fn project(
         &mut self,

@@ -11,8 +11,8 @@ use crate::solver::body::motion::{farthest_push, finite_or_zero, swept_box, vali
 use crate::solver::body::{Body, geometry};
 
 impl FaceContacts {
-    /// Once per frame of `dt` `[s]`, before its first substep: lists the faces that could reach a part that is fine for them. `way`: bound on
-    /// the way of any particle `[m]`.
+    /// Once per frame of `dt` `[s]`, before its first substep: lists the faces that could reach a part that is fine for them.
+    /// `way`: bound on the way of any particle `[m]`.
     pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
         core::mem::swap(&mut self.parts, &mut *self.parts_before);
         core::mem::swap(&mut self.candidates, &mut *self.candidates_before);
@@ -103,13 +103,15 @@ fn smallest_radius(shape: &dyn Shape) -> f32 {
     }
 }
 
-/// Whether a convex shape has edges or corners, and is wider than an edge of cloth `[m]` in every direction: what is not pierces faces.
+/// Whether a convex shape has edges or corners, and is wider than an edge of cloth `[m]` in every direction: what is not
+/// pierces faces.
 fn has_wide_edges(shape: &dyn Shape, edge: f32) -> bool {
     let is_round = matches!(shape.as_typed_shape(), TypedShape::Ball(_) | TypedShape::Capsule(_));
     !is_round && shape.compute_local_aabb().half_extents().min_element() > 0.5 * edge
 }
 
-/// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` `[m]` that is kept `keep` `[m]` away.
+/// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` `[m]` that is kept `keep` `[m]`
+/// away.
 fn is_fine(radius: f32, edge: f32, keep: f32, yields: bool) -> bool {
     // One that cloth moves would not come to rest on faces: only what is smaller than they are.
     edge * edge > 8.0 * (radius + keep) * (1.0 - SHARE) * keep && (!yields || edge > radius)

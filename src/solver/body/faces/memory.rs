@@ -26,7 +26,8 @@ impl Candidate {
     }
 }
 
-/// Passes on what is known of faces that stay; both lists are in the order of feature edges, edges before what is between them, and faces.
+/// Passes on what is known of faces that stay; both lists are in the order of feature edges, edges before what is between them,
+/// and faces.
 pub(super) fn remember(
     (before, feature_edges_before): (&[Candidate], &[FeatureEdge]),
     (first, end): (u32, u32),

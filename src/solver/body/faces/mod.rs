@@ -1,4 +1,5 @@
-//! Faces of cloth against bodies that are finer than the mesh: a needle between particles, a corner, a ball smaller than a face.
+//! Faces of cloth against bodies that are finer than the mesh: a needle between particles, a corner, a ball smaller than a
+//! face.
 //!
 //! ```text
 //!      o-----------o      particles at the distance kept: enough while the sagitta e² / 8 R of an edge e over a radius R is small
@@ -8,27 +9,31 @@
 //!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
 //! ```
 //!
-//! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from one of them to the other.
-//! So the edges of faces are looked at by themselves, and their nearest points pushed; faces then only where they are touched between their edges.
-//! Two sheets over a box come to rest with it, and shook without **`[measured]`**. Balls, capsules and feature edges meet whole faces, where it is no
-//! better, and so does what is thinner than an edge of cloth: it might slip between them **`[measured: needles did]`**.
+//! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from
+//! one of them to the other. So the edges of faces are looked at by themselves, and their nearest points pushed; faces then
+//! only where they are touched between their edges. Two sheets over a box come to rest with it, and shook without
+//! **`[measured]`**. Balls, capsules and feature edges meet whole faces, where it is no better, and so does what is thinner
+//! than an edge of cloth: it might slip between them **`[measured: needles did]`**.
 //!
-//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`] of the
-//! distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by one sample at the
-//! middle: a convex part lies behind its tangent plane, and a face that begins and ends in front of that never met it.
+//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`]
+//! of the distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by
+//! one sample at the middle: a convex part lies behind its tangent plane, and a face that begins and ends in front of that
+//! never met it.
 //!
 //! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed
-//! ([`first_touch`](super::advance::first_touch)); it starts each substep outside, hence stays there. *A side is kept.* Where other causes
-//! moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken apart), the normal it last had tells where it belongs: it
-//! is brought back along that, at the speed of particles that start inside. The shortest way out of a needle is sideways, and cloth with a
-//! needle in it cannot go there.
+//! ([`first_touch`](super::advance::first_touch)); it starts each substep outside, hence stays there. *A side is kept.* Where
+//! other causes moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken apart), the normal it last had
+//! tells where it belongs: it is brought back along that, at the speed of particles that start inside. The shortest way out of
+//! a needle is sideways, and cloth with a needle in it cannot go there.
 //!
-//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`FeatureEdges`]), each as a convex
-//! part of its own.
+//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`FeatureEdges`]),
+//! each as a convex part of its own.
 //!
-//! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to and fro.
+//! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to
+//! and fro.
 //!
-//! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field collision".
+//! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field
+//! collision".
 
 mod gather;
 mod list;
@@ -57,8 +62,8 @@ use super::respond::Plane;
 use super::squeeze::Squeezes;
 use piece::Piece;
 
-/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies and more
-/// faces have to be asked for.
+/// Distance that faces keep, as a share of what particles keep (dimensionless). Nearer 1 cloth lies more evenly on fine bodies
+/// and more faces have to be asked for.
 const SHARE: f32 = 0.5;
 
 /// A face, or a piece of one, that may meet a part of a body in this frame.
@@ -83,7 +88,8 @@ struct Candidate {
     side: Vec3,
     /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
     over: f32,
-    /// Corners when a tangent plane was last found, in the part's own space `[m]`, and how far they may go until one has to be looked for again `[m]`.
+    /// Corners when a tangent plane was last found, in the part's own space `[m]`, and how far they may go until one has to be
+    /// looked for again `[m]`.
     corners: [Vec3; 3],
     clear: f32,
     /// Whether a corner is pinned to a body.
@@ -133,7 +139,8 @@ impl FaceContacts {
         self.candidates.len()
     }
 
-    /// Number of the body, particle and mean push per substep `[m]` of every touch when last projected, as if the nearest corner bore it alone.
+    /// Number of the body, particle and mean push per substep `[m]` of every touch when last projected, as if the nearest
+    /// corner bore it alone.
     pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.parts.iter().flat_map(|part| {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);

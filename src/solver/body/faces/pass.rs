@@ -24,8 +24,8 @@ pub(super) enum Pass {
 }
 
 impl Setting<'_> {
-    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at where the
-    /// face is nearest to what was nearest to that, and so on.
+    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at
+    /// where the face is nearest to what was nearest to that, and so on.
     #[inline]
     pub(super) fn pass(&self, way: &Way, mut weights: [f32; 3]) -> Pass {
         let Way { from, to, .. } = way;

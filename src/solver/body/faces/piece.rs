@@ -7,7 +7,8 @@ use crate::solver::body::nearest::Face;
 pub(super) const PIECES: u32 = 4;
 /// Least weight of every corner of a face that is touched between its edges (dimensionless).
 const WITHIN: f32 = 0.02;
-/// How far from its edges a face is touched between them, at least, in distances that it keeps (dimensionless): they reach farther than that.
+/// How far from its edges a face is touched between them, at least, in distances that it keeps (dimensionless): they reach
+/// farther than that.
 const OWN: f32 = 0.5;
 
 /// What of a face is looked at.
@@ -45,7 +46,8 @@ pub(super) fn is_within(weights: &[f32; 3]) -> bool {
 }
 
 impl Setting<'_> {
-    /// Whether a touch is for a piece to take: of what is between edges, what is not as near to one of them as it reaches itself.
+    /// Whether a touch is for a piece to take: of what is between edges, what is not as near to one of them as it reaches
+    /// itself.
     pub(super) fn takes(&self, piece: Piece, weights: &[f32; 3], face: &Face) -> bool {
         let area = (face[1] - face[0]).cross(face[2] - face[0]).length();
         piece != Piece::Within

@@ -1,4 +1,5 @@
-//! What each substep does with the faces listed: lays those that touched, and keeps faces out of parts, one part after the other.
+//! What each substep does with the faces listed: lays those that touched, and keeps faces out of parts, one part after the
+//! other.
 
 use glam::{Vec3A, Vec4};
 
@@ -14,7 +15,8 @@ use crate::solver::body::{Body, Touch};
 use crate::solver::couple::Coupling;
 
 impl FaceContacts {
-    /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::project_provisionally), after it.
+    /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::project_provisionally),
+    /// after it.
     pub fn project_provisionally(
         &mut self,
         grounds: &mut Grounds<'_>,

@@ -7,8 +7,8 @@ use super::setting::{Setting, State, Way};
 use crate::solver::body::nearest::{Near, at};
 use crate::solver::body::respond::{Plane, respond};
 
-/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that are held is
-/// not levered.
+/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that
+/// are held is not levered.
 const LEAST_MOBILITY: f32 = 0.05;
 
 impl Setting<'_> {

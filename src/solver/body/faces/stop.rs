@@ -8,8 +8,8 @@ use crate::solver::body::nearest::{Face, Near, at};
 use crate::solver::body::respond::Plane;
 use crate::solver::body::sweep::{SLIDES, plane_at};
 
-/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning with the
-/// distance kept.
+/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning
+/// with the distance kept.
 const DOUBLINGS: u32 = 8;
 
 impl Setting<'_> {
@@ -33,7 +33,8 @@ impl Setting<'_> {
             start = face;
         }
         if self.pierces && first_touch(nearest, &start, &way.to, keep).is_some() {
-            // Wedged: it stays at the last place known to be outside. What is rounder than that gets no farther than particles let it.
+            // Wedged: it stays at the last place known to be outside. What is rounder than that gets no farther than particles
+            // let it.
             for (i, &p) in state.candidate.piece.of(&state.candidate.particles).iter().enumerate() {
                 if way.masses[i] > 0.0
                     && let Some(x) = state.positions.get_mut(p as usize)

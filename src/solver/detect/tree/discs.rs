@@ -24,9 +24,11 @@ struct Piece {
 }
 
 impl Tree {
-    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams and with borders of the mesh at the sides of its box only.
+    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams and with borders of the mesh at the
+    /// sides of its box only.
     ///
-    /// What is known of the children of a node tells of the node, except where one of them is in pieces: then its faces are walked.
+    /// What is known of the children of a node tells of the node, except where one of them is in pieces: then its faces are
+    /// walked.
     pub(super) fn find_discs(&mut self, surface: &Surface, shared: &Shared) {
         let topology = &surface.topology;
         let seams = seams(surface);

@@ -1,4 +1,5 @@
-//! Joins the trees of cloths into that of an island: their nodes stand one after the other, below a few that hold more than one cloth.
+//! Joins the trees of cloths into that of an island: their nodes stand one after the other, below a few that hold more than one
+//! cloth.
 //!
 //! ```text
 //!             MIXED                     numbers of nodes, faces, particles, leaves and joints are shifted by what stands before

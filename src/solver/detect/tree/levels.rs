@@ -3,8 +3,8 @@
 use super::{Bounds, IS_LEAF, Tree};
 
 impl Tree {
-    /// The boxes `[m]` down to a `depth`, each with its own, as of the last [`Self::refit`]. The root is at depth 0; what is in no smaller
-    /// box is in a leaf.
+    /// The boxes `[m]` down to a `depth`, each with its own, as of the last [`Self::refit`]. The root is at depth 0; what is in
+    /// no smaller box is in a leaf.
     pub fn boxes(&self, depth: u32) -> impl Iterator<Item = (u32, Bounds)> + '_ {
         let mut stack: Vec<(u32, u32)> = if self.nodes.is_empty() { Vec::new() } else { vec![(0, 0)] };
         core::iter::from_fn(move || {

@@ -43,8 +43,9 @@ impl Tree {
         self.traverse::<false>(surface, margin, &[(0, 0)], meter, found);
     }
 
-    /// As [`Self::meetings`], in parts where there is too much work: each goes on where the one before stopped. Pairs of nodes that are left do not
-    /// depend on where particles are. Says whether it began with the first part, and whether this was the last.
+    /// As [`Self::meetings`], in parts where there is too much work: each goes on where the one before stopped. Pairs of nodes
+    /// that are left do not depend on where particles are. Says whether it began with the first part, and whether this was the
+    /// last.
     pub fn go_on(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) -> [bool; 2] {
         let left = core::mem::take(&mut self.left);
         let is_first = left.is_empty();
@@ -187,7 +188,8 @@ impl Tree {
         }
     }
 
-    /// Whether all normals of some leaves lie within 60° of their sum. Their box, which is tested first, takes in more than the normals.
+    /// Whether all normals of some leaves lie within 60° of their sum. Their box, which is tested first, takes in more than the
+    /// normals.
     #[inline]
     fn hardly_bend<const N: usize>(&self, leaves: [&Node; N]) -> bool {
         let normals = || leaves.into_iter().flat_map(|leaf| &self.normals[leaf.run()]);

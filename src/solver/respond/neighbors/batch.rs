@@ -67,7 +67,8 @@ impl Batch {
         &self.found[i]
     }
 
-    /// Finds the closest points of all that is near, at `positions` `[m]`, and whether each pair may touch on its way `ahead` `[m]`.
+    /// Finds the closest points of all that is near, at `positions` `[m]`, and whether each pair may touch on its way `ahead`
+    /// `[m]`.
     pub(super) fn find(&mut self, positions: &[Vec4], ahead: &[Vec3A]) {
         self.found.resize(self.found.len().max(self.near.len()), Found::NOTHING);
         for four in fours(&self.kinds[0]) {

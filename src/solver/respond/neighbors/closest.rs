@@ -44,7 +44,8 @@ pub(super) fn find_four<const EDGES: bool>(
     let normal = delta.times(scale);
     let [a, b, c, d] = each(|k| normal.dot(there[k]));
     let apart = if EDGES { a.min(b) - c.max(d) } else { a - b.max(c).max(d) };
-    // Closer than coordinates can tell, two cloths have no side to be on. What a cloth does to itself is rolled back if it was wrong.
+    // Closer than coordinates can tell, two cloths have no side to be on. What a cloth does to itself is rolled back if it was
+    // wrong.
     let size = now[0].abs().max(now[1].abs()).max(now[2].abs()).max(now[3].abs());
     let known = distance.cmpgt(ROUNDING * size.x.max(size.y).max(size.z)).bitmask();
     let finite = (scale.cmpgt(Vec4::ZERO) & scale.cmple(Vec4::MAX)).bitmask();
@@ -99,7 +100,8 @@ pub(super) fn vertex_faces([p, a, b, c]: &[Four; 4]) -> Closest {
     Closest { weights: [all, -w[0], -w[1], -w[2]], distance, may_touch: BVec4A::TRUE }
 }
 
-/// Edges. Only those may touch whose lines come closest inside both, or may do so soon. Where they never do, a particle is closer.
+/// Edges. Only those may touch whose lines come closest inside both, or may do so soon. Where they never do, a particle is
+/// closer.
 #[inline(always)]
 pub(super) fn edges(now: &[Four; 4], there: &[Four; 4]) -> Closest {
     let [p, q, r, s] = *now;

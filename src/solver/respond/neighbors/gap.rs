@@ -43,7 +43,8 @@ pub(super) fn near(now: [Vec4; 3], ahead: [Vec3A; 3], others: &Lanes, faces: u8,
     [may & faces, may & do_now & faces]
 }
 
-/// Of the `faces` of a leaf, a bit each, those that may cross a face that is where it is `now`: the others are sure to lie beside it.
+/// Of the `faces` of a leaf, a bit each, those that may cross a face that is where it is `now`: the others are sure to lie
+/// beside it.
 #[inline]
 pub(super) fn may_cross(now: [Vec4; 3], others: &Lanes, faces: u8) -> u8 {
     let f =

@@ -29,7 +29,8 @@ impl Looked {
         Self { normal, height: (normal.length_squared() / base.max(f32::MIN_POSITIVE)).sqrt(), drift }
     }
 
-    /// Whether it has turned since, its particles having drifted as far as `drift` `[m]`; `now` and `there`: where they are and will be `[m]`.
+    /// Whether it has turned since, its particles having drifted as far as `drift` `[m]`; `now` and `there`: where they are and
+    /// will be `[m]`.
     #[inline]
     pub(super) fn has_turned(&self, drift: f32, now: impl Fn() -> [Vec3A; 3], there: impl Fn() -> [Vec3A; 3]) -> bool {
         let [still, far] = DRIFT_OF_HEIGHT.map(|share| share * self.height);

@@ -1,7 +1,7 @@
 //! Which pairs may touch before the next frame.
 //!
-//! Each face is boxed together with where it is foreseen to be, relative to the motion all cloths share. Of two faces whose boxes meet,
-//! each asks with the particles and edges it owns. So every pair is asked for once.
+//! Each face is boxed together with where it is foreseen to be, relative to the motion all cloths share. Of two faces whose
+//! boxes meet, each asks with the particles and edges it owns. So every pair is asked for once.
 //!
 //! ```text
 //! begin ─► foresee: boxes swept to where each particle will be
@@ -38,7 +38,8 @@ use flat::Flatness;
 use looked::Looked;
 use patch::Patches;
 
-/// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame comes from there.
+/// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame
+/// comes from there.
 const MARGIN: f32 = 0.25;
 
 /// Mean way of particles until the next look from which on cloth flutters, in thicknesses (dimensionless).
@@ -93,8 +94,8 @@ impl NeighborList {
         self.flatness.forget();
     }
 
-    /// Finds the pairs that may touch within `dt` `[s]`. `tangled` says how much a particle belongs to a tangle (0 to 1), within which there is no
-    /// right side.
+    /// Finds the pairs that may touch within `dt` `[s]`. `tangled` says how much a particle belongs to a tangle (0 to 1),
+    /// within which there is no right side.
     pub fn find(
         &mut self,
         surface: &Surface,

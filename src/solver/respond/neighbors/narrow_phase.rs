@@ -170,8 +170,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         (1.0 + MARGIN) * 0.5 * (a + b)
     }
 
-    /// Which faces of two leaves that meet lie in one fan that hardly bends: they are hardly closer than at rest. And which of them
-    /// may cross all the same, as cloth is cut or sewn there.
+    /// Which faces of two leaves that meet lie in one fan that hardly bends: they are hardly closer than at rest. And which of
+    /// them may cross all the same, as cloth is cut or sewn there.
     #[inline]
     fn flat(&mut self, a: LeafRef<'_>, b: LeafRef<'_>, met: &Meeting) -> [[u8; LEAF]; 2] {
         let [mut flat, mut loose] = [[0; LEAF]; 2];
@@ -187,8 +187,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         [flat, loose]
     }
 
-    /// Which faces of two leaves that meet, but those that are `flat`, may come within `reach` `[m]`; which are so close that they may cross before they are
-    /// looked at again; and which of these may cross now.
+    /// Which faces of two leaves that meet, but those that are `flat`, may come within `reach` `[m]`; which are so close that
+    /// they may cross before they are looked at again; and which of these may cross now.
     #[inline]
     fn gaps(&mut self, tree: &Tree, met: &Meeting, flat: &[u8; LEAF], reach: f32) -> [[u8; LEAF]; 3] {
         let [mut may, mut close, mut cross] = [[0; LEAF]; 3];
@@ -220,8 +220,8 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// Notes what is near of face `i` of the first leaf and the `faces` of the second, a bit for each. Of two faces first the corners that each
-    /// owns with the other face, then the edges that both own. What shares a particle is not.
+    /// Notes what is near of face `i` of the first leaf and the `faces` of the second, a bit for each. Of two faces first the
+    /// corners that each owns with the other face, then the edges that both own. What shares a particle is not.
     #[inline]
     fn take<T>(&self, asked: &mut NarrowPhase<'_, T>, i: usize, faces: u32) {
         let NarrowPhase { patches, positions, ahead, batch, .. } = asked;

@@ -7,9 +7,10 @@ use super::{Contacts, MARGIN, Moment, NeighborList};
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 
-/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, in thicknesses. What drifted is looked at where it
-/// is, against others that may drift from one side of where they were to the other. Two that nobody knew come to within `1 + MARGIN - 3 DRIFT` thicknesses, a
-/// half, before they are known. Cloth is thinner there for a moment, and far from crossing.
+/// How far particles may drift from where they were at the last look for it to hold in the next frame, too, in thicknesses.
+/// What drifted is looked at where it is, against others that may drift from one side of where they were to the other. Two that
+/// nobody knew come to within `1 + MARGIN - 3 DRIFT` thicknesses, a half, before they are known. Cloth is thinner there for a
+/// moment, and far from crossing.
 pub(super) const DRIFT: f32 = (0.5 + MARGIN) / 3.0;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
@@ -57,7 +58,8 @@ impl NeighborList {
         true
     }
 
-    /// Finds the particles of faces that have turned since they were looked at, or will, though none of them has drifted too far; how many.
+    /// Finds the particles of faces that have turned since they were looked at, or will, though none of them has drifted too
+    /// far; how many.
     fn find_turned(&mut self, surface: &Surface, positions: &[Vec4]) -> usize {
         let Self { there, drift, astray, faces, .. } = self;
         let mut count = 0;
