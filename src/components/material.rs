@@ -39,8 +39,7 @@ pub struct ClothMaterial {
     /// 1e7. Low is rubber; high needs substeps before it is noticed.
     pub stretch_stiffness: f32,
     /// Shear stiffness `G` of the membrane `[N/m]`: force per metre of width at an angle of one radian. Default 50, range 0 to
-    /// 1e7; a woven fabric has 20 to
-    /// 200. Low drapes into finer folds; 0 lets quads shear freely.
+    /// 1e7; a woven fabric has 20 to 200. Low drapes into finer folds; 0 lets quads shear freely.
     pub shear_stiffness: f32,
     /// Bending stiffness `B` `[N·m]`: moment per metre of width and curvature. Default 1e-5, range 0 to 1. Low folds finely;
     /// high keeps the shape at rest. Held down to edges of a few millimetres, see
@@ -59,10 +58,9 @@ pub struct ClothMaterial {
     /// for. A mirrored texture has it mirrored, like a left sleeve beside a right one.
     pub warp_angle: f32,
     /// Curvature that the friction between its yarns holds `[1/m]`, `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0
-    /// to 1000; silk 18, wool 25, cotton
-    /// 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at most, and cloth stops at once; 0:
-    ///     folds open all the way, and it
-    /// swings. More than 0 makes it twice as stiff where it begins to bend.
+    /// to 1000; silk 18, wool 25, cotton 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at
+    /// most, and cloth stops at once; 0: folds open all the way, and it swings. More than 0 makes it twice as stiff where it
+    /// begins to bend.
     pub bend_hysteresis: f32,
     /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like
     /// moving in honey.
