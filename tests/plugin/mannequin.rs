@@ -228,7 +228,7 @@ fn over_phases(clip: &str, phases: u32) -> Option<Vec<(String, Worn)>> {
 fn a_human_in_cape_and_skirt_walks_and_runs() {
     // Of what depends on the phase as on a throw of dice, many are asked. One frame in so many may cross, and one in so many
     // have something deep in a bone: the skin of the cape has an elbow through it, that of the skirt the thighs. These twenty
-    // starts are lucky ones: of sixty, eleven walks tangle, for half a second or to their end, and others not at all.
+    // starts are lucky ones: of sixty walks, eleven tangle, for one frame up to all of them, and others not at all.
     let clips = [
         ("Idle", 1, 100, None),
         ("Walking_A", 20, 40, Some(4)),
