@@ -5,8 +5,9 @@
 //!            faces                  for bodies finer than the mesh: its faces that could meet them too
 //!  substep:  project   sample  ->   signed distance and normal of the shape, in the body's own space
 //!                      sweep   ->   only when the particle could have crossed: first touch along its path
-//!                      respond ->   push out, friction, recovery without velocity
+//!                      respond ->   push out, recovery without velocity
 //!            faces     nearest ->   the same for the nearest point of a face, shared out to its particles
+//!            friction               of particles, then of faces, when all is pushed out
 //! ```
 //!
 //! All geometry happens in the space of the body. A particle goes from `q0 = X(s0)⁻¹ x_previous` to
@@ -20,7 +21,9 @@ mod feature_edges;
 mod depth;
 mod distance;
 mod faces;
+mod friction;
 mod geometry;
+mod ground;
 mod provisional;
 mod motion;
 mod nearest;
@@ -43,12 +46,14 @@ use glam::Vec3;
 pub(crate) use contacts::{Approach, BodyContacts};
 pub use depth::depths;
 pub(crate) use faces::{FaceContacts, Sheet};
+pub(crate) use friction::{Friction, slip};
+pub(crate) use ground::Grounds;
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use pierce::Pierced;
 pub(crate) use pinch::Pinches;
-pub(crate) use provisional::{Grounds, Provisional};
-pub(crate) use respond::{BAND, Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
+pub(crate) use provisional::Provisional;
+pub(crate) use respond::{BAND, IMPACT_SPEED, Plane, Projection, mean_load, push_out};
 pub use shape::ShapeError;
 pub(crate) use snug::Snug;
 pub(super) use take_out::take_out;

@@ -1,4 +1,5 @@
-//! What a touched particle does: it is pushed out, it rubs, and it bounces only if its fabric does.
+//! What a touched particle does: it is pushed out, and bounces only if its fabric does. Then [friction](super::friction) holds
+//! it.
 //!
 //! ```text
 //!        n        gap   g(q) = n · q - c          (c: the plane at one thickness from the surface)
@@ -16,17 +17,12 @@
 //! substep, goes to `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in
 //! the push that moves bodies and bears friction. It turns where it was when the substep began. Only what its speed brings in
 //! counts: what springs press on a body does not bounce.
-//!
-//! *Friction* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the
-//! normal load `λ`: `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed
-//! down by its springs from substep to substep, so `λ` is not the push of this substep but its running mean, and it still acts
-//! within a thin band over the plane. The mean of the load is the mean of the pushes, hence the mean friction is Coulomb's.
 
 use glam::Vec3A;
 
 /// Speed at which particles that start inside a body are brought out `[m/s]`. Range 0.1 to 10: lower, an overlap stays
 /// visible; higher, springs of the cloth are stretched by it.
-pub(super) const RECOVERY_SPEED: f32 = 1.0;
+const RECOVERY_SPEED: f32 = 1.0;
 
 /// Share of the newest push in the running mean of the load (dimensionless), range 0.05 to 1. At 1 friction flickers with the
 /// springs.
@@ -34,38 +30,6 @@ const LOAD_SHARE: f32 = 0.25;
 
 /// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
 pub(crate) const BAND: f32 = 0.02;
-
-/// Friction coefficients of one body and one fabric (dimensionless).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Friction {
-    pub(crate) fixed: f32,
-    pub(crate) sliding: f32,
-}
-
-impl Friction {
-    /// Geometric mean of both partners; what is not a number counts as 0.
-    pub(crate) fn between(body: (f32, f32), fabric: (f32, f32)) -> Self {
-        let in_range = |x: f32| if x.is_finite() { x.clamp(0.0, 10.0) } else { 0.0 };
-        let mean = |a, b| (in_range(a) * in_range(b)).sqrt();
-        let sliding = mean(body.1, fabric.1);
-        Self { fixed: mean(body.0, fabric.0).max(sliding), sliding }
-    }
-
-    /// How much of the way `slip` `[m]` along a surface is taken back under a load `[m]`, and whether that is all of it.
-    #[inline]
-    pub(crate) fn hold(self, slip: Vec3A, load: f32) -> (Vec3A, bool) {
-        let length2 = slip.length_squared();
-        let most = self.fixed * load;
-        let sticks = length2 <= most * most;
-        (if sticks { slip } else { slip * (self.sliding * load / length2.sqrt()).min(1.0) }, sticks)
-    }
-
-    /// Both coefficients times `factor`.
-    pub(super) fn times(self, factor: f32) -> Self {
-        Self { fixed: self.fixed * factor, sliding: self.sliding * factor }
-    }
-}
 
 /// Speed of approach up to which nothing bounces `[m/s]`: what rests is pulled in by its springs and by gravity in every
 /// substep.
@@ -87,38 +51,36 @@ impl Plane {
     }
 }
 
-/// Where a particle goes that is pushed out and rubs, in body space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Which projection of a substep it is. The second recovers nothing, as the relax stage of `Box2D` v3.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Response {
-    /// Where it ends the substep `[m]`, and the way that its previous position takes `[m]`.
-    pub(crate) end: Vec3A,
-    pub(crate) shift: Vec3A,
-    /// Running mean of the push `[m]`, this substep included.
-    pub(crate) load: f32,
-    /// Push of this substep without what recovery lifted it `[m]`.
-    pub(crate) push: f32,
-    /// Whether static friction holds it.
-    pub(crate) sticks: bool,
+pub(crate) enum Projection {
+    /// Takes loads into their means, and recovers overlaps from before the substep.
+    #[default]
+    First,
+    /// Adds to loads: of surfaces for particles, and for faces of all that they could pass unseen.
+    Relax,
 }
 
-/// As [`push_out`], and rubs: with the running mean `load` of the push before this substep `[m]`.
-#[inline]
-#[expect(clippy::too_many_arguments, reason = "one contact, in numbers that particles and faces have in other places")]
-pub(crate) fn respond(
-    plane: Plane,
-    start: Vec3A,
-    wanted: Vec3A,
-    end: Vec3A,
-    recovery: f32,
-    load: f32,
-    friction: Friction,
-    rise: f32,
-) -> Response {
-    let Pushed { end, shift, push } = push_out(plane, start, wanted, end, recovery, rise);
-    let load = mean_load(load, push);
-    let (held, sticks) = friction.hold(slip(plane.normal, end - start), load);
-    Response { end: end - held, shift, load, push, sticks }
+impl Projection {
+    /// The mean `load` `[m]` after a `push` `[m]` in this projection.
+    #[inline]
+    pub(crate) fn load(self, load: f32, push: f32) -> f32 {
+        match self {
+            Self::First => mean_load(load, push),
+            Self::Relax if load > 0.0 => load + LOAD_SHARE * push,
+            // What met nothing before has no mean yet.
+            Self::Relax => push,
+        }
+    }
+
+    /// How far an overlap is brought out in a substep of `h` `[s]`, at most `[m]`.
+    pub(crate) fn recovery(self, h: f32) -> f32 {
+        match self {
+            Self::First => RECOVERY_SPEED * h,
+            Self::Relax => 0.0,
+        }
+    }
 }
 
 /// Running mean of a load `[m]`, after a substep in which it was `push` `[m]`.
@@ -127,13 +89,7 @@ pub(crate) fn mean_load(load: f32, push: f32) -> f32 {
     if load > 0.0 { load + LOAD_SHARE * (push - load) } else { push }
 }
 
-/// The part of a way that is along a surface.
-#[inline]
-pub(crate) fn slip(normal: Vec3A, way: Vec3A) -> Vec3A {
-    way - normal * normal.dot(way)
-}
-
-/// Where a particle and its previous position go that is pushed out, and does not rub.
+/// Where a particle and its previous position go that is pushed out, in body space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pushed {
     /// Where it ends the substep `[m]`, and the way that its previous position takes `[m]`.

@@ -87,16 +87,11 @@ impl Scene {
                 self.positions[b] -= push.extend(0.0);
             }
             let before = self.previous.clone();
-            self.touching = self.contacts.project(
-                bodies,
-                s0,
-                s1,
-                &mut self.positions,
-                &mut self.previous,
-                &[],
-                &touch(self.friction),
-                &mut Coupling::default(),
-            );
+            let (touch, mut coupling) = (touch(self.friction), Coupling::default());
+            let Self { contacts, positions, previous, .. } = self;
+            let mut grounds = Grounds { bodies, span: (s0, s1), touch, coupling: &mut coupling };
+            self.touching = contacts.project(&mut grounds, positions, previous, &[], Projection::First);
+            contacts.apply_friction(&mut grounds, positions, previous);
             check(s0, s1, &before, &self.positions);
         }
     }
@@ -421,4 +416,74 @@ fn buffers_do_not_grow_once_warm_and_a_second_run_has_the_same_bits() {
         scene.positions.iter().flat_map(|x| x.to_array().map(f32::to_bits)).collect::<Vec<_>>()
     };
     assert_eq!(run(), run());
+}
+
+/// Where a particle ends, from where it lay on a floor `[m]`, that moves by `way` `[m]` in a substep; `again`: it is drawn in by
+/// as much a second time.
+fn aside(friction: f32, way: Vec3, restitution: f32, again: bool) -> Vec3 {
+    let body = Body {
+        static_friction: friction,
+        dynamic_friction: friction,
+        ..Body::at_rest(shape::half_space(Vec3::Y).expect("a floor"), Pose::IDENTITY)
+    };
+    let (bodies, touch, mut coupling) = ([body], Touch { restitution, ..touch(friction) }, Coupling::default());
+    let start = Vec4::new(0.0, THICKNESS, 0.0, 1.0);
+    let (mut positions, mut previous) = ([start], [start]);
+    let mut contacts = BodyContacts::default();
+    let approach = Approach { dt: DT, substep: H, gravity: GRAVITY, thickness: THICKNESS, extra: 0.0 };
+    contacts.gather(&bodies, &positions, &previous, &approach);
+    positions[0] += way.extend(0.0);
+    let inbound = [way.extend(0.0)];
+    let mut grounds = Grounds { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
+    contacts.project(&mut grounds, &mut positions, &mut previous, &inbound, Projection::First);
+    if again {
+        positions[0].y += way.y;
+        contacts.push_to_planes(&mut grounds, &mut positions);
+    }
+    contacts.apply_friction(&mut grounds, &mut positions, &previous);
+    positions[0].truncate() - start.truncate()
+}
+
+#[test]
+fn friction_comes_last_and_counts_every_push() {
+    let way = Vec3::new(1.0e-3, -2.0e-3, 0.0);
+    let slid = |again: bool| aside(0.2, way, 0.0, again);
+    assert!((slid(false) - Vec3::X * 0.6e-3).length() < 1.0e-6, "{}", slid(false));
+    // Its load is a mean over substeps, of which a second push is a quarter of one.
+    assert!((slid(true) - Vec3::X * 0.5e-3).length() < 1.0e-6, "{}", slid(true));
+    assert!(aside(0.6, way, 0.0, false).length() < 1.0e-6, "it sticks");
+}
+
+#[test]
+fn what_bounces_rubs_under_all_that_turned_it_back() {
+    let way = Vec3::new(10.0e-3, -10.0e-3, 0.0);
+    let end = aside(0.2, way, 0.5, false);
+    assert!((end - Vec3::new(7.0e-3, 5.0e-3, 0.0)).length() < 1.0e-5, "{end}");
+}
+
+/// Springs draw a particle through a sheet of triangles after bodies were met; it has met none, and so has no plane. Then it
+/// rubs as if it had met it the first time.
+#[test]
+fn what_is_drawn_through_a_surface_is_put_back_when_it_is_looked_at_again() {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, z]| Vec3::new(x, 0.0, z));
+    let surface = SharedShape::trimesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("a surface");
+    let bodies = Body::at_rest(surface, Pose::IDENTITY);
+    let bodies = [Body { static_friction: 0.2, dynamic_friction: 0.2, ..bodies }];
+    for side in [1.0, -1.0] {
+        let start = Vec4::new(0.1, side * 1.5 * THICKNESS, 0.3, 1.0);
+        let (mut positions, mut previous) = ([start], [start]);
+        let (mut contacts, mut coupling, touch) = (BodyContacts::default(), Coupling::default(), touch(0.2));
+        let approach = Approach { dt: DT, substep: H, gravity: GRAVITY, thickness: THICKNESS, extra: 0.02 };
+        contacts.gather(&bodies, &positions, &previous, &approach);
+        let mut grounds = Grounds { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
+        let before = &mut previous;
+        assert_eq!(contacts.project(&mut grounds, &mut positions, before, &[], Projection::First), 0);
+        positions[0] += Vec4::new(2.0e-3, -side * 2.0 * THICKNESS, 0.0, 0.0);
+        assert_eq!(contacts.project(&mut grounds, &mut positions, before, &[], Projection::Relax), 1);
+        assert!((positions[0].y - side * THICKNESS).abs() < 1.0e-5, "side {side}: at {}", positions[0].y);
+        contacts.apply_friction(&mut grounds, &mut positions, before);
+        // It was pushed by 1.5 thicknesses, 7.5 mm, and 0.2 of that is 1.5 mm.
+        let slid = positions[0].x - start.x;
+        assert!((slid - 0.5e-3).abs() < 1.0e-5, "side {side}: slid by {slid} m");
+    }
 }

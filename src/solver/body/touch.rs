@@ -1,8 +1,8 @@
 //! The fabric's side of a contact: how far it keeps off, how it rubs, how it bounces.
 
 use super::Body;
+use super::friction::Friction;
 use super::motion::finite_or_zero;
-use super::respond::Friction;
 use crate::solver::settings::Fabric;
 
 /// The fabric's side of a contact.

@@ -1,7 +1,7 @@
 //! Integrate: the cloths of an island side by side, substep by substep.
 //!
 //! ```text
-//! (constrain ─► project provisionally ─► touch ─► project provisionally ─► solve ─► bodies ─► static friction ─► restitution ─► CCD
+//! (constrain ─► project provisionally ─► touch ─► project provisionally ─► solve ─► bodies ─► friction ─► restitution ─► CCD
 //!    ─► (shorten ─► push apart ─► CCD)* )* ─► finish ─► CCD
 //! ```
 
@@ -44,7 +44,6 @@ impl Island {
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
         let gap = (LOOK_AGAIN * count as f32 / longest.max(f32::MIN_POSITIVE)).round().max(1.0) as u32;
         self.share = 0.0;
-        self.contacts.note_meetings();
         let tangled = !self.contours().is_empty();
         for (part, m) in cloths.iter_mut().enumerate() {
             let range = self.surface.parts[part].particles.clone();
@@ -65,7 +64,7 @@ impl Island {
                 m.cloth.constrain(m.state, m.scratch);
             }
             if lies {
-                self.project_provisionally(true, cloths);
+                Self::project_provisionally(cloths);
             }
             self.keep_apart(cloths, lies);
             for (part, m) in cloths.iter_mut().enumerate() {
@@ -73,9 +72,7 @@ impl Island {
                 let first = self.surface.parts[part].particles.start;
                 m.scratch.grounded().for_each(|p| self.contacts.touch_ground(first + p));
             }
-            if lies {
-                self.reapply_static_friction(cloths);
-            }
+            self.apply_friction(cloths);
             self.apply_restitution(cloths);
             self.clamp_motion(cloths, false);
             self.limit_strain(cloths);
@@ -102,11 +99,10 @@ impl Island {
         !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
-    /// Puts what lies on bodies where they will put it; `rubs`: their friction holds it there, too, which it does once a
-    /// substep.
-    fn project_provisionally(&self, rubs: bool, cloths: &mut [Member<'_>]) {
-        for (part, m) in cloths.iter_mut().enumerate() {
-            m.cloth.project_provisionally(rubs && self.contacts.meets_other(part), m.state, m.scratch);
+    /// Puts what lies on bodies where they will put it.
+    fn project_provisionally(cloths: &mut [Member<'_>]) {
+        for m in cloths {
+            m.cloth.project_provisionally(m.state, m.scratch);
         }
     }
 
@@ -137,7 +133,7 @@ impl Island {
         if lies {
             // What was pushed into a body lies on it again.
             self.scatter_pairs(cloths);
-            self.project_provisionally(false, cloths);
+            Self::project_provisionally(cloths);
             self.gather_pairs(cloths);
         }
         self.contacts.solve();
@@ -170,10 +166,13 @@ impl Island {
         cloths.iter().map(|m| if m.moves { m.cloth.input.gravity } else { Vec3::ZERO }).sum()
     }
 
-    /// Holds pairs that stick, when bodies have pushed, too.
-    fn reapply_static_friction(&mut self, cloths: &mut [Member<'_>]) {
+    /// Holds pairs that slip, when bodies have pushed, too.
+    fn apply_friction(&mut self, cloths: &mut [Member<'_>]) {
+        if !self.contacts.has_constraints() {
+            return;
+        }
         self.gather_pairs(cloths);
-        self.contacts.reapply_static_friction();
+        self.contacts.apply_friction();
         self.scatter_pairs(cloths);
     }
 

@@ -54,6 +54,8 @@ pub(super) struct Contact {
     pub load: f32,
     /// Mean of what all pushes of a substep do: push over mobility `[kg·m]`; divided by the substep it is an impulse.
     pub drive: f32,
+    /// What friction pushed it along the plane in the last substep `[m]`.
+    pub tangent_push: Vec3,
     /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
     pub inverted: bool,
     pub was_inverted: bool,
@@ -82,7 +84,7 @@ impl Contact {
         let constraint = self.meet(pair, particles);
         // What is apart stays as it was, mostly, and is not written.
         if constraint.is_none() && (self.load != 0.0 || self.drive != 0.0) {
-            (self.load, self.drive) = (0.0, 0.0);
+            (self.load, self.drive, self.tangent_push) = (0.0, 0.0, Vec3::ZERO);
         }
         constraint
     }
@@ -149,7 +151,7 @@ impl Contact {
             floor: 0.0,
             load: self.load,
             push: 0.0,
-            sticks: false,
+            tangent_push: self.tangent_push.into(),
         })
     }
 
@@ -227,6 +229,7 @@ impl Contact {
             across: true,
             load: 0.0,
             drive: 0.0,
+            tangent_push: Vec3::ZERO,
             inverted: false,
             was_inverted: false,
         }

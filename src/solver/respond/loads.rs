@@ -1,5 +1,7 @@
 //! What pairs bore that a look forgets: they go on from there where the look finds them again.
 
+use glam::Vec3;
+
 use crate::solver::detect::ProximityKind;
 use crate::solver::topology::NONE;
 
@@ -12,13 +14,24 @@ pub(super) struct Loads {
     entries: Vec<Entry>,
 }
 
+/// What a pair bore.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Load {
+    /// Mean push `[m]`.
+    pub push: f32,
+    /// Mean of what all pushes do `[kg·m]`.
+    pub drive: f32,
+    /// What friction pushed it `[m]`.
+    pub tangent_push: Vec3,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Entry {
     kind: ProximityKind,
     particles: [u32; 4],
-    /// Mean push `[m]` and drive `[kg·m]`.
-    load: [f32; 2],
+    load: Load,
     next: u32,
 }
 
@@ -41,7 +54,7 @@ impl Loads {
 
     /// Notes what a pair bears.
     #[inline]
-    pub(super) fn note(&mut self, kind: ProximityKind, particles: [u32; 4], load: [f32; 2]) {
+    pub(super) fn note(&mut self, kind: ProximityKind, particles: [u32; 4], load: Load) {
         if let Some(head) = self.heads.get_mut(particles[0] as usize) {
             let next = core::mem::replace(head, self.entries.len() as u32);
             self.entries.push(Entry { kind, particles, load, next });
@@ -50,7 +63,7 @@ impl Loads {
 
     /// What a pair bore; nothing if it was not noted.
     #[inline]
-    pub(super) fn of(&self, kind: ProximityKind, particles: [u32; 4]) -> [f32; 2] {
+    pub(super) fn of(&self, kind: ProximityKind, particles: [u32; 4]) -> Load {
         let mut next = self.heads.get(particles[0] as usize).copied().unwrap_or(NONE);
         while let Some(entry) = self.entries.get(next as usize) {
             if entry.particles == particles && entry.kind == kind {
@@ -58,7 +71,7 @@ impl Loads {
             }
             next = entry.next;
         }
-        [0.0; 2]
+        Load::default()
     }
 }
 
@@ -70,18 +83,19 @@ mod tests {
     fn a_pair_gets_what_it_bore_and_no_other_does() {
         use ProximityKind::{EdgeEdge, VertexFace};
         let mut loads = Loads::default();
-        loads.note(VertexFace, [0, 1, 2, 3], [1.0; 2]);
-        assert_eq!(loads.of(VertexFace, [0, 1, 2, 3]), [0.0; 2], "without room nothing is noted");
+        let load = |push: f32| Load { push, drive: 2.0 * push, tangent_push: Vec3::X * push };
+        loads.note(VertexFace, [0, 1, 2, 3], load(1.0));
+        assert_eq!(loads.of(VertexFace, [0, 1, 2, 3]), Load::default(), "without room nothing is noted");
         loads.fit(8);
-        loads.note(VertexFace, [0, 1, 2, 3], [1.0, 2.0]);
-        loads.note(EdgeEdge, [0, 1, 2, 3], [3.0, 4.0]);
-        loads.note(EdgeEdge, [7, 1, 2, 3], [5.0, 6.0]);
-        assert_eq!(loads.of(VertexFace, [0, 1, 2, 3]), [1.0, 2.0]);
-        assert_eq!(loads.of(EdgeEdge, [0, 1, 2, 3]), [3.0, 4.0]);
-        assert_eq!(loads.of(EdgeEdge, [7, 1, 2, 3]), [5.0, 6.0]);
-        assert_eq!(loads.of(VertexFace, [7, 1, 2, 3]), [0.0; 2]);
-        assert_eq!(loads.of(EdgeEdge, [0, 1, 3, 2]), [0.0; 2]);
+        loads.note(VertexFace, [0, 1, 2, 3], load(1.0));
+        loads.note(EdgeEdge, [0, 1, 2, 3], load(3.0));
+        loads.note(EdgeEdge, [7, 1, 2, 3], load(5.0));
+        assert_eq!(loads.of(VertexFace, [0, 1, 2, 3]), load(1.0));
+        assert_eq!(loads.of(EdgeEdge, [0, 1, 2, 3]), load(3.0));
+        assert_eq!(loads.of(EdgeEdge, [7, 1, 2, 3]), load(5.0));
+        assert_eq!(loads.of(VertexFace, [7, 1, 2, 3]), Load::default());
+        assert_eq!(loads.of(EdgeEdge, [0, 1, 3, 2]), Load::default());
         loads.clear();
-        assert_eq!(loads.of(EdgeEdge, [7, 1, 2, 3]), [0.0; 2]);
+        assert_eq!(loads.of(EdgeEdge, [7, 1, 2, 3]), Load::default());
     }
 }

@@ -3,7 +3,8 @@
 //! ```text
 //! where it moved NeighborList::find       boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
 //! each substep   Contacts::touch          closest points again ─► what touches, pushed one thickness apart
-//!                Contacts::solve          the same in more passes ─► friction
+//!                Contacts::solve          the same in more passes ─► friction of the last substep
+//!                Contacts::apply_friction when bodies have pushed, too: what still slips is held
 //!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
@@ -32,7 +33,7 @@ use crate::solver::topology::NONE;
 use constraint::Constraint;
 use contact::{Contact, Particles};
 use incidence::Incidence;
-use loads::Loads;
+use loads::{Load, Loads};
 pub use neighbors::{Moment, NeighborList};
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
@@ -47,8 +48,6 @@ pub struct Contacts {
     /// First particle of each cloth, and the slots of its particles.
     firsts: Vec<u32>,
     slots_of: Vec<Vec<u32>>,
-    /// Whether each cloth touches another one.
-    meets_other: Vec<bool>,
     /// Positions `[m]` with inverse masses `[1/kg]`, now and at the start of the substep; by slot.
     now: Buffer<Vec<Vec4>>,
     old: Buffer<Vec<Vec4>>,
@@ -203,7 +202,6 @@ impl Contacts {
         self.firsts.clear();
         self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
         self.slots_of.resize_with(surface.parts.len(), Vec::new);
-        self.meets_other.resize(surface.parts.len(), false);
     }
 
     fn slots_of(&self, part: usize) -> &[u32] {
@@ -220,12 +218,19 @@ impl Contacts {
 
     /// Forgets all pairs but those to `keep`, and notes what the others bear.
     fn forget_all_but(&mut self, keep: impl Fn(&Contact) -> bool) {
-        let Self { pairs, particles, loads, .. } = self;
+        let Self { pairs, particles, loads, constraints, impacts, .. } = self;
+        // They index pairs.
+        constraints.clear();
+        impacts.clear();
         loads.clear();
         pairs.retain(|pair| {
             let keep = keep(pair);
             if !keep && pair.load > 0.0 {
-                loads.note(pair.kind, pair.slots.map(|s| particles[s as usize]), [pair.load, pair.drive]);
+                loads.note(
+                    pair.kind,
+                    pair.slots.map(|s| particles[s as usize]),
+                    Load { push: pair.load, drive: pair.drive, tangent_push: pair.tangent_push },
+                );
             }
             keep
         });
@@ -233,29 +238,6 @@ impl Contacts {
 
     fn is_inverted(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
         !self.inverted.is_empty() && self.inverted.binary_search(&(kind as u8, particles)).is_ok()
-    }
-
-    /// Finds out which cloths touched another one in the last substep.
-    pub(crate) fn note_meetings(&mut self) {
-        let Self { pairs, particles, firsts, meets_other, .. } = self;
-        meets_other.fill(false);
-        if firsts.len() < 2 {
-            return;
-        }
-        let part = |slot: u32| firsts.partition_point(|&first| first <= particles[slot as usize]) - 1;
-        for pair in pairs.iter().filter(|pair| pair.load > 0.0) {
-            // The first particle is of one side, the last of the other.
-            let [a, .., b] = pair.slots;
-            let (a, b) = (part(a), part(b));
-            if a != b {
-                (meets_other[a], meets_other[b]) = (true, true);
-            }
-        }
-    }
-
-    /// Whether a cloth touched another one when [`Self::note_meetings`] was last asked.
-    pub(crate) fn meets_other(&self, part: usize) -> bool {
-        self.meets_other.get(part).is_some_and(|meets| *meets)
     }
 
     /// Lets go of particles that have not lain on anything for a while; once a substep.
@@ -327,31 +309,38 @@ impl Contacts {
     /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along
     /// `gravity`, carries what lies on it.
     pub fn touch(&mut self, h: f32, gravity: Vec3) {
+        // What was pushed in a substep goes with its square.
+        let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
         let Self { pairs, particles: ids, now, old, levels, constraints, .. } = self;
         constraints.clear();
         for (i, pair) in (0..).zip(pairs) {
+            if ratio != 1.0 && pair.load > 0.0 {
+                pair.load *= ratio;
+                pair.drive *= ratio;
+                pair.tangent_push *= ratio;
+            }
             let touched = pair.touch(i, &mut Particles { ids, now, old, levels, up });
             if let Some(mut constraint) = touched {
-                constraint.solve(recovery, false, now, old);
+                constraint.bring_out(recovery, now, old);
                 constraints.push(constraint);
             }
         }
     }
 
-    /// Pushes the pairs that [touch](Self::touch) until pushes have gone around, and lets them rub.
+    /// Pushes the pairs that [touch](Self::touch) until pushes have gone around.
     pub fn solve(&mut self) {
         let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
         constraints.iter_mut().for_each(|constraint| constraint.note_start(old));
-        for _ in 2..PASSES {
+        for _ in 1..PASSES {
             constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
         }
-        constraints.iter_mut().for_each(|constraint| constraint.solve(0.0, true, now, old));
         impacts.clear();
-        for (i, constraint) in (0..).zip(&**constraints) {
+        for (i, constraint) in (0..).zip(&mut **constraints) {
             let pair = &mut pairs[constraint.pair as usize];
             (pair.load, pair.drive) = (constraint.mean_load(), constraint.mean_drive(pair.drive));
+            constraint.warm_start(now);
             impacts.extend(constraint.impact(velocities).map(|apart| (i, apart)));
         }
         debug_assert!(self.is_consistent());
@@ -367,6 +356,7 @@ impl Contacts {
     fn is_consistent(&self) -> bool {
         let slots = self.particles.iter().zip(0..).all(|(&p, s)| self.slots.get(p as usize) == Some(&s));
         slots
+            && self.constraints.iter().all(|constraint| (constraint.pair as usize) < self.pairs.len())
             && self.pairs.iter().filter(|pair| pair.load > 0.0).all(|pair| {
                 pair.slots.iter().all(|&s| (s as usize) < self.particles.len())
                     && pair.weights.iter().sum::<f32>().abs() < 1.0e-4
@@ -374,10 +364,18 @@ impl Contacts {
             })
     }
 
-    /// Holds pairs again that stuck in the last substep, when bodies have pushed.
-    pub(crate) fn reapply_static_friction(&mut self) {
-        let Self { constraints, now, old, .. } = self;
-        constraints.iter().for_each(|constraint| constraint.reapply_static_friction(now, old));
+    /// Holds pairs that slip, when bodies have pushed, too.
+    pub(crate) fn apply_friction(&mut self) {
+        let Self { pairs, constraints, now, old, .. } = self;
+        for constraint in constraints.iter_mut() {
+            constraint.apply_friction(now, old);
+            pairs[constraint.pair as usize].tangent_push = constraint.tangent_push.into();
+        }
+    }
+
+    /// Whether pairs touched in the last substep.
+    pub(crate) fn has_constraints(&self) -> bool {
+        !self.constraints.is_empty()
     }
 
     /// Whether pairs met fast in the last substep.

@@ -35,7 +35,7 @@ impl Stepped<'_> {
         self.bound_lengths(frame, state.substeps, scratch, x);
         hold_together(rest, fabric, scratch, x);
         if frame.taut {
-            self.tighten(frame, x, old, scratch);
+            self.tighten(frame, x, scratch);
         }
         self.pull(h, s, input.gravity, scratch, x);
     }

@@ -43,7 +43,7 @@ impl Stepped<'_> {
         if taut {
             self.find_tight(settling, state, scratch);
         }
-        self.make_room(taut, scratch);
+        self.make_room(scratch);
         (*scratch.before).clone_from(&state.positions);
         scratch.contacts.leave_out(&scratch.welded);
         scratch.faces.leave_out(&scratch.welded);
@@ -136,13 +136,12 @@ impl Stepped<'_> {
     }
 
     /// Makes room for all that may be laid on bodies in a substep.
-    fn make_room(&self, taut: bool, scratch: &mut Scratch) {
+    fn make_room(&self, scratch: &mut Scratch) {
         let topology = &self.rest.topology;
         let lie =
             scratch.contacts.candidates() + 3 * scratch.faces.candidates().min(topology.faces.len() + topology.edges.len());
-        // Before pairs and after their first pass, or in each sweep. Not only in settling cloth, since the list would grow when
-        // it becomes so.
-        let times = if taut && scratch.faces.candidates() > 0 { SETTLING_SWEEPS } else { 2 };
+        // Before pairs and after their first pass; or in each sweep of skinned cloth, which may begin to settle in any frame.
+        let times = if self.input.skinned.is_some() { SETTLING_SWEEPS } else { 2 };
         scratch.provisional.begin(lie * times as usize);
     }
 }

@@ -1,7 +1,7 @@
 //! Moves cloth without letting time pass.
 
 use super::Scratch;
-use crate::solver::body::{Body, Touch};
+use crate::solver::body::{Body, Grounds, Projection, Touch};
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
 
@@ -28,8 +28,9 @@ pub fn displace(
     let x = &mut state.positions;
     displaced.clone_from(x);
     let slip = Touch::frictionless(fabric);
-    contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, coupling);
-    faces.project(bodies, 1.0, 1.0, x, before, &slip, coupling);
+    let mut grounds = Grounds { bodies, span: (1.0, 1.0), touch: slip, coupling };
+    contacts.project(&mut grounds, x, before, &[], Projection::First);
+    faces.project(&mut grounds, x, before, Projection::First);
     let mut stopped = false;
     for ((x, old), displaced) in x.iter().zip(&mut state.previous).zip(displaced) {
         if x != displaced {

@@ -47,12 +47,12 @@ impl Stepped<'_> {
             self.pull(step, s, input.gravity, scratch, x);
         }
         Self::take_mean(steps, state, scratch);
-        let (x, old) = (&mut state.positions, &mut state.previous);
+        let x = &mut state.positions;
         scratch.coupling.place(anchors, s1, x);
         anchor::solve_soft(anchors, s1, h, x);
         self.bound_lengths(frame, state.substeps, scratch, x);
         if frame.taut {
-            self.tighten(frame, x, old, scratch);
+            self.tighten(frame, x, scratch);
         }
         self.pull(h, s1, Vec3::ZERO, scratch, x);
     }

@@ -63,8 +63,8 @@ pub fn step(
     cloth.finish(false, state, scratch).unwrap_or_default()
 }
 
-/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side, and are
-/// kept apart after [`project`](Self::project).
+/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side: they
+/// are kept apart before [`project`](Self::project), and rub after it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepped<'a> {
     /// Rest shape.

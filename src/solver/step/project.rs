@@ -4,7 +4,8 @@ use glam::Vec4;
 
 use super::frame::Frame;
 use super::{Scratch, Stepped};
-use crate::solver::body::{Grounds, Touch};
+use crate::solver::body::{Grounds, Projection, Touch};
+use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
 
@@ -15,34 +16,60 @@ const GIVE_WAY: f32 = 10.0;
 const GIVE_BACK: f32 = 0.5;
 
 impl Stepped<'_> {
-    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between. `rubs`:
-    /// whether friction is to hold it there, too.
-    pub fn project_provisionally(&self, rubs: bool, state: &mut ClothState, scratch: &mut Scratch) {
+    /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between.
+    pub fn project_provisionally(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, provisional, .. } = scratch;
-        let mut grounds = Grounds { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), rubs, coupling };
-        contacts.project_provisionally(&mut grounds, &mut state.positions, &state.previous, provisional);
-        faces.project_provisionally(&mut grounds, &mut state.positions, &state.previous, provisional);
+        let mut grounds = self.grounds(span, coupling);
+        contacts.project_provisionally(&mut grounds, &mut state.positions, provisional);
+        faces.project_provisionally(&mut grounds, &mut state.positions, provisional);
     }
 
-    /// Ends the substep: keeps the cloth out of bodies, and within the limits of its skin.
+    /// Ends the substep: keeps the cloth out of bodies, holds what slips on them, and keeps it within the limits of its skin.
     pub fn project(&self, state: &mut ClothState, scratch: &mut Scratch) {
-        let Some(frame) = &mut scratch.frame else { return };
-        let (s0, s1) = frame.span();
-        let touch = Touch::of(self.fabric);
-        let (x, old, coupling) = (&mut state.positions, &mut state.previous, &mut scratch.coupling);
-        scratch.provisional.restore(x);
-        frame.report.body_contacts =
-            scratch.contacts.project(self.input.bodies, s0, s1, x, old, &scratch.inbound, &touch, coupling);
-        frame.report.body_contacts += scratch.faces.project(self.input.bodies, s0, s1, x, old, &touch, coupling);
+        let Some(frame) = scratch.frame else { return };
+        let span = frame.span();
+        scratch.provisional.restore(&mut state.positions);
+        let touches = self.push_out(span, Projection::First, state, scratch);
+        // Skinned cloth is laid on its bones instead, before each sweep of `tighten`.
+        if frame.taut && scratch.faces.candidates() > 0 && self.input.skinned.is_none() {
+            self.tighten_over_corners(&frame, &mut state.positions, scratch);
+            self.push_out(span, Projection::Relax, state, scratch);
+        }
+        self.apply_friction(span, state, scratch);
         if let Some(skinned) = self.input.skinned {
-            skinned.limit(&scratch.tangled_limits, [s0, s1], x, old);
+            let (x, old) = (&mut state.positions, &mut state.previous);
+            skinned.limit(&scratch.tangled_limits, [span.0, span.1], x, old);
         }
         // Without a fast body once a frame is enough.
-        if scratch.fast_body || s1 == 1.0 {
+        if scratch.fast_body || span.1 == 1.0 {
             let since = if scratch.fast_body { frame.h } else { frame.dt };
-            scratch.give = give(self.fabric, scratch, x, since);
+            scratch.give = give(self.fabric, scratch, &state.positions, since);
         }
+        if let Some(frame) = &mut scratch.frame {
+            frame.report.body_contacts = touches;
+        }
+    }
+
+    /// Bodies at the end of the substep, as the cloth touches them. `span`: shares of the frame at which it begins and ends.
+    pub(super) fn grounds<'b>(&'b self, span: (f32, f32), coupling: &'b mut Coupling) -> Grounds<'b> {
+        Grounds { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), coupling }
+    }
+
+    /// Pushes particles, then faces, out of bodies; the number of touches.
+    fn push_out(&self, span: (f32, f32), projection: Projection, state: &mut ClothState, scratch: &mut Scratch) -> u32 {
+        let (x, old) = (&mut state.positions, &mut state.previous);
+        let Scratch { contacts, faces, inbound, coupling, .. } = scratch;
+        let mut grounds = self.grounds(span, coupling);
+        contacts.project(&mut grounds, x, old, inbound, projection) + faces.project(&mut grounds, x, old, projection)
+    }
+
+    /// Holds what slips on bodies.
+    fn apply_friction(&self, span: (f32, f32), state: &mut ClothState, scratch: &mut Scratch) {
+        let Scratch { contacts, faces, coupling, .. } = scratch;
+        let mut grounds = self.grounds(span, coupling);
+        contacts.apply_friction(&mut grounds, &mut state.positions, &state.previous);
+        faces.apply_friction(&mut grounds, &mut state.positions, &state.previous);
     }
 }
 

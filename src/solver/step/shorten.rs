@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use super::{FrameInput, Scratch, Stepped};
-use crate::solver::body::Touch;
+use crate::solver::body::{Grounds, Projection, Touch};
 use crate::solver::integrate::spring;
 use crate::solver::state::ClothState;
 
@@ -44,8 +44,9 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
     let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
     limit_ways(x, before, farthest);
     let slip = Touch::frictionless(fabric);
-    scratch.contacts.project(bodies, 1.0, 1.0, x, before, &[], &slip, &mut scratch.coupling);
-    scratch.faces.project(bodies, 1.0, 1.0, x, before, &slip, &mut scratch.coupling);
+    let mut grounds = Grounds { bodies, span: (1.0, 1.0), touch: slip, coupling: &mut scratch.coupling };
+    scratch.contacts.project(&mut grounds, x, before, &[], Projection::First);
+    scratch.faces.project(&mut grounds, x, before, Projection::First);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }

@@ -5,7 +5,7 @@ use glam::{Mat3A, Vec3A};
 use super::Candidate;
 use super::part::{Particles, Setting};
 use crate::solver::body::distance::Sample;
-use crate::solver::body::respond::{BAND, Friction, Plane, respond};
+use crate::solver::body::respond::{BAND, Plane, Projection, mean_load, push_out};
 use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::sweep::{Swept, plane_at, sweep};
 
@@ -72,13 +72,18 @@ impl Setting<'_> {
             if gap1 < band && s1.normal != Vec3A::ZERO { self.room_for(candidate, s1, particles.squeezes) } else { self.keep };
         let gap1 = s1.distance - keep;
         let q0 = to_body0 * (x0 - self.motion.translation0);
-        if COSTLY && let Some(Swept { end, plane }) = self.strayed(sample, last, q0, q1) {
+        if COSTLY
+            && self.projection == Projection::First
+            && let Some(Swept { end, plane }) = self.strayed(sample, last, q0, q1)
+        {
             // Without velocity into the surface.
             let n = self.motion.rotation1 * plane.normal;
             let by = self.motion.rotation1 * (end - q1);
             let approach = n * n.dot(x1 - x0).min(0.0);
             *position += by.extend(0.0);
             *before += (by + approach).extend(0.0);
+            (candidate.plane, candidate.floor, candidate.load) = (plane, 0.0, mean_load(candidate.load, 0.0));
+            (candidate.start, candidate.previous) = ((q0 + to_body0 * (by + approach)).into(), before.truncate());
             if let Some(place) = particles.places.get_mut(k) {
                 *place = end.into();
             }
@@ -102,32 +107,35 @@ impl Setting<'_> {
         if swept.is_none() && gap1 >= 0.0 && candidate.load <= 0.0 {
             return false;
         }
-        let friction = self.friction_at(end, plane, position.w);
         let rise = self.rise(i, x0, [q0, q1], plane, to_body1);
-        let response = respond(plane, q0, q1, end, self.recovery, candidate.load, friction, rise);
-        if !response.end.is_finite() {
+        let pushed = push_out(plane, q0, q1, end, self.recovery, rise);
+        if !pushed.end.is_finite() {
             return false;
         }
-        candidate.load = response.load;
-        candidate.plane = plane;
+        candidate.load = self.projection.load(candidate.load, pushed.push);
+        // Friction acts within a band over the plane: only what bounces is kept higher.
+        let height = plane.gap(pushed.end);
+        (candidate.plane, candidate.floor) = (plane, if rise > 0.0 { height } else { height.min(0.0) });
+        candidate.start = q0.into();
         // As differences: a particle that stays keeps its bits.
-        let mut by = self.motion.rotation1 * (response.end - q1);
+        let mut by = self.motion.rotation1 * (pushed.end - q1);
         let mut silent = Vec3A::ZERO;
-        if response.shift != Vec3A::ZERO {
-            silent = self.motion.rotation0 * response.shift;
+        if pushed.shift != Vec3A::ZERO {
+            silent = self.motion.rotation0 * pushed.shift;
         }
         if let Some(rigid) = &mut self.rigid
             && by != Vec3A::ZERO
         {
-            let at = self.motion.rotation1 * response.end + self.motion.translation1;
+            let at = self.motion.rotation1 * pushed.end + self.motion.translation1;
             (by, silent) = rigid.split(position.w, at, by, silent);
         }
         *position += by.extend(0.0);
         if silent != Vec3A::ZERO {
             *before += silent.extend(0.0);
         }
+        candidate.previous = before.truncate();
         if COSTLY && let Some(place) = particles.places.get_mut(k) {
-            *place = response.end.into();
+            *place = pushed.end.into();
         }
         true
     }
@@ -158,18 +166,6 @@ impl Setting<'_> {
         // Outside before; inside now, or far enough to have come out on the other side.
         let crossed = s0.distance > 0.0 && (distance < 0.0 || (q1 - q0).length() >= s0.distance + self.clip);
         if crossed { sweep(sample, (q0, s0), q1, keep) } else { None }
-    }
-
-    /// Friction of a particle of inverse mass `w` that the contact puts at `end`.
-    #[inline]
-    fn friction_at(&self, end: Vec3A, plane: Plane, w: f32) -> Friction {
-        match &self.rigid {
-            Some(rigid) if rigid.is_movable() => {
-                let at = self.motion.rotation1 * end + self.motion.translation1;
-                self.friction.times(rigid.slide(w, at, self.motion.rotation1 * plane.normal))
-            }
-            _ => self.friction,
-        }
     }
 
     /// How far particle `i` leaves the plane in the substep after it struck it `[m]`.

@@ -5,7 +5,7 @@ use glam::{Mat3A, Vec3, Vec3A, Vec4};
 use super::Candidate;
 use crate::solver::body::distance::Sample;
 use crate::solver::body::motion::{Motion, RigidProxy};
-use crate::solver::body::respond::{BAND, Friction};
+use crate::solver::body::respond::{BAND, Projection};
 use crate::solver::body::squeeze::Squeezes;
 
 /// Positions at both ends of the substep.
@@ -30,9 +30,10 @@ pub(super) struct Setting<'a> {
     pub(super) number: u32,
     /// How deep a straight path may cut a corner between two points outside `[m]`.
     pub(super) clip: f32,
+    /// Which projection of the substep it is.
+    pub(super) projection: Projection,
     /// Way that an overlap is recovered in the substep `[m]`.
     pub(super) recovery: f32,
-    pub(super) friction: Friction,
     pub(super) restitution: f32,
     /// Way of an approach from which on it bounces `[m]`.
     pub(super) impact: f32,
@@ -66,7 +67,12 @@ impl Setting<'_> {
             } else {
                 kept
             };
-            contacts += u32::from(self.meet::<COSTLY>(k, candidate, particles, to_body, &sample));
+            let load = candidate.load;
+            let touches = self.meet::<COSTLY>(k, candidate, particles, to_body, &sample);
+            if !touches && self.projection == Projection::Relax {
+                candidate.load = load;
+            }
+            contacts += u32::from(touches);
         }
         if let Some(rigid) = self.rigid {
             rigid.finish();

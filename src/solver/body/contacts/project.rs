@@ -1,65 +1,81 @@
-//! What each substep does with the particles listed: lays those that touched, and resolves contacts part by part.
+//! What each substep does with the particles listed: lays those that touched, and pushes particles out part by part.
 
 use glam::{Vec3A, Vec4};
 
 use super::part::{Particles, Setting};
 use super::{BodyContacts, Candidate};
+use crate::solver::body::Grounds;
 use crate::solver::body::distance;
 use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
-use crate::solver::body::provisional::{Grounds, Provisional};
-use crate::solver::body::respond::{IMPACT_SPEED, RECOVERY_SPEED};
-use crate::solver::body::{Body, Touch};
-use crate::solver::couple::Coupling;
+use crate::solver::body::provisional::Provisional;
+use crate::solver::body::respond::{IMPACT_SPEED, Projection};
 
 impl BodyContacts {
     /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing.
     /// [`Provisional::restore`] must come before [`Self::project`].
-    pub fn project_provisionally(
-        &self,
-        grounds: &mut Grounds<'_>,
-        positions: &mut [Vec4],
-        previous: &[Vec4],
-        provisional: &mut Provisional,
-    ) {
+    pub fn project_provisionally(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], provisional: &mut Provisional) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            for candidate in candidates.unwrap_or_default().iter().filter(|c| c.load > 0.0 && !c.left_out) {
-                let Candidate { particle, plane, load, .. } = *candidate;
-                let (Some(&x), Some(&old)) = (positions.get(particle as usize), previous.get(particle as usize)) else {
-                    continue;
-                };
-                if let Some(way) = ground.way_out(plane, load, [old, x].map(Vec3A::from_vec4), ground.keep) {
+            for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
+                let Candidate { particle, plane, .. } = *candidate;
+                let Some(&x) = positions.get(particle as usize) else { continue };
+                if let Some(way) = ground.way_to(plane, 0.0, Vec3A::from_vec4(x), ground.keep) {
                     provisional.put(particle, way, positions);
                 }
             }
         }
     }
 
-    /// Once per substep, after every other constraint: resolves contacts.
+    /// Pushes particles of this substep's contacts out to their planes again. Two-way bodies take the reaction.
+    pub fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
+        let Self { parts, candidates, dt, .. } = self;
+        for part in parts.iter() {
+            let candidates = candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or_default();
+            let several = candidates.iter().filter(|candidate| candidate.is_touching()).count();
+            if several == 0 {
+                continue;
+            }
+            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = grounds.rigid(part.body, *dt, several);
+            for candidate in candidates.iter_mut().filter(|candidate| candidate.is_touching()) {
+                let Candidate { particle, plane, floor, load, .. } = candidate;
+                let Some(x) = positions.get_mut(*particle as usize) else { continue };
+                let to = ground.way_to(*plane, floor.min(0.0), Vec3A::from_vec4(*x), ground.keep);
+                let Some(mut way) = to else { continue };
+                *load = Projection::Relax.load(*load, way.length());
+                if let Some(rigid) = &mut rigid {
+                    way = rigid.split(x.w, Vec3A::from_vec4(*x) + way, way, Vec3A::ZERO).0;
+                }
+                *x += way.extend(0.0);
+            }
+            if let Some(rigid) = rigid {
+                rigid.finish();
+            }
+        }
+    }
+
+    /// Pushes particles out: after all other constraints of a substep, and again after the turns over corners.
+    /// [Friction](Self::apply_friction) follows.
     ///
-    /// `s0`, `s1`: fractions of the frame at the start and end of the substep. `previous` moves only where an overlap from
-    /// before the substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Bodies that
-    /// name one of `coupling` are moved by what they do to the cloth, unless no time passes. `inbound`: the ways of particles
+    /// `previous` moves only where an overlap from
+    /// before the substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Two-way
+    /// bodies take the reaction, unless no time passes. `inbound`: the ways of particles
     /// in the substep `[m]` as their speeds at its start and gravity have them; empty: nothing bounces. Returns the number of
     /// contacts.
-    #[expect(clippy::too_many_arguments, reason = "arrays of a cloth and of a substep, which the frame keeps apart")]
     pub fn project(
         &mut self,
-        bodies: &[Body],
-        s0: f32,
-        s1: f32,
+        grounds: &mut Grounds<'_>,
         positions: &mut [Vec4],
         previous: &mut [Vec4],
         inbound: &[Vec4],
-        touch: &Touch,
-        coupling: &mut Coupling,
+        projection: Projection,
     ) -> u32 {
+        let Grounds { bodies, span: (s0, s1), touch, ref mut coupling } = *grounds;
         let h = (s1 - s0).max(0.0) * self.dt;
-        let recovery = RECOVERY_SPEED * h;
         let mut contacts = 0;
-        self.squeezes.advance();
+        self.squeezes.advance(projection);
         for (number, part) in (0_u32..).zip(&self.parts) {
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
@@ -67,6 +83,10 @@ impl BodyContacts {
             let Some(shape) = geometry::part(&*body.shape.0, part.index) else {
                 continue;
             };
+            // What is convex pushes particles out in the next substep, or faces if it is thin.
+            if projection == Projection::Relax && shape.as_support_map().is_some() {
+                continue;
+            }
             let planes = self.planes.get(part.planes.0 as usize..part.planes.1 as usize).unwrap_or(&[]);
             let geometry = Geometry::of(shape, planes);
             let slot = body.rigid.and_then(|slot| coupling.slot_mut(slot));
@@ -85,8 +105,8 @@ impl BodyContacts {
                 keep,
                 number,
                 clip: geometry.inner_radius().min(0.5 * keep),
-                recovery,
-                friction: touch.friction(body),
+                projection,
+                recovery: projection.recovery(h),
                 restitution: if touch.restitution > 0.0 { touch.restitution.min(1.0) } else { 0.0 },
                 impact: IMPACT_SPEED * h,
                 inbound,

@@ -49,13 +49,10 @@ impl FaceContacts {
                 let (swept, bulge, radius) = swept_box(shape, &from, &to);
                 let reach = way + off + keep + bulge;
                 let first = self.candidates.len() as u32;
-                if shape.as_support_map().is_some() {
-                    self.list(
-                        sheet,
-                        (!has_wide_edges(shape, sheet.longest_edge)).then_some(0),
-                        swept.mins - reach,
-                        swept.maxs + reach,
-                    );
+                let is_convex = shape.as_support_map().is_some();
+                let wide = is_convex && has_wide_edges(shape, sheet.longest_edge);
+                if is_convex {
+                    self.list(sheet, (!wide).then_some(0), swept.mins - reach, swept.maxs + reach);
                 } else {
                     self.list_feature_edges(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
                 }
@@ -84,7 +81,7 @@ impl FaceContacts {
                 }
                 let planes = (first_plane, self.planes.len() as u32);
                 let pierces = smallest_radius(shape) < sheet.longest_edge;
-                self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
+                self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces, wide });
             });
         }
         self.squeezes.begin(self.parts.len(), PIECES as usize * sheet.topology.faces.len());

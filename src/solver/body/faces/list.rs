@@ -143,6 +143,7 @@ impl Candidate {
             corner: particles[0],
             particles,
             load: 0.0,
+            floor: 0.0,
             share: 0.0,
             plane: Plane::default(),
             weights: [0.0; 3],

@@ -35,6 +35,7 @@
 //! The nearest point of a face and a distance field: Macklin et al. 2020, "Local optimization for robust signed distance field
 //! collision".
 
+mod friction;
 mod gather;
 mod list;
 mod meet;
@@ -48,7 +49,7 @@ mod stop;
 #[cfg(test)]
 mod tests;
 
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 use parry3d::math::Pose;
 
 pub use list::Sheet;
@@ -56,6 +57,7 @@ pub use list::Sheet;
 use crate::solver::buffer::Buffer;
 
 use super::feature_edges::{FeatureEdge, FeatureEdges};
+use super::nearest;
 use super::pierce::{Pair, Pierced};
 use super::renumber;
 use super::respond::Plane;
@@ -84,6 +86,8 @@ struct Candidate {
     /// The plane on which it was put when it last touched, in the space of the part, and weights of its point there.
     plane: Plane,
     weights: [f32; 3],
+    /// Height over the plane at which that was put `[m]`: 0, or less in an overlap.
+    floor: f32,
     /// Normal of the part where the face was last outside, in its own space; zero: not known.
     side: Vec3,
     /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
@@ -94,6 +98,30 @@ struct Candidate {
     clear: f32,
     /// Whether a corner is pinned to a body.
     left_out: bool,
+}
+
+impl Candidate {
+    /// Whether it touched when last projected.
+    fn is_touching(&self) -> bool {
+        self.load > 0.0
+    }
+
+    /// Its corners among `positions`; not numbers for those that are not there.
+    fn corners(&self, positions: &[Vec4]) -> [Vec4; 3] {
+        self.particles.map(|p| positions.get(p as usize).copied().unwrap_or(Vec4::NAN))
+    }
+
+    /// The particles that move with its point, whose [mobility](push::mobility) is `mobility` `[1/kg]`, and by which share of its
+    /// way (dimensionless).
+    fn shares(&self, corners: &[Vec4; 3], mobility: f32) -> impl Iterator<Item = (u32, f32)> {
+        let shares = self.weights.iter().zip(*corners).map(move |(weight, x)| weight * x.w / mobility);
+        self.piece.of(&self.particles).iter().copied().zip(shares)
+    }
+}
+
+/// The point of a face with these `corners` that `weights` tell `[m]`.
+fn point(weights: &[f32; 3], corners: [Vec4; 3]) -> Vec3A {
+    nearest::at(&corners.map(Vec3A::from_vec4), weights)
 }
 
 /// One convex shape or surface of a body, with the faces near it.
@@ -108,6 +136,8 @@ struct Part {
     radius: f32,
     /// Whether it could go through a face, being smaller.
     pierces: bool,
+    /// Whether it is convex, with edges or corners, and wider than a face: nothing passes it unseen.
+    wide: bool,
 }
 
 /// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
@@ -144,13 +174,13 @@ impl FaceContacts {
     pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.parts.iter().flat_map(|part| {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
-            candidates.iter().filter(|c| c.load > 0.0).map(|c| (part.body as usize, c.corner, c.load * c.share))
+            candidates.iter().filter(|c| c.is_touching()).map(|c| (part.body as usize, c.corner, c.load * c.share))
         })
     }
 
     /// Particles of faces that touched when last projected.
     pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
-        self.candidates.iter().filter(|c| c.load > 0.0).flat_map(|c| c.particles)
+        self.candidates.iter().filter(|c| c.is_touching()).flat_map(|c| c.particles)
     }
 
     /// Bodies have other numbers now, in the same order, or none.

@@ -5,69 +5,95 @@ use glam::{Vec3A, Vec4};
 
 use super::push::mobility;
 use super::setting::{Setting, State};
-use super::{Candidate, FaceContacts, SHARE};
+use super::{FaceContacts, SHARE, point};
+use crate::solver::body::Grounds;
 use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::Convex;
-use crate::solver::body::provisional::{Grounds, Provisional};
-use crate::solver::body::respond::RECOVERY_SPEED;
-use crate::solver::body::{Body, Touch};
-use crate::solver::couple::Coupling;
+use crate::solver::body::provisional::Provisional;
+use crate::solver::body::respond::Projection;
 
 impl FaceContacts {
     /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::project_provisionally),
     /// after it.
-    pub fn project_provisionally(
-        &mut self,
-        grounds: &mut Grounds<'_>,
-        positions: &mut [Vec4],
-        previous: &[Vec4],
-        provisional: &mut Provisional,
-    ) {
-        if !self.is_listed {
-            let touches = |c: &Candidate| c.load > 0.0 && !c.left_out;
-            self.touching.clear();
-            self.touching.extend((0..).zip(&self.candidates).filter(|(_, c)| touches(c)).map(|(k, _)| k));
-            self.is_listed = true;
-        }
+    pub fn project_provisionally(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], provisional: &mut Provisional) {
+        self.list_touching();
         let mut touching = &self.touching[..];
         for part in &self.parts {
             let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
             touching = others;
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in here.iter().filter_map(|k| self.candidates.get(*k as usize)) {
-                let Candidate { particles, weights, plane, load, .. } = candidate;
-                let at = |of: &[Vec4]| particles.map(|p| of.get(p as usize).copied().unwrap_or(Vec4::NAN));
-                let middle = |corners: [Vec4; 3]| (0..3).map(|i| Vec3A::from_vec4(corners[i]) * weights[i]).sum::<Vec3A>();
-                let corners = at(positions);
-                let ways = [middle(at(previous)), middle(corners)];
-                let Some(way) = ground.way_out(*plane, *load, ways, SHARE * ground.keep) else { continue };
+                let (weights, corners) = (&candidate.weights, candidate.corners(positions));
+                let point = point(weights, corners);
+                let Some(way) = ground.way_to(candidate.plane, 0.0, point, SHARE * ground.keep) else { continue };
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
-                for ((&p, weight), x) in candidate.piece.of(particles).iter().zip(weights).zip(corners) {
-                    provisional.put(p, way * (weight * x.w / mobility), positions);
+                for (p, share) in candidate.shares(&corners, mobility) {
+                    provisional.put(p, way * share, positions);
                 }
             }
         }
     }
 
-    /// Once per substep, after the particles: keeps faces out of parts. As
+    /// The same for faces as [`BodyContacts::push_to_planes`](crate::solver::body::BodyContacts::push_to_planes), after it.
+    pub fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
+        self.list_touching();
+        let mut touching = &self.touching[..];
+        for part in &self.parts {
+            let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
+            touching = others;
+            if here.is_empty() {
+                continue;
+            }
+            let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = grounds.rigid(part.body, self.dt, 1);
+            for k in here {
+                let Some(candidate) = self.candidates.get_mut(*k as usize) else { continue };
+                let (weights, corners) = (&candidate.weights, candidate.corners(positions));
+                let point = point(weights, corners);
+                let to = ground.way_to(candidate.plane, candidate.floor, point, SHARE * ground.keep);
+                let Some(mut way) = to else { continue };
+                let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
+                candidate.load = Projection::Relax.load(candidate.load, way.length());
+                if let Some(rigid) = &mut rigid {
+                    way = rigid.split(mobility, point + way, way, Vec3A::ZERO).0;
+                    rigid.give_now();
+                    ground.follow(rigid);
+                }
+                for (p, share) in candidate.shares(&corners, mobility) {
+                    positions[p as usize] += (way * share).extend(0.0);
+                }
+            }
+        }
+    }
+
+    /// Lists the candidates that touched when last projected, once per projection.
+    pub(super) fn list_touching(&mut self) {
+        if !self.is_listed {
+            self.touching.clear();
+            self.touching.extend((0..).zip(&self.candidates).filter(|(_, c)| c.is_touching()).map(|(k, _)| k));
+            self.is_listed = true;
+        }
+    }
+
+    /// After the particles, whenever they are projected: keeps faces out of parts. As
     /// [`BodyContacts::project`](crate::solver::body::BodyContacts::project); returns the number of touches.
-    #[expect(clippy::too_many_arguments, reason = "arrays of a cloth and of a substep, which the frame keeps apart")]
     pub fn project(
         &mut self,
-        bodies: &[Body],
-        s0: f32,
-        s1: f32,
+        grounds: &mut Grounds<'_>,
         positions: &mut [Vec4],
         previous: &mut [Vec4],
-        touch: &Touch,
-        coupling: &mut Coupling,
+        projection: Projection,
     ) -> u32 {
+        let Grounds { bodies, span: (s0, s1), touch, ref mut coupling } = *grounds;
         let h = (s1 - s0).max(0.0) * self.dt;
         let mut touches = 0;
         self.is_listed = false;
-        self.squeezes.advance();
+        self.squeezes.advance(projection);
         for (number, part) in (0_u32..).zip(&self.parts) {
+            if projection == Projection::Relax && part.wide {
+                continue;
+            }
             let Some(body) = bodies.get(part.body as usize) else {
                 continue;
             };
@@ -91,8 +117,8 @@ impl FaceContacts {
                 pierces: part.pierces,
                 number,
                 keep: SHARE * touch.kept(body),
-                recovery: RECOVERY_SPEED * h,
-                friction: touch.friction(body),
+                projection,
+                recovery: projection.recovery(h),
             };
             let mut rigid = slot.filter(|_| h > 0.0).map(|slot| RigidProxy::new(slot, s1, h));
             for candidate in candidates.iter_mut().filter(|candidate| !candidate.left_out) {
@@ -110,7 +136,7 @@ impl FaceContacts {
                     // While no time passes loads stay.
                     state.candidate.load = load;
                 } else if !touched {
-                    state.candidate.load = 0.0;
+                    state.candidate.load = if projection == Projection::Relax { load } else { 0.0 };
                 } else if let Some(rigid) = &rigid {
                     setting.motion.follow(rigid.slot, part.radius);
                 }

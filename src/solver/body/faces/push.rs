@@ -5,14 +5,14 @@ use glam::Vec3A;
 use super::piece::Piece;
 use super::setting::{Setting, State, Way};
 use crate::solver::body::nearest::{Near, at};
-use crate::solver::body::respond::{Plane, respond};
+use crate::solver::body::respond::{Plane, push_out};
 
 /// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that
 /// are held is not levered.
 const LEAST_MOBILITY: f32 = 0.05;
 
 impl Setting<'_> {
-    /// Pushes the nearest point of a face out, with friction, and shares that out by mass; whether anything could.
+    /// Pushes the nearest point of a face out, and shares that out by mass; whether anything could.
     pub(super) fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
         let State { candidate, positions, previous, rigid } = state;
         if !self.takes(candidate.piece, &near.weights, &way.to) {
@@ -22,15 +22,9 @@ impl Setting<'_> {
         let Some(mobility) = mobility(&w, &way.masses) else { return false };
         let (start, end) = (at(&way.from, &w), at(&way.to, &w));
         let place = |q: Vec3A| self.motion.rotation1 * q + self.motion.translation1;
-        let friction = match rigid {
-            Some(rigid) if rigid.is_movable() => {
-                self.friction.times(rigid.slide(mobility, place(end), self.motion.rotation1 * plane.normal))
-            }
-            _ => self.friction,
-        };
-        let response = respond(plane, start, end, end, self.recovery, candidate.load, friction, 0.0);
-        let mut by = self.motion.rotation1 * (response.end - end);
-        let mut silent = self.motion.rotation0 * response.shift;
+        let pushed = push_out(plane, start, end, end, self.recovery, 0.0);
+        let mut by = self.motion.rotation1 * (pushed.end - end);
+        let mut silent = self.motion.rotation0 * pushed.shift;
         if !(by.is_finite() && silent.is_finite()) {
             return false;
         }
@@ -38,10 +32,11 @@ impl Setting<'_> {
             && by != Vec3A::ZERO
         {
             // Faces share particles: one after the other, and the body moves with each.
-            (by, silent) = rigid.split(mobility, place(response.end), by, silent);
+            (by, silent) = rigid.split(mobility, place(pushed.end), by, silent);
             rigid.give_now();
         }
-        (candidate.load, candidate.plane, candidate.weights) = (response.load, plane, w);
+        candidate.load = self.projection.load(candidate.load, pushed.push);
+        (candidate.plane, candidate.weights, candidate.floor) = (plane, w, plane.gap(pushed.end).min(0.0));
         let mut most = 0.0;
         for (i, &p) in candidate.particles.iter().enumerate() {
             let share = w[i] * way.masses[i] / mobility;

@@ -7,7 +7,7 @@ use crate::solver::body::feature_edges::FeatureEdge;
 use crate::solver::body::geometry::Geometry;
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::{Convex, Face};
-use crate::solver::body::respond::Friction;
+use crate::solver::body::respond::Projection;
 
 /// Farthest corner that is looked at `[m]`.
 const FARTHEST: f32 = 1.0e6;
@@ -29,9 +29,10 @@ pub(super) struct Setting<'a> {
     pub(super) number: u32,
     /// Distance kept `[m]`.
     pub(super) keep: f32,
+    /// Which projection of the substep it is.
+    pub(super) projection: Projection,
     /// Way that an overlap is recovered in the substep `[m]`.
     pub(super) recovery: f32,
-    pub(super) friction: Friction,
 }
 
 /// What a push changes.

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4, vec3};
 use parry3d::math::Pose;
 
 use super::*;
-use crate::solver::body::{Body, Touch, shape};
+use crate::solver::body::{Body, Grounds, Projection, Touch, shape};
 use crate::solver::couple::Coupling;
 use crate::solver::rest::{RestShape, SourceMesh};
 
@@ -19,6 +19,11 @@ struct Triangle {
     positions: Vec<Vec4>,
     previous: Vec<Vec4>,
     contacts: FaceContacts,
+}
+
+fn project(contacts: &mut FaceContacts, bodies: &[Body], positions: &mut [Vec4], previous: &mut [Vec4]) -> u32 {
+    let mut grounds = Grounds { bodies, span: (0.0, 1.0), touch: TOUCH, coupling: &mut Coupling::default() };
+    contacts.project(&mut grounds, positions, previous, Projection::First)
 }
 
 impl Triangle {
@@ -41,7 +46,7 @@ impl Triangle {
     fn frame(&mut self, bodies: &[Body]) -> u32 {
         self.gather(bodies);
         let Self { positions, previous, contacts, .. } = self;
-        contacts.project(bodies, 0.0, 1.0, positions, previous, &TOUCH, &mut Coupling::default())
+        project(contacts, bodies, positions, previous)
     }
 
     fn heights(&self) -> [f32; 3] {
@@ -99,7 +104,7 @@ fn a_face_that_falls_through_a_ball_in_one_substep_stays_above() {
     triangle.gather(std::slice::from_ref(&body));
     triangle.positions.iter_mut().for_each(|x| *x -= way.extend(0.0));
     let Triangle { positions, previous, contacts, .. } = &mut triangle;
-    contacts.project(&[body], 0.0, 1.0, positions, previous, &TOUCH, &mut Coupling::default());
+    project(contacts, &[body], positions, previous);
     let middle: f32 = triangle.heights().iter().sum::<f32>() / 3.0;
     assert!(middle > RADIUS, "the middle is at {middle} m");
 }
@@ -152,5 +157,36 @@ fn cloth_that_is_farther_than_numbers_reach_meets_no_sharp_edges() {
         triangle.positions.iter_mut().for_each(|x| *x += Vec3::splat(far).extend(0.0));
         triangle.gather(&body);
         assert_eq!(triangle.contacts.candidates() > 0, meets, "{far} m away");
+    }
+}
+
+/// The middle of a face that is pressed on a small ball by `depth` `[m]` and moved aside by 1 mm: how far it got, and out again
+/// after it was drawn in once more.
+fn rubbed(depth: f32, friction: f32) -> [Vec3; 2] {
+    let touch = Touch { static_friction: friction, dynamic_friction: friction, ..TOUCH };
+    let at = vec3(0.0, -RADIUS - SHARE * THICKNESS, 0.0);
+    let body = Body { static_friction: friction, dynamic_friction: friction, ..ball(RADIUS, at, at) };
+    let mut triangle = Triangle::new([1.0; 3]);
+    triangle.gather(std::slice::from_ref(&body));
+    let Triangle { positions, previous, contacts, .. } = &mut triangle;
+    let move_by = |by: Vec3, positions: &mut [Vec4]| positions.iter_mut().for_each(|x| *x += by.extend(0.0));
+    move_by(vec3(1.0e-3, -depth, 0.0), positions);
+    let (bodies, mut coupling) = ([body], Coupling::default());
+    let mut grounds = Grounds { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
+    assert!(contacts.project(&mut grounds, positions, previous, Projection::First) > 0);
+    contacts.apply_friction(&mut grounds, positions, previous);
+    let middle = |positions: &[Vec4]| positions.iter().map(|x| x.truncate()).sum::<Vec3>() / 3.0;
+    let slid = middle(positions);
+    move_by(Vec3::NEG_Y * depth, positions);
+    contacts.push_to_planes(&mut grounds, positions);
+    [slid, middle(positions)]
+}
+
+#[test]
+fn what_touches_within_a_face_is_held_as_coulomb_says_and_pushed_out_again() {
+    for (friction, slid) in [(0.0, 1.0e-3), (0.25, 0.5e-3), (0.5, 0.0)] {
+        let [held, again] = rubbed(2.0e-3, friction);
+        assert!((held.x - slid).abs() < 1.0e-4, "friction {friction}: {held}");
+        assert!((again.y - held.y).abs() < 1.0e-4, "friction {friction}: drawn in to {again}");
     }
 }

@@ -61,7 +61,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let contacts = &mut *self.contacts;
         let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
         let friction = Friction::between(rub(mine), rub(other));
-        let (slots, [load, drive]) = (ids.map(|v| contacts.slot(v)), contacts.loads.of(pair.kind, ids));
+        let (slots, load) = (ids.map(|v| contacts.slot(v)), contacts.loads.of(pair.kind, ids));
         contacts.pairs.push(Contact {
             kind: pair.kind,
             faces,
@@ -72,8 +72,9 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
             friction,
             restitution: mine.restitution.max(other.restitution),
             across: p != q,
-            load,
-            drive,
+            load: load.push,
+            drive: load.drive,
+            tangent_push: load.tangent_push,
             inverted: false,
             was_inverted: false,
         });

@@ -1,0 +1,40 @@
+//! Friction of faces on bodies.
+
+use glam::Vec4;
+
+use super::push::mobility;
+use super::{Candidate, FaceContacts, SHARE, point};
+use crate::solver::body::Grounds;
+
+impl FaceContacts {
+    /// Friction of faces, after that of [particles](crate::solver::body::BodyContacts::apply_friction).
+    pub fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
+        self.list_touching();
+        let mut touching = &self.touching[..];
+        for part in &self.parts {
+            let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
+            touching = others;
+            if here.is_empty() {
+                continue;
+            }
+            let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = grounds.rigid(part.body, self.dt, 1);
+            for candidate in here.iter().filter_map(|k| self.candidates.get(*k as usize)) {
+                let Candidate { weights, plane, floor, load, .. } = candidate;
+                let corners = candidate.corners(positions);
+                let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };
+                let way = (ground.start(point(weights, candidate.corners(previous))), point(weights, corners));
+                let held = ground.hold((*plane, *floor, *load), way, (mobility, SHARE * ground.keep), &mut rigid);
+                let Some(by) = held else { continue };
+                for (p, share) in candidate.shares(&corners, mobility) {
+                    positions[p as usize] += (by * share).extend(0.0);
+                }
+                // Faces share particles: one after the other, and the body moves with each.
+                if let Some(rigid) = &mut rigid {
+                    rigid.give_now();
+                    ground.follow(rigid);
+                }
+            }
+        }
+    }
+}
