@@ -59,9 +59,8 @@ impl BodyContacts {
     /// Pushes particles out: after all other constraints of a substep, and again after the turns over corners.
     /// [Friction](Self::apply_friction) follows.
     ///
-    /// `previous` moves only where an overlap from
-    /// before the substep is recovered, so that recovery leaves no velocity. Pinned particles (`w = 0`) never move. Two-way
-    /// bodies take the reaction, unless no time passes. `inbound`: the ways of particles
+    /// `previous` moves only where an overlap from before the substep is recovered, so that recovery leaves no velocity. Pinned
+    /// particles (`w = 0`) never move. Two-way bodies take the reaction, unless no time passes. `inbound`: the ways of particles
     /// in the substep `[m]` as their speeds at its start and gravity have them; empty: nothing bounces. Returns the number of
     /// contacts.
     pub fn project(
