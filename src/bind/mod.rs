@@ -3,6 +3,7 @@
 mod anchors;
 mod cache;
 mod character;
+mod crossfade;
 mod follow;
 mod instance;
 pub(crate) mod paint;
@@ -16,6 +17,7 @@ mod surface;
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, ramp_weights, resolve};
 pub(crate) use cache::{RestCache, Sources};
 pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
+pub(crate) use crossfade::Crossfade;
 pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{bounds_between, corners, instance_of};
 pub(crate) use placement::{Placement, is_near, seen_from, uniform_scale};

@@ -143,6 +143,21 @@ impl Skin {
         self.joints.iter().find(|(known, _)| *known == joint).map(|(_, inverse_bind)| *inverse_bind)
     }
 
+    /// Its joints.
+    pub fn entities(&self) -> impl Iterator<Item = Entity> {
+        self.joints.iter().map(|(joint, _)| *joint)
+    }
+
+    /// The number of a joint; none for what is no joint of the skin.
+    pub fn index(&self, joint: Entity) -> Option<u16> {
+        (0..).zip(&self.joints).find(|(_, (known, _))| *known == joint).map(|(index, _)| index)
+    }
+
+    /// Where a joint is in the bind pose, in the space of the mesh.
+    pub fn bind(&self, joint: u16) -> Affine3A {
+        self.joints.get(usize::from(joint)).map_or(Affine3A::IDENTITY, |(_, inverse_bind)| inverse_bind.inverse())
+    }
+
     /// Positions of the particles in the bind pose, in the space of the mesh `[m]`.
     pub fn points(&self) -> &[Vec3] {
         &self.points

@@ -8,7 +8,7 @@ use super::motion::Motion;
 use super::share::Share;
 use super::slumber::Slumber;
 use super::worn::Worn;
-use crate::bind::{AnchorSets, Followed, Placement, Skin};
+use crate::bind::{AnchorSets, Crossfade, Followed, Placement, Skin};
 use crate::components::checked::Checked;
 use crate::components::{ClothBlend, ClothDetail, ClothInertia, ClothLod, ClothPins};
 use crate::solver::anchors::Anchors;
@@ -88,7 +88,9 @@ pub(crate) struct ClothInputs {
     pub too_far: bool,
     /// Whether places on the skin are taken out of bodies.
     pub avoids_bodies: bool,
-    /// Skinning matrices in the frame of simulation, and those of the frame before.
+    /// The skeleton, where the cloth is not given it as it is.
+    pub crossfade: Crossfade,
+    /// Skinning matrices that the cloth is given, in the frame of simulation, and those of the frame before.
     pub joints: Vec<Affine3A>,
     pub joints_before: Vec<Affine3A>,
     /// Where the cloth's own entity or its skin is.
@@ -164,6 +166,7 @@ impl ClothInputs {
             too_far: false,
             avoids_bodies: true,
             skinned: Skinned::of_radius(radius),
+            crossfade: Crossfade::of(&joints),
             joints,
             joints_before: Vec::new(),
             placement,

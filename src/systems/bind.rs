@@ -13,8 +13,8 @@ use bevy::prelude::*;
 
 use super::release::take_apart;
 use crate::bind::{
-    AnchorSet, AnchorSets, Asked, Authored, Continuing, Followed, Placement, Resolved, RestCache, Skin, Sources, Surface,
-    Transforms, bounds_between, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
+    AnchorSet, AnchorSets, Asked, Authored, Continuing, Crossfade, Followed, Placement, Resolved, RestCache, Skin, Sources,
+    Surface, Transforms, bounds_between, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
 };
 use crate::components::{
     Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothLoading,
@@ -382,6 +382,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, known: &known, positions, origin, rescale };
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         // Its points may be others.
+        inputs.crossfade = Crossfade::of(&joints);
         (inputs.skin, inputs.joints, inputs.placement, inputs.worn) = (skin, joints, placement, Worn::default());
         inputs.pins.clone_from(&cloth.pins);
         (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);

@@ -3,7 +3,7 @@
 //! ```text
 //! travel   targets of pins · where the carrier is now · teleports, for a whole character at once
 //! inertia  M = T(p0 + (1 - λ) Δp) · Rot((1 - λ) θ) · T(-p0)    moves cloth, pins and bodies along, before anything is felt
-//! aim      anchors and skin, from where they were to where they are now
+//! aim      anchors and skin, from where they were to where they are now; bones that jumped are faded over
 //! ```
 
 use bevy::ecs::system::SystemParam;
@@ -225,9 +225,15 @@ impl Mean {
 pub(crate) fn aim(
     time: Res<ClothTime>,
     transforms: Transforms,
+    parents: Query<&ChildOf>,
     mut cloths: Query<(&ClothRest, &ClothSolver, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
+    mut dressed: Local<Vec<(Entity, [f32; 2])>>,
 ) {
     let dt = time.delta_secs();
+    // Clothes that are put on later see the skeleton as those do that are there.
+    dressed.clear();
+    let worn = cloths.iter().filter(|(_, _, inputs, _)| inputs.active && inputs.skin.is_some() && inputs.frames > FIRST_FRAMES);
+    dressed.extend(worn.filter_map(|(_, _, inputs, _)| Some((inputs.character?, inputs.crossfade.time()))));
     for (rest, solver, mut inputs, mut particles) in &mut cloths {
         let (inputs, particles) = (&mut *inputs, &mut *particles);
         if !inputs.active || inputs.time_scale == 0.0 || inputs.carried {
@@ -235,8 +241,17 @@ pub(crate) fn aim(
         }
         rebase(inputs, particles);
         if let Some(skin) = inputs.skin.take() {
-            inputs.joints_before.clone_from(&inputs.joints);
-            skin.matrices(&transforms, particles.origin, &mut inputs.joints);
+            let ClothInputs { crossfade, joints, joints_before, frames, character: wearer, .. } = &mut *inputs;
+            crossfade.read(&skin, &transforms, particles.origin);
+            if *frames <= FIRST_FRAMES {
+                let others = dressed.iter().find(|(character, _)| Some(*character) == *wearer);
+                crossfade.begin_in_bind_pose(&skin, others.map(|(_, time)| *time), &parents);
+                crossfade.advance(&skin, 0.0, joints);
+            } else {
+                crossfade.begin_after_jump(&skin, joints, TELEPORT_SPIN, dt, &parents);
+            }
+            joints_before.clone_from(joints);
+            crossfade.advance(&skin, dt, joints);
             inputs.skin = Some(skin);
         }
         inputs.aim(particles.origin);
@@ -348,4 +363,5 @@ fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     inputs.carry(|x| x - shift);
     // A joint that is gone keeps its matrix.
     inputs.joints.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
+    inputs.crossfade.shift(shift);
 }

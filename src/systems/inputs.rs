@@ -253,14 +253,23 @@ pub(crate) fn surroundings(
             Some(carried) => pose(&carried.moved(body.from)),
             None => pose(&body.from),
         };
-        let ClothInputs { bodies, worn, skin, fabric, .. } = inputs;
+        let ClothInputs { bodies, worn, skin, fabric, crossfade, joints, joints_before, .. } = inputs;
+        let placed = |body: &WorldBody| {
+            let [from, to] = [from(body), pose(&body.to)];
+            let on_the_way = || {
+                let skin = skin.as_ref().filter(|_| crossfade.is_active() && body.rigid.is_none())?;
+                crossfade.carry(bones.joint(skin, body.entity)?, [joints_before, joints], [from, to])
+            };
+            on_the_way().unwrap_or([from, to])
+        };
         bodies.extend(listed().map(|body| {
             let bone = character.is_some() && body.character == character;
             let keep = fabric.thickness + body.margin;
+            let [from, to] = placed(body);
             Body {
                 shape: body.shape.clone(),
-                from: from(body),
-                to: pose(&body.to),
+                from,
+                to,
                 static_friction: body.static_friction,
                 dynamic_friction: body.dynamic_friction,
                 margin: body.margin,

@@ -45,7 +45,7 @@ pub(crate) fn shape(
                 }
                 return;
             }
-            let moved = show_particles(particles, overstep, &mut shown.particles);
+            let moved = show_particles(particles, inputs, overstep, &mut shown.particles);
             shown.still = inputs.asleep && !moved;
             if moved || moves {
                 (shown.affine, shown.origin) = (affine, particles.origin);
@@ -59,8 +59,8 @@ pub(crate) fn shape(
     );
 }
 
-/// Positions between the last two frames. Whether any moved.
-fn show_particles(particles: &ClothParticles, overstep: f32, shown: &mut Vec<Vec3>) -> bool {
+/// Positions between the last two frames, on the skin as it is. Whether any moved.
+fn show_particles(particles: &ClothParticles, inputs: &ClothInputs, overstep: f32, shown: &mut Vec<Vec3>) -> bool {
     let state = &particles.state.positions;
     let interpolates = particles.before.len() == state.len();
     let held = particles.display.held().filter(|held| held.len() == state.len());
@@ -69,6 +69,13 @@ fn show_particles(particles: &ClothParticles, overstep: f32, shown: &mut Vec<Vec
     for (i, (shown, now)) in shown.iter_mut().zip(state).enumerate() {
         let now = held.map_or(now.truncate(), |held| held[i]);
         let now = if interpolates { particles.before[i].lerp(now, overstep) } else { now };
+        let now = match &inputs.skin {
+            Some(skin) if inputs.crossfade.is_active() => {
+                let onto_skin = skin.motion([&inputs.joints, inputs.crossfade.live()], i);
+                onto_skin.map_or(now, |motion| motion.transform_point3(now))
+            }
+            _ => now,
+        };
         // Whatever happens to a state, nothing that is not a number is drawn.
         if now.is_finite() && *shown != now {
             *shown = now;

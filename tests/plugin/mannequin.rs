@@ -86,8 +86,13 @@ fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, ph
         break;
     }
     run(&mut app, 3);
+    app.insert_resource(Clips(gltf));
     app
 }
+
+/// The file of a character, which stays loaded.
+#[derive(Resource)]
+struct Clips(Handle<Gltf>);
 
 /// The mannequin in cape and skirt, in a clip from `phase` `[s]` on.
 fn mannequin(clip: &str, rate: f32, phase: f32) -> Option<App> {
@@ -229,23 +234,22 @@ fn over_phases(clip: &str, phases: u32) -> Option<Vec<(String, Worn)>> {
 
 #[test]
 fn a_human_in_cape_and_skirt_walks_and_runs() {
-    // Of what depends on the phase as on a throw of dice, many are asked. So many runs may have a frame that crosses, and one
-    // frame in so many may have something deep in a bone: the skin of the cape has an elbow through it, that of the skirt the
-    // thighs. A walk that tangles may stay tangled: of sixty, ten to thirteen do, for one frame up to all of them, and by twenties
-    // 16 to 43 % of frames of the cape are deep, 10 to 25 % of the skirt. Eight of twenty would be two standard deviations more.
+    // Of what depends on the phase as on a throw of dice, many are asked. One frame in a hundred may cross, as many as two in a
+    // row, and one in so many may have something deep in a bone: the skin of the cape has an elbow through it, that of the skirt
+    // the thighs. Of sixty walks two had frames that cross, 1 and 14 of them; 12 % of frames of the cape were deep.
     let clips = [
-        ("Idle", 1, 0, None),
-        ("Walking_A", 20, 7, Some(2)),
-        ("Running_A", 20, 3, Some(100)),
-        ("2H_Melee_Attack_Slice", 1, 0, None),
-        ("Sit_Chair_Down", 1, 0, None),
-        ("Lie_Down", 1, 0, None),
+        ("Idle", 1, None),
+        ("Walking_A", 20, Some(5)),
+        ("Running_A", 20, Some(50)),
+        ("2H_Melee_Attack_Slice", 1, None),
+        ("Sit_Chair_Down", 1, None),
+        ("Lie_Down", 1, None),
     ];
-    for (clip, phases, tangled, deep) in clips {
+    for (clip, phases, deep) in clips {
         let Some(clothes) = over_phases(clip, phases) else { return };
         for (name, worn) in clothes {
             println!("{clip} {name}: {worn:?}, {:.2} ms", worn.ms / worn.frames as f32);
-            assert!(worn.tangled <= tangled && worn.held <= 2, "{clip} {name}: {worn:?}");
+            assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} {name}: {worn:?}");
             assert!(worn.recoveries <= phases && worn.worst_edge < 4.0, "{clip} {name}: {worn:?}");
             assert!(deep.is_none_or(|one_in| worn.deep * one_in <= worn.frames), "{clip} {name}: {worn:?}");
         }
@@ -285,10 +289,54 @@ fn our_own_character_in_her_clothes() {
     for (outfit, clip, repeats, rate, frames) in tests {
         for (name, worn) in dressed(outfit, clip, repeats, rate, frames) {
             assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} at {rate} Hz, {name}: {worn:?}");
-            // The dress is taken back three times in its first hundred frames.
-            assert!(worn.recoveries <= 1 || name == "Dress", "{clip} at {rate} Hz, {name}: {worn:?}");
+            assert!(worn.recoveries <= 1, "{clip} at {rate} Hz, {name}: {worn:?}");
         }
     }
+}
+
+/// Lets another clip take over, without a fade.
+fn play_at_once(app: &mut App, clip: &str) {
+    let Clips(gltf) = app.world().resource();
+    let gltf = app.world().resource::<Assets<Gltf>>().get(gltf).expect("a character");
+    let animation = gltf.named_animations.get(clip).expect("a clip").clone();
+    let (graph, node) = AnimationGraph::from_clip(animation);
+    let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
+    let mut players = app.world_mut().query::<(Entity, &mut AnimationPlayer)>();
+    for (_, mut player) in players.iter_mut(app.world_mut()) {
+        player.stop_all();
+        player.play(node).repeat();
+    }
+    let players: Vec<Entity> = players.iter(app.world()).map(|(player, _)| player).collect();
+    for player in players {
+        app.world_mut().entity_mut(player).insert(AnimationGraphHandle(graph.clone()));
+    }
+}
+
+#[test]
+fn a_clip_that_takes_over_at_once_tangles_nothing() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let clips = [
+        ("TPose", "Sit"),
+        ("TPose", "Walk"),
+        ("Run", "Jump"),
+        ("Dance", "Walk"),
+        ("Run", "TPose"),
+        ("Sit", "Run"),
+        ("Fight", "Turn"),
+    ];
+    let mut recoveries = 0;
+    for (from, to) in clips {
+        for wait in [60, 90] {
+            let mut app = character(&folder, "character.glb", from, true, 60.0, 0.0, Some(&["Cape", "Skirt"]));
+            run(&mut app, wait);
+            play_at_once(&mut app, to);
+            for (name, worn) in wear(&mut app, 60, 0) {
+                assert!(worn.crossing == 0 && worn.held == 0, "from {from} to {to}, {name}: {worn:?}");
+                recoveries += worn.recoveries;
+            }
+        }
+    }
+    assert!(recoveries <= 1, "{recoveries}");
 }
 
 #[test]

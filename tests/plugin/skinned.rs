@@ -357,6 +357,48 @@ fn another_pose_at_once_tears_nothing() {
 }
 
 #[test]
+fn cloth_begins_where_it_was_made_and_what_comes_later_on_its_skin() {
+    let mut app = app();
+    // What is pinned is on the second joint, which is bent from the first frame on.
+    let pins = ClothPins::where_position(|p| p.x > 0.499);
+    let (cloth, joints) = dressed(&mut app, 8, pins);
+    let root = app.world_mut().spawn((Transform::default(), ClothCharacter)).id();
+    app.world_mut().entity_mut(root).add_children(&[cloth, joints[0]]);
+    app.world_mut().entity_mut(joints[0]).add_child(joints[1]);
+    let bend = Transform::from_rotation(Quat::from_rotation_z(1.0));
+    put(&mut app, joints[1], bend);
+    let rest = vectors(&sheet(8), Mesh::ATTRIBUTE_POSITION);
+    let off = |now: Vec<Vec3>, bend: Transform| {
+        let pinned = rest.iter().zip(now).filter(|(rest, _)| rest.x > 0.499);
+        pinned.map(|(rest, now)| bend.transform_point(*rest).distance(now)).fold(0.0, f32::max)
+    };
+    for frame in 0..40 {
+        run(&mut app, 1);
+        let solved = off(particles(&app, cloth), Transform::IDENTITY);
+        assert!(frame > 12 || solved < 1.0e-3, "frame {frame}: it is in the bind pose, not {solved} m off");
+        let shown = off(world_positions(&app, cloth), bend);
+        assert!(shown < 1.0e-3, "frame {frame}: {shown} m off the character");
+    }
+    assert!(off(particles(&app, cloth), bend) < 1.0e-3, "then it is where the character is");
+    let later = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    for _ in 0..5 {
+        run(&mut app, 1);
+        assert!(off(particles(&app, later), bend) < 1.0e-3);
+    }
+    // Another clip takes over.
+    let bend = Transform::from_rotation(Quat::from_rotation_z(-0.5));
+    put(&mut app, joints[1], bend);
+    for frame in 0..20 {
+        run(&mut app, 1);
+        for cloth in [cloth, later] {
+            assert!(off(world_positions(&app, cloth), bend) < 1.0e-3, "it is shown on the character");
+            let solved = off(particles(&app, cloth), bend);
+            assert!(if frame < 8 { solved > 0.1 } else { frame < 16 || solved < 1.0e-3 }, "frame {frame}: {solved}");
+        }
+    }
+}
+
+#[test]
 fn inertia_that_is_out_of_range_is_told_of_and_used_clamped() {
     let mut app = app();
     let inertia = ClothInertia { linear: 2.0, max_turn: -1.0, ..default() };
