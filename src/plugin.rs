@@ -31,7 +31,7 @@ pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
     bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, poses,
-    release, render_mesh, resolve, respond, skin, sleep, sources, subdivide, sync, touch,
+    release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, subdivide, sync, touch,
 };
 use crate::time;
 
@@ -151,7 +151,7 @@ impl Plugin for ClothPlugin {
                         // Bevy forgets there what was seen in the last frame.
                         lod::detail.before(VisibilitySystems::VisibilityPropagate),
                         skin::change,
-                        (carriers::travel, carriers::inertia, carriers::aim, poses::reset, poses::take).chain(),
+                        (skeleton::pose, carriers::travel, carriers::inertia, carriers::aim, poses::reset, poses::take).chain(),
                         grab::grabs,
                         sleep::watch,
                         inputs::surroundings,

@@ -30,15 +30,18 @@ const LEAST_FRAME: f32 = 1.0 / 60.0;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Crossfade {
     /// Joints and the joints above them, from the roots down.
-    down: Vec<(u16, Option<u16>)>,
-    /// Each of [`Self::down`], as the joint above saw it when the fade began.
+    hierarchy: Vec<(u16, Option<u16>)>,
+    /// Each of [`Self::hierarchy`], as the joint above saw it when the fade began.
     from: Vec<Transform>,
-    /// Time until bones begin to move, and until they are there `[s]`.
+    /// Time until bones begin to move `[s]`.
     waits: f32,
-    left: f32,
+    /// Time from then until they are there `[s]`; none: they are.
+    left: Option<f32>,
     /// Skinning matrices of the skeleton that is there, in the frame of simulation, and those of the frame before.
     live: Vec<Affine3A>,
     live_before: Vec<Affine3A>,
+    /// Where [`Self::live`] is seen from `[m]`.
+    origin: DVec3,
 }
 
 impl Crossfade {
@@ -47,9 +50,9 @@ impl Crossfade {
         Self { live: live.to_vec(), live_before: live.to_vec(), ..Self::default() }
     }
 
-    /// Whether the cloth is given another skeleton than the one that is there.
+    /// Whether the cloth is given another skeleton than the one that is there, or was in the frame before.
     pub fn is_active(&self) -> bool {
-        self.left > 0.0
+        self.left.is_some()
     }
 
     /// Skinning matrices of the skeleton that is there.
@@ -57,78 +60,113 @@ impl Crossfade {
         &self.live
     }
 
-    /// Goes along with the frame of simulation.
-    pub fn shift(&mut self, shift: Vec3) {
-        self.live.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
+    /// Time until bones begin to move, and from then until they are there `[s]`.
+    pub fn times_left(&self) -> [f32; 2] {
+        [self.waits, self.left.unwrap_or(0.0)]
     }
 
-    /// Reads where the joints are, as seen from `origin` `[m]`.
+    /// Goes along with the frame of simulation.
+    pub fn shift(&mut self, shift: Vec3) {
+        self.live.iter_mut().chain(&mut self.live_before).for_each(|joint| joint.translation -= Vec3A::from(shift));
+    }
+
+    /// The skeleton goes along with the cloth: as it was in the frame before, or as it is.
+    pub fn move_along(&mut self, motion: Affine3A, as_it_is: bool) {
+        let which = if as_it_is { &mut self.live } else { &mut self.live_before };
+        which.iter_mut().for_each(|joint| *joint = motion * *joint);
+    }
+
+    /// Begins the frame: reads where the joints are, as seen from `origin` `[m]`.
     pub fn read(&mut self, skin: &Skin, transforms: &Transforms, origin: DVec3) {
         self.live_before.clone_from(&self.live);
         skin.matrices(transforms, origin, &mut self.live);
+        self.origin = origin;
     }
 
-    /// Time until bones begin to move, and until they are there `[s]`.
-    pub fn time(&self) -> [f32; 2] {
-        [self.waits, self.left]
+    /// Reads them again, if they are seen from elsewhere by now.
+    pub fn read_again(&mut self, skin: &Skin, transforms: &Transforms, origin: DVec3) {
+        if self.origin != origin {
+            skin.matrices(transforms, origin, &mut self.live);
+            self.origin = origin;
+        }
     }
 
-    /// Begins in the bind pose, where the root is; with the [time](Self::time) that others of its character have, if there are
-    /// any.
-    pub fn begin_in_bind_pose(&mut self, skin: &Skin, time: Option<[f32; 2]>, parents: &Query<&ChildOf>) {
-        self.live_before.clone_from(&self.live);
+    /// Begins in the bind pose, where the root is; with the [times](Self::times_left) that others of its character have, if
+    /// there are any. A skeleton that `comes` was nowhere before.
+    pub fn begin_in_bind_pose(&mut self, skin: &Skin, comes: bool, times: Option<[f32; 2]>, parents: &Query<&ChildOf>) {
+        if comes {
+            self.live_before.clone_from(&self.live);
+        }
         self.begin(skin, &vec![Affine3A::IDENTITY; self.live.len()], parents);
-        [self.waits, self.left] = time.unwrap_or([RAMP_TIME; 2]);
+        let [waits, left] = times.unwrap_or([RAMP_TIME; 2]);
+        (self.waits, self.left) = (waits, Some(left).filter(|left| *left > 0.0));
     }
 
-    /// Begins where the cloth was given its joints until now, if after `dt` `[s]` a bone has turned against the first by more
-    /// than any does at `spin` `[rad/s]`.
-    pub fn begin_after_jump(&mut self, skin: &Skin, joints: &[Affine3A], spin: f32, dt: f32, parents: &Query<&ChildOf>) {
-        if joints.len() == self.live.len() && self.turned(spin * dt.max(LEAST_FRAME)) {
+    /// Begins where the cloth was given its joints until now, if in `dt` `[s]` a bone that `matters` has turned against the
+    /// first by more than any does at `spin` `[rad/s]`. One that still waits goes to the new pose when it has waited.
+    pub fn begin_after_jump(
+        &mut self,
+        skin: &Skin,
+        joints: &[Affine3A],
+        (spin, dt): (f32, f32),
+        matters: impl Fn(u16) -> bool,
+        parents: &Query<&ChildOf>,
+    ) {
+        if self.waits <= 0.0 && joints.len() == self.live.len() && self.turned(spin * dt.max(LEAST_FRAME)).any(matters) {
             self.begin(skin, joints, parents);
         }
     }
 
+    /// Gives the cloth the skeleton that is there.
+    pub fn end(&mut self, joints: &mut Vec<Affine3A>) {
+        (self.waits, self.left) = (0.0, None);
+        joints.clone_from(&self.live);
+    }
+
     fn begin(&mut self, skin: &Skin, joints: &[Affine3A], parents: &Query<&ChildOf>) {
-        self.down = down(skin, parents);
+        self.hierarchy = hierarchy(skin, parents);
         let at = |joint: u16| joints[usize::from(joint)] * skin.bind(joint);
         let seen = |&(joint, above): &(u16, Option<u16>)| match above {
             Some(above) => local(at(above), at(joint)),
             None => Transform::IDENTITY,
         };
-        self.from = self.down.iter().map(seen).collect();
-        (self.waits, self.left) = (0.0, RAMP_TIME);
+        self.from = self.hierarchy.iter().map(seen).collect();
+        (self.waits, self.left) = (0.0, Some(RAMP_TIME));
     }
 
-    /// Whether a bone turned against the first by more than `most` `[rad]` since the frame before.
-    fn turned(&self, most: f32) -> bool {
-        let Some((root, before)) = self.live.first().zip(self.live_before.first()) else { return false };
-        let back = before.matrix3 * root.matrix3.inverse();
-        let dot = |a: &Mat3A, b: &Mat3A| a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis);
+    /// The joints that turned against the first by more than `most` `[rad]` since the frame before.
+    fn turned(&self, most: f32) -> impl Iterator<Item = u16> {
+        let size = |of: &Mat3A| dot(of, of);
+        let back = match (self.live.first(), self.live_before.first()) {
+            (Some(root), Some(before)) if most < core::f32::consts::PI => before.matrix3 * root.matrix3.inverse(),
+            _ => Mat3A::NAN,
+        };
         // The trace of a rotation is 1 + 2 cos. What is not finite did not turn.
-        let least = (1.0 + 2.0 * most.min(core::f32::consts::PI).cos()) / 3.0;
-        self.live.iter().zip(&self.live_before).any(|(now, before)| {
+        let least = (1.0 + 2.0 * most.cos()) / 3.0;
+        (0..).zip(self.live.iter().zip(&self.live_before)).filter_map(move |(joint, (now, before))| {
             let (now, before) = (back * now.matrix3, before.matrix3);
-            dot(&now, &before) < least * (dot(&now, &now) * dot(&before, &before)).sqrt()
+            (dot(&now, &before) < least * (size(&now) * size(&before)).sqrt()).then_some(joint)
         })
     }
 
-    /// Writes the skinning matrices of this frame of `dt` `[s]`.
-    pub fn advance(&mut self, skin: &Skin, dt: f32, joints: &mut Vec<Affine3A>) {
-        joints.clone_from(&self.live);
-        if !self.is_active() {
+    /// Lets `dt` `[s]` pass.
+    pub fn advance(&mut self, dt: f32) {
+        let Some(left) = &mut self.left else { return };
+        if *left <= 0.0 {
+            self.left = None;
             return;
         }
-        let goes = (dt - self.waits).max(0.0);
+        *left = (*left - (dt - self.waits).max(0.0)).max(0.0);
         self.waits = (self.waits - dt).max(0.0);
-        self.left -= goes;
-        if self.left <= 0.0 {
-            self.left = 0.0;
-            return;
-        }
-        let done = 1.0 - self.left / RAMP_TIME;
+    }
+
+    /// Writes the skinning matrices that the cloth is given. What is flat is where it is.
+    pub fn pose(&self, skin: &Skin, joints: &mut Vec<Affine3A>) {
+        joints.clone_from(&self.live);
+        let Some(left) = self.left.filter(|left| *left > 0.0) else { return };
+        let done = 1.0 - left / RAMP_TIME;
         let share = done * done * (3.0 - 2.0 * done);
-        for (&(joint, above), from) in self.down.iter().zip(&self.from) {
+        for (&(joint, above), from) in self.hierarchy.iter().zip(&self.from) {
             let Some(above) = above else { continue };
             let at = |joint: u16| self.live[usize::from(joint)] * skin.bind(joint);
             let to = local(at(above), at(joint));
@@ -137,8 +175,10 @@ impl Crossfade {
                 rotation: from.rotation.slerp(to.rotation, share),
                 scale: from.scale.lerp(to.scale, share),
             };
-            let place = joints[usize::from(above)] * skin.bind(above) * seen.compute_affine();
-            joints[usize::from(joint)] = place * skin.bind(joint).inverse();
+            let place = joints[usize::from(above)] * skin.bind(above) * seen.compute_affine() * skin.bind(joint).inverse();
+            if place.is_finite() {
+                joints[usize::from(joint)] = place;
+            }
         }
     }
 
@@ -160,12 +200,22 @@ fn local(above: Affine3A, joint: Affine3A) -> Transform {
     transform(above.inverse() * joint)
 }
 
+/// Not finite where a scale is 0.
 fn transform(affine: Affine3A) -> Transform {
-    Transform::from_matrix(Mat4::from(affine))
+    if affine.is_finite() && affine.matrix3.determinant() != 0.0 {
+        Transform::from_matrix(Mat4::from(affine))
+    } else {
+        Transform::from_translation(Vec3::NAN)
+    }
+}
+
+/// Of two matrices, as of two vectors of nine numbers.
+fn dot(a: &Mat3A, b: &Mat3A) -> f32 {
+    a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis)
 }
 
 /// Joints of a skin and the nearest above them, from the roots down.
-fn down(skin: &Skin, parents: &Query<&ChildOf>) -> Vec<(u16, Option<u16>)> {
+fn hierarchy(skin: &Skin, parents: &Query<&ChildOf>) -> Vec<(u16, Option<u16>)> {
     let joints: Vec<Entity> = skin.entities().collect();
     let mut index: EntityHashMap<u16> = EntityHashMap::default();
     for (i, &joint) in (0..).zip(&joints) {
@@ -174,9 +224,9 @@ fn down(skin: &Skin, parents: &Query<&ChildOf>) -> Vec<(u16, Option<u16>)> {
     let above = |&joint: &Entity| parents.iter_ancestors(joint).take(MOST_BETWEEN).find_map(|at| index.get(&at).copied());
     let above: Vec<Option<u16>> = joints.iter().map(above).collect();
     let depth = |joint: u16| core::iter::successors(above[usize::from(joint)], |&up| above[usize::from(up)]).count();
-    let mut down: Vec<(u16, Option<u16>)> = (0..).zip(above.iter().copied()).collect();
-    down.sort_by_key(|(joint, _)| depth(*joint));
-    down
+    let mut hierarchy: Vec<(u16, Option<u16>)> = (0..).zip(above.iter().copied()).collect();
+    hierarchy.sort_by_key(|(joint, _)| depth(*joint));
+    hierarchy
 }
 
 #[cfg(test)]
@@ -223,10 +273,11 @@ mod tests {
         let (skin, _) = chain(&mut world);
         let mut parents = SystemState::<Query<&ChildOf>>::new(&mut world);
         let mut crossfade = Crossfade::of(&bent(Vec3::X, 1.2));
-        crossfade.begin_in_bind_pose(&skin, None, &parents.get(&world).expect("a query"));
+        crossfade.begin_in_bind_pose(&skin, true, None, &parents.get(&world).expect("a query"));
         let mut joints = Vec::new();
         for _ in 0..(0.6 / dt) as u32 {
-            crossfade.advance(&skin, dt, &mut joints);
+            crossfade.advance(dt);
+            crossfade.pose(&skin, &mut joints);
             each(&crossfade, &joints);
         }
     }
@@ -241,7 +292,7 @@ mod tests {
             assert!((middle.translation.distance(Vec3A::X) - 1.0).abs() < 1.0e-4, "bones keep their length");
             assert!((tip.translation.distance(middle.translation) - 1.0).abs() < 1.0e-4, "bones keep their length");
             angles.push(transform(middle).rotation.angle_between(Quat::IDENTITY));
-            assert_eq!(crossfade.is_active(), joints != crossfade.live());
+            assert!(crossfade.is_active() || joints == crossfade.live());
         });
         assert!(angles[13] < 1.0e-3, "it waits for a quarter of a second: {angles:?}");
         assert!((angles[21] - 0.6).abs() < 0.15, "then it is half way after half as long: {angles:?}");
@@ -269,23 +320,39 @@ mod tests {
         let mut world = World::new();
         let (skin, _) = chain(&mut world);
         let mut parents = SystemState::<Query<&ChildOf>>::new(&mut world);
-        let mut jumps = |angle: f32, dt: f32| {
+        let mut jump_of = |matters: u16, angle: f32, dt: f32| {
             // Both bends: the tip turns twice as far. The root goes anywhere.
             let (before, live) = (bent(Vec3::ZERO, 0.1).to_vec(), bent(Vec3::ONE, 0.1 + 0.5 * angle).to_vec());
             let mut crossfade = Crossfade { live, live_before: before.clone(), ..default() };
-            crossfade.begin_after_jump(
-                &skin,
-                &before,
-                10.0 * core::f32::consts::PI,
-                dt,
-                &parents.get(&world).expect("a query"),
-            );
+            let spin = 10.0 * core::f32::consts::PI;
+            let parents = parents.get(&world).expect("a query");
+            crossfade.begin_after_jump(&skin, &before, (spin, dt), |joint| joint == matters, &parents);
             crossfade.is_active()
         };
         let degrees = f32::to_radians;
+        assert!(jump_of(1, 1.0, 0.01) && !jump_of(0, 1.0, 0.01), "one of which nothing hangs");
+        let mut jumps = |angle: f32, dt: f32| jump_of(1, angle, dt);
         assert!(!jumps(degrees(29.0), 1.0 / 60.0) && jumps(degrees(31.0), 1.0 / 60.0));
         assert!(!jumps(degrees(59.0), 1.0 / 30.0) && jumps(degrees(61.0), 1.0 / 30.0));
         assert!(!jumps(degrees(29.0), 1.0 / 144.0) && jumps(degrees(31.0), 1.0 / 144.0));
         assert!(!jumps(degrees(170.0), 0.1), "a long frame may turn anything");
+    }
+
+    #[test]
+    fn what_is_flat_is_where_it_is() {
+        let mut world = World::new();
+        let (skin, _) = chain(&mut world);
+        let mut parents = SystemState::<Query<&ChildOf>>::new(&mut world);
+        let mut live = bent(Vec3::X, 1.2);
+        live[2] *= Affine3A::from_scale(Vec3::ZERO);
+        let mut crossfade = Crossfade::of(&live);
+        crossfade.begin_in_bind_pose(&skin, true, None, &parents.get(&world).expect("a query"));
+        let mut joints = Vec::new();
+        for _ in 0..40 {
+            crossfade.advance(1.0 / 60.0);
+            crossfade.pose(&skin, &mut joints);
+            assert!(joints.iter().all(|joint| joint.is_finite()), "{joints:?}");
+        }
+        assert_eq!(joints, live);
     }
 }

@@ -98,10 +98,25 @@ impl Skin {
     /// Where the skin is as a whole: as its [carriers](Self::find_carriers) turn it, in their mean, and move the middle of what
     /// they carry. Its scale is even. None where a joint is gone, flat or not finite.
     pub fn placement(&self, transforms: &Transforms) -> Option<Placement> {
+        self.placement_by(|joint| {
+            let (joint, inverse_bind) = self.joints.get(usize::from(joint))?;
+            Some(transforms.get(*joint).ok()?.affine() * *inverse_bind)
+        })
+    }
+
+    /// As [`Self::placement`], where joints have these skinning matrices as seen from `origin` `[m]`.
+    pub fn placement_of(&self, matrices: &[Affine3A], origin: DVec3) -> Option<Placement> {
+        self.placement_by(|joint| {
+            let mut matrix = *matrices.get(usize::from(joint))?;
+            matrix.translation = (origin + matrix.translation.as_dvec3()).as_vec3a();
+            Some(matrix)
+        })
+    }
+
+    fn placement_by(&self, matrix: impl Fn(u16) -> Option<Affine3A>) -> Option<Placement> {
         let (mut turn, mut scale, mut at) = (Vec4::ZERO, 0.0, Vec3::ZERO);
         for &(joint, weight) in &self.carriers {
-            let (joint, inverse_bind) = self.joints.get(usize::from(joint))?;
-            let affine = transforms.get(*joint).ok()?.affine() * *inverse_bind;
+            let affine = matrix(joint)?;
             let placement = Placement::of(&affine)?;
             let rotation = Vec4::from(placement.rotation);
             // Of the two quaternions of a rotation the one on the same side.
@@ -112,6 +127,12 @@ impl Skin {
         let rotation = Quat::from_vec4(turn.try_normalize()?);
         let translation = at - rotation * (scale * self.center);
         Some(Placement { rotation, translation, bake: Mat3::from_diagonal(Vec3::splat(scale)) })
+    }
+
+    /// Whether a joint moves a particle.
+    pub fn moves_with(&self, joint: u16) -> bool {
+        let moves = |(&of, &weight): (&u16, &f32)| of == joint && weight > 0.0;
+        self.weights.iter().any(|(joints, weights)| joints.iter().zip(weights).any(moves))
     }
 
     /// How the skin moved at a particle, from one set of matrices to another. None where it is pressed flat, or was.

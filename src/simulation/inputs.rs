@@ -206,6 +206,11 @@ impl ClothInputs {
         self.on_skin = self.frames > FIRST_FRAMES && before == 0.0 && self.fade == 0.0;
     }
 
+    /// Whether what carries it is looked at in a frame in which time passes.
+    pub fn is_followed(&self) -> bool {
+        self.active && self.time_scale != 0.0 && !self.carried
+    }
+
     /// What carries the cloth as a whole: its entity or skin, or the first target if others hold it all.
     pub fn carrier(&self) -> Isometry3d {
         let sets = &self.sets.sets;
@@ -232,7 +237,11 @@ impl ClothInputs {
                     if space.0 != set_of[i] {
                         space = (set_of[i], set.space_from(origin));
                     }
-                    space.1.transform_point3(local[i])
+                    let at = space.1.transform_point3(local[i]);
+                    // Shown where it is held.
+                    let skin = self.skin.as_ref().filter(|_| self.crossfade.is_active());
+                    let off = skin.and_then(|skin| skin.motion([self.crossfade.live(), &self.joints], particles[i] as usize));
+                    off.map_or(at, |off| off.transform_point3(at))
                 }
             };
         }
@@ -281,6 +290,13 @@ impl ClothInputs {
     /// Moves where anchors and targets were last, to be [swapped](Self::aim) in.
     pub fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
         self.anchors.to.iter_mut().chain(&mut self.skinned.to).for_each(|x| *x = motion(*x));
+    }
+
+    /// Moves joints along: where they were in the frame before, or where they are.
+    pub fn carry_joints(&mut self, motion: Affine3A, as_they_are: bool) {
+        let joints = if as_they_are { &mut self.joints } else { &mut self.joints_before };
+        joints.iter_mut().for_each(|joint| *joint = motion * *joint);
+        self.crossfade.move_along(motion, as_they_are);
     }
 
     /// Lets go of the anchors whose sets were released.

@@ -1,6 +1,6 @@
 //! How a carrier moved.
 
-use bevy::math::DVec3;
+use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
 /// The rigid motion of a carrier between two frames, in the world.
@@ -39,6 +39,11 @@ impl Motion {
         let seen = |at: &Isometry3d| (Vec3::from(at.translation).as_dvec3() - origin).as_vec3();
         let (from, to, turn) = (seen(&self.from), seen(&self.to), self.turn());
         move |x| turn * (x - from) + to
+    }
+
+    /// As [`Self::motion`].
+    pub fn affine(&self, origin: DVec3) -> Affine3A {
+        Affine3A::from_rotation_translation(self.turn(), self.motion(origin)(Vec3::ZERO))
     }
 
     /// Where something at `at` goes that is carried along.

@@ -18,15 +18,10 @@ const REACH: f32 = 2.0;
 #[derive(SystemParam)]
 pub(crate) struct Bones<'w, 's> {
     colliders: Query<'w, 's, (&'static ColliderBody, Option<&'static ChildOf>, Option<&'static Transform>)>,
-    parents: Query<'w, 's, &'static ChildOf>,
+    pub parents: Query<'w, 's, &'static ChildOf>,
 }
 
 impl Bones<'_, '_> {
-    /// The nearest joint of a skin that a collider hangs on, or is.
-    pub fn joint(&self, skin: &Skin, collider: Entity) -> Option<u16> {
-        core::iter::once(collider).chain(self.parents.iter_ancestors(collider)).find_map(|at| skin.index(at))
-    }
-
     /// From the space of the mesh to that of a collider in the bind pose. None for one that is neither a joint of the skin nor
     /// a child of one.
     fn in_bind_pose(&self, skin: &Skin, collider: Entity) -> Option<Affine3A> {

@@ -382,8 +382,11 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, known: &known, positions, origin, rescale };
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         // Its points may be others.
-        inputs.crossfade = Crossfade::of(&joints);
-        (inputs.skin, inputs.joints, inputs.placement, inputs.worn) = (skin, joints, placement, Worn::default());
+        let has_joints_of = |skin: &Skin| inputs.skin.as_ref().is_some_and(|old| old.entities().eq(skin.entities()));
+        if !skin.as_ref().is_some_and(has_joints_of) {
+            (inputs.crossfade, inputs.joints) = (Crossfade::of(&joints), joints);
+        }
+        (inputs.skin, inputs.placement, inputs.worn) = (skin, placement, Worn::default());
         inputs.pins.clone_from(&cloth.pins);
         (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled && !binding.on_skin);

@@ -3,12 +3,13 @@
 //! ```text
 //! travel   targets of pins · where the carrier is now · teleports, for a whole character at once
 //! inertia  M = T(p0 + (1 - λ) Δp) · Rot((1 - λ) θ) · T(-p0)    moves cloth, pins and bodies along, before anything is felt
-//! aim      anchors and skin, from where they were to where they are now; bones that jumped are faded over
+//! aim      anchors and skin, from where they were to where they are now
 //! ```
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
+use super::skeleton;
 use crate::bind::{AnchorSet, Placement, Skin, Transforms};
 use crate::components::{
     Cloth, ClothCharacter, ClothOnTargetLost, ClothPins, ClothReport, ClothSolver, ClothTargetLost, ClothTeleportMode,
@@ -225,35 +226,16 @@ impl Mean {
 pub(crate) fn aim(
     time: Res<ClothTime>,
     transforms: Transforms,
-    parents: Query<&ChildOf>,
     mut cloths: Query<(&ClothRest, &ClothSolver, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
-    mut dressed: Local<Vec<(Entity, [f32; 2])>>,
 ) {
     let dt = time.delta_secs();
-    // Clothes that are put on later see the skeleton as those do that are there.
-    dressed.clear();
-    let worn = cloths.iter().filter(|(_, _, inputs, _)| inputs.active && inputs.skin.is_some() && inputs.frames > FIRST_FRAMES);
-    dressed.extend(worn.filter_map(|(_, _, inputs, _)| Some((inputs.character?, inputs.crossfade.time()))));
     for (rest, solver, mut inputs, mut particles) in &mut cloths {
         let (inputs, particles) = (&mut *inputs, &mut *particles);
-        if !inputs.active || inputs.time_scale == 0.0 || inputs.carried {
+        if !inputs.is_followed() {
             continue;
         }
         rebase(inputs, particles);
-        if let Some(skin) = inputs.skin.take() {
-            let ClothInputs { crossfade, joints, joints_before, frames, character: wearer, .. } = &mut *inputs;
-            crossfade.read(&skin, &transforms, particles.origin);
-            if *frames <= FIRST_FRAMES {
-                let others = dressed.iter().find(|(character, _)| Some(*character) == *wearer);
-                crossfade.begin_in_bind_pose(&skin, others.map(|(_, time)| *time), &parents);
-                crossfade.advance(&skin, 0.0, joints);
-            } else {
-                crossfade.begin_after_jump(&skin, joints, TELEPORT_SPIN, dt, &parents);
-            }
-            joints_before.clone_from(joints);
-            crossfade.advance(&skin, dt, joints);
-            inputs.skin = Some(skin);
-        }
+        skeleton::see(inputs, particles, &transforms);
         inputs.aim(particles.origin);
         inputs.follow(&rest.0, particles.origin);
         let frame = inputs.frames;
@@ -333,7 +315,10 @@ fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles, interpolates: 
         if interpolates {
             before.extend(particles.state.positions.iter().map(|x| x.truncate()));
         }
-        carry(&Motion { from, to, center: Vec3::ZERO }, inputs, particles);
+        let motion = Motion { from, to, center: Vec3::ZERO };
+        carry(&motion, inputs, particles);
+        // Nobody reads where they are in this frame.
+        inputs.carry_joints(motion.affine(particles.origin), true);
     }
     particles.before = before;
     if from.is_some() {
@@ -347,6 +332,7 @@ fn carry(jump: &Motion, inputs: &mut ClothInputs, particles: &mut ClothParticles
     let motion = jump.motion(particles.origin);
     particles.carry(&motion);
     inputs.carry(&motion);
+    inputs.carry_joints(jump.affine(particles.origin), false);
     let turn = jump.turn();
     inputs.skinned.normals_to.iter_mut().for_each(|normal| *normal = turn * *normal);
 }
@@ -362,6 +348,7 @@ fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     particles.carry(|x| x - shift);
     inputs.carry(|x| x - shift);
     // A joint that is gone keeps its matrix.
-    inputs.joints.iter_mut().for_each(|joint| joint.translation -= Vec3A::from(shift));
+    let joints = inputs.joints.iter_mut().chain(&mut inputs.joints_before);
+    joints.for_each(|joint| joint.translation -= Vec3A::from(shift));
     inputs.crossfade.shift(shift);
 }

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::skeleton::joint_of;
 use crate::bind::{Placement, ramp_weights};
 use crate::components::{
     Cloth, ClothBlend, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia,
@@ -254,18 +255,16 @@ pub(crate) fn surroundings(
             None => pose(&body.from),
         };
         let ClothInputs { bodies, worn, skin, fabric, crossfade, joints, joints_before, .. } = inputs;
-        let placed = |body: &WorldBody| {
-            let [from, to] = [from(body), pose(&body.to)];
-            let on_the_way = || {
-                let skin = skin.as_ref().filter(|_| crossfade.is_active() && body.rigid.is_none())?;
-                crossfade.carry(bones.joint(skin, body.entity)?, [joints_before, joints], [from, to])
-            };
-            on_the_way().unwrap_or([from, to])
+        let faded = skin.as_ref().filter(|_| crossfade.is_active());
+        let on_joint = |body: &WorldBody, places: [Pose; 2]| {
+            let joint = joint_of(faded?, body.entity, &bones.parents)?;
+            crossfade.carry(joint, [joints_before, joints], places)
         };
         bodies.extend(listed().map(|body| {
             let bone = character.is_some() && body.character == character;
             let keep = fabric.thickness + body.margin;
-            let [from, to] = placed(body);
+            let places = [from(body), pose(&body.to)];
+            let [from, to] = if bone && body.rigid.is_none() { on_joint(body, places).unwrap_or(places) } else { places };
             Body {
                 shape: body.shape.clone(),
                 from,

@@ -20,6 +20,7 @@ pub(crate) mod release;
 pub(crate) mod render_mesh;
 pub(crate) mod resolve;
 pub(crate) mod respond;
+pub(crate) mod skeleton;
 pub(crate) mod skin;
 pub(crate) mod sleep;
 pub(crate) mod sources;

@@ -16,13 +16,13 @@ const FARTHEST: f64 = 1000.0;
 type Posed<'w, 's, 'a> = Query<
     'w,
     's,
-    (Entity, Option<&'a Name>, &'a ClothPose, &'a ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
+    (Entity, Option<&'a Name>, &'a ClothPose, &'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
     With<Cloth>,
 >;
 
 /// Puts every cloth that has a pose into it, once what carries the cloth is where it is in this frame.
 pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut islands: ResMut<ClothIslands>, mut cloths: Posed) {
-    for (entity, name, pose, inputs, mut particles, mut scratch) in &mut cloths {
+    for (entity, name, pose, rest, mut inputs, mut particles, mut scratch) in &mut cloths {
         let comes = inputs.skin.is_some() && inputs.frames <= FIRST_FRAMES;
         if !inputs.active || comes || particles.recovery.is_frozen() {
             continue;
@@ -33,6 +33,12 @@ pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut isl
                 warn!("cloth {} stays as it is: `ClothPose` {why}", label(entity, name));
             }
             continue;
+        }
+        if inputs.crossfade.is_active() {
+            // It was saved on the skeleton that is there.
+            let inputs = &mut *inputs;
+            inputs.crossfade.end(&mut inputs.joints);
+            inputs.settle(&rest.0, particles.origin);
         }
         put(pose, &mut particles);
         forget_contacts(&mut scratch, &mut islands);

@@ -44,7 +44,7 @@ pub(crate) fn change(
             mesh.0 = instance.clone();
             entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
             entity.try_insert((NoAutoAabb, Aabb::default()));
-            // It begins where its skin is, and knows of nothing before.
+            // It begins as a new one does, and knows of nothing before.
             (inputs.frames, inputs.on_skin, inputs.stale, shown.forced) = (0, false, true, true);
             (inputs.fade, inputs.skinned.scale) = (0.0, 0.0);
             (particles.carrier, *scratch) = (None, ClothScratch::default());

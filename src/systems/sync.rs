@@ -64,18 +64,17 @@ fn show_particles(particles: &ClothParticles, inputs: &ClothInputs, overstep: f3
     let state = &particles.state.positions;
     let interpolates = particles.before.len() == state.len();
     let held = particles.display.held().filter(|held| held.len() == state.len());
+    let skin = inputs.skin.as_ref().filter(|_| inputs.crossfade.is_active());
+    let onto_skin = |joints: &[Affine3A], i: usize, x: Vec3| {
+        let motion = skin.and_then(|skin| skin.motion([joints, inputs.crossfade.live()], i));
+        motion.map_or(x, |motion| motion.transform_point3(x))
+    };
     let mut moved = shown.len() != state.len();
     shown.resize(state.len(), Vec3::ZERO);
     for (i, (shown, now)) in shown.iter_mut().zip(state).enumerate() {
         let now = held.map_or(now.truncate(), |held| held[i]);
-        let now = if interpolates { particles.before[i].lerp(now, overstep) } else { now };
-        let now = match &inputs.skin {
-            Some(skin) if inputs.crossfade.is_active() => {
-                let onto_skin = skin.motion([&inputs.joints, inputs.crossfade.live()], i);
-                onto_skin.map_or(now, |motion| motion.transform_point3(now))
-            }
-            _ => now,
-        };
+        let now = onto_skin(&inputs.joints, i, now);
+        let now = if interpolates { onto_skin(&inputs.joints_before, i, particles.before[i]).lerp(now, overstep) } else { now };
         // Whatever happens to a state, nothing that is not a number is drawn.
         if now.is_finite() && *shown != now {
             *shown = now;

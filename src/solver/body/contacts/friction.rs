@@ -5,6 +5,7 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::{BodyContacts, Candidate};
 use crate::solver::body::Grounds;
 use crate::solver::body::ground::Ground;
+use crate::solver::body::motion::RigidProxy;
 
 impl BodyContacts {
     /// Friction of particles, once per substep, after all pushes. Two-way bodies take the reaction.
@@ -24,7 +25,7 @@ impl BodyContacts {
                 let (Some(x), Some(old)) = (positions.get_mut(particle as usize), previous.get(particle as usize)) else {
                     continue;
                 };
-                let start = candidate.start_in(&ground, old.truncate(), rigid.is_some());
+                let start = candidate.start_in(&ground, old.truncate(), rigid.as_ref().is_some_and(RigidProxy::is_movable));
                 let held = ground.hold((plane, floor, load), (start, Vec3A::from_vec4(*x)), (x.w, ground.keep), &mut rigid);
                 let Some(by) = held else { continue };
                 *x += by.extend(0.0);
