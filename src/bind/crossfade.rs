@@ -99,7 +99,7 @@ impl Crossfade {
         }
         self.begin(skin, &vec![Affine3A::IDENTITY; self.live.len()], parents);
         let [waits, left] = times.unwrap_or([RAMP_TIME; 2]);
-        (self.waits, self.left) = (waits, Some(left).filter(|left| *left > 0.0));
+        (self.waits, self.left) = (waits, self.left.map(|_| left).filter(|left| *left > 0.0));
     }
 
     /// Begins where the cloth was given its joints until now, if in `dt` `[s]` a bone that `matters` has turned against the
@@ -131,7 +131,9 @@ impl Crossfade {
             None => Transform::IDENTITY,
         };
         self.from = self.hierarchy.iter().map(seen).collect();
-        (self.waits, self.left) = (0.0, Some(RAMP_TIME));
+        // Roots alone are where they are.
+        let fades = self.hierarchy.iter().any(|(_, above)| above.is_some());
+        (self.waits, self.left) = (0.0, fades.then_some(RAMP_TIME));
     }
 
     /// The joints that turned against the first by more than `most` `[rad]` since the frame before.

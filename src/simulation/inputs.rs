@@ -184,7 +184,7 @@ impl ClothInputs {
     }
 
     /// How much of the limits a skinned cloth is to have (dimensionless, 0 to 1).
-    fn wanted(&self) -> f32 {
+    pub fn wanted(&self) -> f32 {
         if self.too_far { 0.0 } else { self.blend.weight }
     }
 

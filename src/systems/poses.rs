@@ -27,6 +27,11 @@ pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut isl
         if !inputs.active || comes || particles.recovery.is_frozen() {
             continue;
         }
+        if inputs.skin.is_some() && inputs.fade < inputs.wanted() {
+            // It gets its limits first, which would bring it back to its skin.
+            inputs.fade = inputs.wanted();
+            continue;
+        }
         commands.entity(entity).try_remove::<ClothPose>();
         if let Some(why) = misfit(pose, &particles) {
             if notices.first(entity, "ClothPose") {

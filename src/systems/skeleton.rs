@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use super::carriers::Characters;
 use crate::bind::{Crossfade, Skin, Transforms};
 use crate::components::Cloth;
 use crate::simulation::{ClothInputs, ClothParticles, ClothPose, FIRST_FRAMES, TELEPORT_SPIN};
@@ -13,23 +14,24 @@ pub(crate) fn pose(
     clock: Option<Res<Time<Virtual>>>,
     transforms: Transforms,
     parents: Query<&ChildOf>,
-    mut cloths: Query<(&mut ClothInputs, &ClothParticles, Has<ClothPose>), With<Cloth>>,
+    characters: Characters,
+    mut cloths: Query<(Entity, &mut ClothInputs, &ClothParticles, Has<ClothPose>), With<Cloth>>,
     mut dressed: Local<Vec<(Entity, [f32; 2])>>,
 ) {
     let dt = time.delta_secs();
     // Animation moves once for several frames of a fixed schedule.
     let animated = clock.map_or(dt, |clock| clock.delta_secs().max(dt));
     dressed.clear();
-    let worn = cloths.iter().map(|(inputs, ..)| inputs).filter(|inputs| inputs.skin.is_some() && inputs.active);
+    let worn = cloths.iter().map(|(_, inputs, ..)| inputs).filter(|inputs| inputs.skin.is_some() && inputs.active);
     let worn = worn.filter(|inputs| inputs.frames > FIRST_FRAMES);
     dressed.extend(worn.filter_map(|inputs| Some((inputs.character?, inputs.crossfade.times_left()))));
-    for (mut inputs, particles, is_posed) in &mut cloths {
+    for (entity, mut inputs, particles, is_posed) in &mut cloths {
         let inputs = &mut *inputs;
         if !inputs.is_followed() {
             continue;
         }
         let Some(skin) = inputs.skin.take() else { continue };
-        let ClothInputs { crossfade, joints, joints_before, frames, character, body_entities, .. } = inputs;
+        let ClothInputs { crossfade, joints, joints_before, frames, body_entities, .. } = inputs;
         crossfade.read(&skin, &transforms, particles.origin);
         if *frames > FIRST_FRAMES {
             let hangs = |body: &Entity, joint: u16| joint_of(&skin, *body, &parents) == Some(joint);
@@ -37,7 +39,8 @@ pub(crate) fn pose(
             crossfade.begin_after_jump(&skin, joints, (TELEPORT_SPIN, animated), matters, &parents);
         } else if !is_posed {
             // Clothes that are put on later see the skeleton as those do that are there.
-            let others = dressed.iter().find(|(wearer, _)| Some(*wearer) == *character);
+            let character = characters.of(entity);
+            let others = dressed.iter().find(|(wearer, _)| Some(*wearer) == character);
             crossfade.begin_in_bind_pose(&skin, *frames == 0, others.map(|(_, times)| *times), &parents);
             crossfade.pose(&skin, joints);
         }

@@ -386,7 +386,8 @@ fn cloth_begins_where_it_was_made_and_what_comes_later_on_its_skin() {
         run(&mut app, 1);
         assert!(off(particles(&app, later), bend) < 1.0e-3);
     }
-    // Another clip takes over.
+    // Another clip takes over. What carries the cloth is on its way, too, and does not teleport.
+    record::<ClothTeleported>(&mut app);
     let bend = Transform::from_rotation(Quat::from_rotation_z(-0.5));
     put(&mut app, joints[1], bend);
     for frame in 0..20 {
@@ -395,7 +396,27 @@ fn cloth_begins_where_it_was_made_and_what_comes_later_on_its_skin() {
             assert!(off(world_positions(&app, cloth), bend) < 1.0e-3, "it is shown on the character");
             let solved = off(particles(&app, cloth), bend);
             assert!(if frame < 8 { solved > 0.1 } else { frame < 16 || solved < 1.0e-3 }, "frame {frame}: {solved}");
+            let worst = report(&app, cloth).worst_edge;
+            assert!(worst < 1.2, "frame {frame}: an edge of {worst} of its length");
         }
+    }
+    assert_eq!(seen::<ClothTeleported>(&app).len(), 0);
+}
+
+#[test]
+fn a_pose_that_is_loaded_is_that_of_the_skeleton_that_is_there() {
+    let mut app = app();
+    let (cloth, joints) = dressed(&mut app, 8, ClothPins::where_position(|p| p.x > 0.499));
+    app.world_mut().entity_mut(joints[0]).add_child(joints[1]);
+    put(&mut app, joints[1], Transform::from_rotation(Quat::from_rotation_z(1.0)));
+    run(&mut app, 300);
+    let (pose, saved) = (app.world().get::<ClothParticles>(cloth).expect("a cloth").pose(), particles(&app, cloth));
+    let later = app.world_mut().entity_mut(cloth).clone_and_spawn();
+    app.world_mut().entity_mut(later).insert(pose);
+    for frame in 0..30 {
+        run(&mut app, 1);
+        let farthest = particles(&app, later).iter().zip(&saved).map(|(now, then)| now.distance(*then)).fold(0.0, f32::max);
+        assert!(frame < 4 || farthest < 0.05, "frame {frame}: {farthest} m from where it was");
     }
 }
 
