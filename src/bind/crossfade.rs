@@ -353,7 +353,7 @@ mod tests {
         for _ in 0..40 {
             crossfade.advance(1.0 / 60.0);
             crossfade.pose(&skin, &mut joints);
-            assert!(joints.iter().all(|joint| joint.is_finite()), "{joints:?}");
+            assert!(joints.iter().all(Affine3A::is_finite), "{joints:?}");
         }
         assert_eq!(joints, live);
     }
