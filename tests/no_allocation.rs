@@ -141,3 +141,17 @@ fn a_warm_step_that_gives_bodies_something_allocates_nothing() {
     assert_eq!(allocations, 0, "{allocations} allocations in 120 frames");
     assert!(given > 0.0, "nothing was given");
 }
+
+#[test]
+fn a_fabric_that_changes_in_every_frame_allocates_nothing() {
+    use bevy_drape::solver::step::prepare;
+    let mut cloth = drape_scenes::hang(24).cloths.remove(0);
+    let mut count = 0;
+    for frame in 0..60 {
+        cloth.fabric.bend_stiffness *= 1.01;
+        let before = COUNT.with(Cell::get);
+        prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+        count += if frame > 0 { COUNT.with(Cell::get) - before } else { 0 };
+    }
+    assert_eq!(count, 0);
+}

@@ -107,8 +107,6 @@ pub(crate) struct BodyKey {
     pub bind_poses: AssetId<SkinnedMeshInverseBindposes>,
     /// Whether each joint is there, and which one is above it.
     pub joints: Vec<(bool, Option<usize>)>,
-    /// Bits of the margin `[m]`.
-    pub margin: u32,
     /// Bits of the metres per unit of the mesh.
     pub unit: u32,
 }
@@ -151,11 +149,16 @@ pub(crate) fn collider_of(fitted: &BoneCollider, settings: &ClothBody) -> (Cloth
     };
     let collider = ClothCollider {
         shape,
-        margin: fitted.margin.min(1.0),
+        margin: margin_of(fitted, settings),
         static_friction: settings.static_friction,
         dynamic_friction: settings.dynamic_friction,
     };
     (collider, place)
+}
+
+/// Distance that cloth keeps from it `[m]`.
+pub(crate) fn margin_of(fitted: &BoneCollider, settings: &ClothBody) -> f32 {
+    settings.margin.max(fitted.margin).min(1.0)
 }
 
 #[cfg(test)]

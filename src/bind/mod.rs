@@ -16,7 +16,7 @@ mod surface;
 
 pub(crate) use anchors::{AnchorSet, AnchorSets, Continuing, Resolved, ramp_weights, resolve};
 pub(crate) use cache::{RestCache, Sources};
-pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of};
+pub(crate) use character::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, collider_of, margin_of};
 pub(crate) use crossfade::Crossfade;
 pub(crate) use follow::{Asked, Followed};
 pub(crate) use instance::{bounds_between, corners, instance_of};

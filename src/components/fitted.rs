@@ -12,9 +12,9 @@ use super::checked::Checked;
 /// joint. You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of this entity.
 ///
 /// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They
-/// are made anew when this component, the mesh, the skin or the layers change, and what was edited is lost. Bodies with the
-/// same joints, settings and layers are fitted together: a character whose mesh is in pieces has one set of colliders. All go
-/// when this component is removed.
+/// are made anew when the mesh, the skin or the layers change, and what was edited is lost. A change of this component writes
+/// margins and friction to them, and keeps shapes, places and contacts. Bodies with the same joints, settings and layers are
+/// fitted together: a character whose mesh is in pieces has one set of colliders. All go when this component is removed.
 ///
 /// A [`Cloth`](crate::Cloth) is no body: this belongs on what wears it.
 ///

@@ -18,7 +18,7 @@ use bevy::math::{Affine3A, Mat3};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
-use crate::bind::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sources, collider_of, uniform_scale};
+use crate::bind::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sources, collider_of, margin_of, uniform_scale};
 use crate::character::{BoneCollider, FitSettings, SkinnedBody, fit};
 use crate::components::body::{FittedBody, FittedColliders, FittedTo, MadeOf, Stage};
 use crate::components::checked::Checked;
@@ -95,13 +95,18 @@ pub(crate) fn bodies(
         let Ok(first) = bodies.get(group[0]) else { continue };
         let is_made =
             |entity: &Entity| bodies.get(*entity).is_ok_and(|body| body.fitted.is_some_and(|state| state.stage == Stage::Made));
-        if first.fitted.is_some_and(|state| state.members == group) && group.iter().all(is_made) {
+        let is_fitted = first.fitted.is_some_and(|state| state.members == group) && group.iter().all(is_made);
+        if is_fitted && !first.settings.is_changed() {
             continue;
         }
         let mut checked = Checked::default();
         let settings = first.settings.checked(&mut checked);
         notices.clamped(first.entity, first.name, "body", &checked);
-        let colliders = fit_together(&anatomy, &mut cache, &bodies, &group, &settings);
+        if is_fitted {
+            tune(&mut commands, &first, settings);
+            continue;
+        }
+        let colliders = fit_together(&anatomy, &mut cache, &bodies, &group);
         let stage = if colliders.is_empty() { Stage::Failed } else { Stage::Made };
         if stage == Stage::Failed {
             tell(&mut notices, first.entity, first.name, &BodyError::NothingFits);
@@ -124,7 +129,8 @@ pub(crate) fn bodies(
     }
 }
 
-/// Marks bodies that are to be fitted as new. Whether there are any, or fitted ones that no longer can be.
+/// Marks bodies that are to be fitted as new. Whether there are any, or fitted ones that no longer can be or have other
+/// settings.
 fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now: f64, bodies: &mut Query<Body>) -> bool {
     let takes_part = |stage: Stage| matches!(stage, Stage::New | Stage::Made);
     let mut is_stale = false;
@@ -145,7 +151,8 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
         let arrived = made_of.mesh.is_some_and(|mesh| {
             sources.modified.contains(&mesh) || (state.stage == Stage::Failed && sources.added.contains(&mesh))
         });
-        let is_changed = body.settings.is_changed() || body.skin.as_ref().is_some_and(DetectChanges::is_changed);
+        let is_changed = body.skin.as_ref().is_some_and(DetectChanges::is_changed);
+        is_stale |= body.settings.is_changed() && takes_part(state.stage);
         let is_tried =
             arrived || is_changed || state.made_of != made_of || matches!(state.stage, Stage::New | Stage::Waiting { .. });
         if !is_tried {
@@ -197,14 +204,8 @@ fn groups(anatomy: &Anatomy, bodies: &Query<Body>) -> Vec<Vec<Entity>> {
     groups
 }
 
-/// The colliders of bodies with one skeleton. `settings` are in range.
-fn fit_together(
-    anatomy: &Anatomy,
-    cache: &mut BodyCache,
-    bodies: &Query<Body>,
-    group: &[Entity],
-    settings: &ClothBody,
-) -> Arc<[BoneCollider]> {
+/// The colliders of bodies with one skeleton.
+fn fit_together(anatomy: &Anatomy, cache: &mut BodyCache, bodies: &Query<Body>, group: &[Entity]) -> Arc<[BoneCollider]> {
     let first = group.first().and_then(|entity| bodies.get(*entity).ok());
     let Some(skin) = first.as_ref().and_then(|body| body.skin.as_deref()) else { return Arc::default() };
     let Some(bind_poses) = anatomy.bind_poses_of(skin) else { return Arc::default() };
@@ -222,13 +223,7 @@ fn fit_together(
         skin.joints[..count].iter().zip(parents).map(|(&joint, parent)| (anatomy.joints.contains(joint), parent)).collect()
     };
     let unit = rounded(anatomy.unit(skin, bind_poses).unwrap_or(0.0));
-    let key = BodyKey {
-        meshes,
-        bind_poses: skin.inverse_bindposes.id(),
-        joints,
-        margin: settings.margin.to_bits(),
-        unit: unit.to_bits(),
-    };
+    let key = BodyKey { meshes, bind_poses: skin.inverse_bindposes.id(), joints, unit: unit.to_bits() };
     let BodyKey { meshes, joints, .. } = key.clone();
     cache.get_or_fit(key, || {
         let (mut positions, mut indices, mut weights) = (Vec::new(), Vec::new(), Vec::new());
@@ -254,7 +249,8 @@ fn fit_together(
             parents: &parents,
             unit,
         };
-        fit(&body, &FitSettings { margin: settings.margin, ..FitSettings::default() })
+        // That of the settings is theirs to change.
+        fit(&body, &FitSettings { margin: 0.0, ..FitSettings::default() })
     })
 }
 
@@ -365,6 +361,24 @@ fn replace(commands: &mut Commands, body: Entity, parts: Vec<Part>, layers: Opti
             if let Some(layers) = layers {
                 spawned.insert(layers);
             }
+        }
+    });
+}
+
+/// Writes settings in range to the colliders of a body that are still there, under their joints.
+fn tune(commands: &mut Commands, body: &BodyReadOnlyItem, settings: ClothBody) {
+    let (Some(skin), Some(colliders)) = (&body.skin, body.fitted.and_then(|state| state.colliders.clone())) else { return };
+    let (body, joints) = (body.entity, skin.joints.clone());
+    commands.queue(move |world: &mut World| {
+        let Some(mine) = world.get::<FittedColliders>(body) else { return };
+        for entity in mine.iter().collect::<Vec<Entity>>() {
+            let joint = world.get::<ChildOf>(entity).map(ChildOf::parent);
+            let fitted = colliders.iter().find(|fitted| joint.is_some() && joints.get(fitted.joint).copied() == joint);
+            let Some(mut collider) = world.get_mut::<ClothCollider>(entity) else { continue };
+            let ClothBody { static_friction, dynamic_friction, .. } = settings;
+            let margin = fitted.map_or(collider.margin, |fitted| margin_of(fitted, &settings));
+            let tuned = ClothCollider { margin, static_friction, dynamic_friction, ..collider.clone() };
+            collider.set_if_neq(tuned);
         }
     });
 }

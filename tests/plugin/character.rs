@@ -195,9 +195,40 @@ fn what_a_user_edits_or_despawns_stays_so_until_the_body_changes() {
     assert_eq!(app.world().get::<ClothCollider>(all[1].1), Some(&ClothCollider::ball(0.3)));
     app.world_mut().get_mut::<ClothBody>(body).expect("a body").margin = 0.03;
     run(&mut app, 2);
+    assert_eq!(colliders(&mut app), [all[1].clone()]);
+    let edited = app.world().get::<ClothCollider>(all[1].1).expect("a collider");
+    assert_eq!((&edited.shape, edited.margin), (&ClothCollider::ball(0.3).shape, 0.03));
+    let other = add(&mut app, leg(0.1, 1.0, &[0, 1]));
+    app.world_mut().entity_mut(body).insert(Mesh3d(other));
+    run(&mut app, 2);
     let anew = colliders(&mut app);
     assert_eq!(names(&mut app), ["calf collider", "thigh collider"]);
     assert!(anew.iter().all(|collider| !all.contains(collider)), "{anew:?}");
+}
+
+#[test]
+fn settings_of_a_body_change_its_colliders_and_cloth_keeps_its_hold() {
+    let mut app = app();
+    let (body, _) = body(&mut app, ());
+    let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.5, 0.2, 0.0));
+    run(&mut app, 240);
+    let (all, before) = (colliders(&mut app), positions(&mut app, cloth));
+    let touching = report(&app, cloth).body_contacts;
+    assert!(touching > 20, "{touching} contacts with the leg");
+    for frame in 0..120_u32 {
+        let mut settings = app.world_mut().get_mut::<ClothBody>(body).expect("a body");
+        let share = frame as f32 / 119.0;
+        (settings.margin, settings.static_friction) = (0.015 + 0.005 * share, 0.5 + 0.5 * share);
+        run(&mut app, 1);
+        assert_eq!(colliders(&mut app), all);
+        let still = report(&app, cloth).body_contacts;
+        assert!(2 * still > touching, "frame {frame}: {still} contacts of {touching}");
+    }
+    let made = app.world().get::<ClothCollider>(all[0].1).expect("a collider");
+    assert!((made.margin - 0.02).abs() < 1.0e-6 && made.static_friction == 1.0, "{made:?}");
+    let after = positions(&mut app, cloth);
+    let farthest = before.iter().zip(&after).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!((0.003..0.02).contains(&farthest), "{farthest} m");
 }
 
 #[test]

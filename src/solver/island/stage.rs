@@ -22,7 +22,10 @@ impl Stage {
     pub const FRAME: [Self; 5] = [Self::Integrate, Self::Detect, Self::Resolve, Self::Evaluate, Self::Respond];
     /// The frame of cloths that were stepped one by one, since none of them rests on another:
     /// [`step`](crate::solver::step::step).
-    pub const AFTER_INTEGRATE: [Self; 4] = [Self::Detect, Self::Resolve, Self::Evaluate, Self::Respond];
+    pub const AFTER_INTEGRATE: [Self; 4] = {
+        let [Self::Integrate, rest @ ..] = Self::FRAME else { unreachable!() };
+        rest
+    };
 }
 
 impl Island {

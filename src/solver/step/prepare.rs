@@ -12,12 +12,13 @@ use crate::solver::state::ClothState;
 /// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them
 /// are held rigidly changed. Keeps positions and velocities.
 pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
-    let rigid = weigh(rest, fabric, anchors, state, scratch);
-    if scratch.rigid != rigid || scratch.factors_for == 0.0 {
-        scratch.tethers = tether::Tethers::new(rest, &rigid);
-        scratch.coarse.hold(rest, &rigid);
-        scratch.follow_the_leader = follow_the_leader::FollowTheLeader::new(rest, &rigid);
-        scratch.rigid = rigid;
+    weigh(rest, fabric, anchors, state, scratch);
+    if !rigid(anchors, state).eq(scratch.rigid.iter().copied()) || scratch.factors_for == 0.0 {
+        scratch.rigid.clear();
+        scratch.rigid.extend(rigid(anchors, state));
+        scratch.tethers = tether::Tethers::new(rest, &scratch.rigid);
+        scratch.coarse.hold(rest, &scratch.rigid);
+        scratch.follow_the_leader = follow_the_leader::FollowTheLeader::new(rest, &scratch.rigid);
     }
     let longest =
         |longest: f32, e: &[u32; 2]| rest.positions[e[0] as usize].distance_squared(rest.positions[e[1] as usize]).max(longest);
@@ -28,15 +29,13 @@ pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut
     scratch.factors_for = 0.0;
 }
 
-/// Sets inverse masses; the particles that are held rigidly, in the order of their pins.
-fn weigh(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) -> Vec<u32> {
+/// Sets inverse masses.
+fn weigh(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, scratch: &mut Scratch) {
     for (x, &area) in state.positions.iter_mut().zip(&rest.areas) {
         x.w = 1.0 / (fabric.density * area).max(1.0e-9);
     }
     scratch.coupling.weigh(anchors);
-    let mut rigid: Vec<u32> =
-        anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= RIGID).map(|(p, _)| *p).collect();
-    for &p in &rigid {
+    for p in pinned(anchors) {
         state.positions[p as usize].w = 0.0;
     }
     for (anchor, w) in scratch.coupling.weights() {
@@ -44,9 +43,17 @@ fn weigh(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut Cloth
             state.positions[p as usize].w = w;
         }
     }
-    rigid.retain(|&p| state.positions[p as usize].w == 0.0);
     for (x, old) in state.positions.iter().zip(&mut state.previous) {
         old.w = x.w;
     }
-    rigid
+}
+
+/// The particles of rigid pins, in the order of pins.
+fn pinned(anchors: &Anchors) -> impl Iterator<Item = u32> {
+    anchors.particles.iter().zip(&anchors.weights).filter(|(_, w)| **w >= RIGID).map(|(p, _)| *p)
+}
+
+/// Those of them that nothing moves.
+fn rigid(anchors: &Anchors, state: &ClothState) -> impl Iterator<Item = u32> {
+    pinned(anchors).filter(|&p| state.positions[p as usize].w == 0.0)
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec4;
 
+use super::project::by_part;
 use super::push::mobility;
 use super::{Candidate, FaceContacts, SHARE, point};
 use crate::solver::body::Grounds;
@@ -10,16 +11,10 @@ impl FaceContacts {
     /// Friction of faces, after that of [particles](crate::solver::body::BodyContacts::apply_friction).
     pub fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
         self.list_touching();
-        let mut touching = &self.touching[..];
-        for part in &self.parts {
-            let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
-            touching = others;
-            if here.is_empty() {
-                continue;
-            }
+        for (part, touching) in by_part(&self.parts, &self.touching) {
             let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             let mut rigid = grounds.rigid(part.body, self.dt, 1);
-            for candidate in here.iter().filter_map(|k| self.candidates.get(*k as usize)) {
+            for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
                 let Candidate { weights, plane, floor, load, .. } = candidate;
                 let corners = candidate.corners(positions);
                 let Some(mobility) = mobility(weights, &corners.map(|x| x.w)) else { continue };

@@ -5,7 +5,7 @@ use glam::{Vec3A, Vec4};
 
 use super::push::mobility;
 use super::setting::{Setting, State};
-use super::{FaceContacts, SHARE, point};
+use super::{FaceContacts, Part, SHARE, point};
 use crate::solver::body::Grounds;
 use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
@@ -18,12 +18,9 @@ impl FaceContacts {
     /// after it.
     pub fn project_provisionally(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], provisional: &mut Provisional) {
         self.list_touching();
-        let mut touching = &self.touching[..];
-        for part in &self.parts {
-            let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
-            touching = others;
+        for (part, touching) in by_part(&self.parts, &self.touching) {
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            for candidate in here.iter().filter_map(|k| self.candidates.get(*k as usize)) {
+            for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
                 let (weights, corners) = (&candidate.weights, candidate.corners(positions));
                 let point = point(weights, corners);
                 let Some(way) = ground.way_to(candidate.plane, 0.0, point, SHARE * ground.keep) else { continue };
@@ -38,16 +35,10 @@ impl FaceContacts {
     /// The same for faces as [`BodyContacts::push_to_planes`](crate::solver::body::BodyContacts::push_to_planes), after it.
     pub fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
         self.list_touching();
-        let mut touching = &self.touching[..];
-        for part in &self.parts {
-            let (here, others) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
-            touching = others;
-            if here.is_empty() {
-                continue;
-            }
+        for (part, touching) in by_part(&self.parts, &self.touching) {
             let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             let mut rigid = grounds.rigid(part.body, self.dt, 1);
-            for k in here {
+            for k in touching {
                 let Some(candidate) = self.candidates.get_mut(*k as usize) else { continue };
                 let (weights, corners) = (&candidate.weights, candidate.corners(positions));
                 let point = point(weights, corners);
@@ -144,4 +135,13 @@ impl FaceContacts {
         }
         touches
     }
+}
+
+/// Each part that has faces among those that touch (rising numbers of candidates), with them.
+pub(super) fn by_part<'a>(parts: &'a [Part], mut touching: &'a [u32]) -> impl Iterator<Item = (&'a Part, &'a [u32])> {
+    parts.iter().filter_map(move |part| {
+        let here;
+        (here, touching) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));
+        (!here.is_empty()).then_some((part, here))
+    })
 }
