@@ -59,7 +59,7 @@ pub(crate) struct ClothIsland {
 
 impl ClothIsland {
     /// What a stage of the last frame cost `[ms]`, shared by the cloths by their particles: cloth `part`.
-    pub fn cost(&self, stage: Stage, part: usize) -> f32 {
+    pub(crate) fn cost(&self, stage: Stage, part: usize) -> f32 {
         let surface = self.solver.surface();
         let share = surface.parts.get(part).map_or(0.0, |p| p.particles.len() as f32 / surface.len().max(1) as f32);
         share * self.times[stage as usize]
@@ -92,7 +92,7 @@ impl Member {
     }
 
     /// Whether a cloth is as its island saw it last: of the same shape at rest, and bound no later.
-    pub fn is_as_seen(&self, rest: &ClothRest, particles: &ClothParticles, scratch: &ClothScratch) -> bool {
+    pub(crate) fn is_as_seen(&self, rest: &ClothRest, particles: &ClothParticles, scratch: &ClothScratch) -> bool {
         Arc::ptr_eq(&rest.0, &self.rest) && particles.len() == rest.0.positions.len() && scratch.island.is_some()
     }
 }

@@ -22,6 +22,7 @@
 //! Lengths are in metres, masses in kilograms, times in seconds. The solver, [`solver`], knows nothing of the engine and can be
 //! used without it.
 #![forbid(unsafe_code)]
+#![warn(unreachable_pub)]
 
 // In the order of the data flow.
 pub mod plugin;

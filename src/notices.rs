@@ -18,7 +18,7 @@ pub(crate) struct Notices {
 
 impl Notices {
     /// Whether this is the first time; remembers it.
-    pub fn first(&mut self, entity: Entity, kind: impl Into<Cow<'static, str>>) -> bool {
+    pub(crate) fn first(&mut self, entity: Entity, kind: impl Into<Cow<'static, str>>) -> bool {
         let kind = kind.into();
         let told = self.told.entry(entity).or_default();
         let first = !told.contains(&kind);
@@ -30,14 +30,14 @@ impl Notices {
 
     /// Says that a matter is settled: when it comes up again it is said again.
     #[cfg(feature = "presets")]
-    pub fn settle(&mut self, entity: Entity, kind: &str) {
+    pub(crate) fn settle(&mut self, entity: Entity, kind: &str) {
         if let Some(told) = self.told.get_mut(&entity) {
             told.retain(|known| known != kind);
         }
     }
 
     /// Warns once for each setting that was clamped.
-    pub fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, checked: &Checked) {
+    pub(crate) fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, checked: &Checked) {
         for (field, values) in checked.changes() {
             if !self.first(entity, field.clone()) {
                 continue;
@@ -61,7 +61,7 @@ impl Notices {
     }
 
     /// Forgets an entity.
-    pub fn forget(&mut self, entity: Entity) {
+    pub(crate) fn forget(&mut self, entity: Entity) {
         self.told.remove(&entity);
     }
 }

@@ -18,18 +18,18 @@ pub(crate) struct ClothTime {
 
 impl ClothTime {
     /// By how much cloth moves in this frame `[s]`; 0: not at all.
-    pub fn delta_secs(&self) -> f32 {
+    pub(crate) fn delta_secs(&self) -> f32 {
         self.delta.as_secs_f32()
     }
 
     /// As [`Self::delta_secs`].
-    pub fn delta_secs_f64(&self) -> f64 {
+    pub(crate) fn delta_secs_f64(&self) -> f64 {
         self.delta.as_secs_f64()
     }
 
     /// Takes over a frame of the clock of the schedule. What shorter frames take, as those of slow motion, is owed until it
     /// adds up.
-    pub fn advance_by(&mut self, delta: Duration) {
+    pub(crate) fn advance_by(&mut self, delta: Duration) {
         let sum = self.owed + delta;
         let due = !delta.is_zero() && sum >= SHORTEST_FRAME;
         (self.delta, self.owed) = if due { (sum, Duration::ZERO) } else { (Duration::ZERO, sum) };

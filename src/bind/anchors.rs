@@ -40,13 +40,13 @@ pub(crate) struct AnchorSet {
 
 impl AnchorSet {
     /// Held by the cloth's own entity or skin.
-    pub fn own(placement: &Placement) -> Self {
+    pub(crate) fn own(placement: &Placement) -> Self {
         let at = Affine3A::from_rotation_translation(placement.rotation, placement.translation);
         Self { target: None, relation: Affine3A::IDENTITY, at, lost: false, released: false }
     }
 
     /// Held by another entity, which is at `affine` while the cloth is at `placement`.
-    pub fn new(target: Entity, affine: &Affine3A, placement: &Placement) -> Self {
+    pub(crate) fn new(target: Entity, affine: &Affine3A, placement: &Placement) -> Self {
         let own = Self::own(placement);
         // Differences first: far from the origin the two translations are large and close together.
         let offset = (placement.translation.as_dvec3() - Vec3::from(affine.translation).as_dvec3()).as_vec3();
@@ -56,7 +56,7 @@ impl AnchorSet {
     }
 
     /// The space of the anchors as seen from `origin`.
-    pub fn space_from(&self, origin: DVec3) -> Affine3A {
+    pub(crate) fn space_from(&self, origin: DVec3) -> Affine3A {
         seen_from(&self.at, origin) * self.relation
     }
 }
@@ -138,7 +138,7 @@ pub(crate) struct Continuing<'a> {
 impl Resolved {
     /// Holds particles rigidly, sorted, by the set with that number, except where a set holds them so already. Whether it holds
     /// any.
-    pub fn pin(&mut self, particles: impl Iterator<Item = u32>, set: usize) -> bool {
+    pub(crate) fn pin(&mut self, particles: impl Iterator<Item = u32>, set: usize) -> bool {
         let mut any = false;
         for particle in particles {
             match self.particles.binary_search(&particle) {
@@ -156,7 +156,7 @@ impl Resolved {
     }
 
     /// Anchors and the sets that hold them. Targets are filled in by the frame.
-    pub fn into_anchors(
+    pub(crate) fn into_anchors(
         self,
         sets: Vec<AnchorSet>,
         rest: &RestShape,

@@ -71,7 +71,7 @@ struct Known {
 
 impl RestCache {
     /// The shape of a mesh at a scale, built if no cloth has it yet.
-    pub fn get_or_build(&mut self, source: AssetId<Mesh>, bake: Mat3, authored: &Authored) -> Built {
+    pub(crate) fn get_or_build(&mut self, source: AssetId<Mesh>, bake: Mat3, authored: &Authored) -> Built {
         // Nobody may have been told yet that the mesh is another.
         let vertices = authored.positions.len();
         let fits = |built: &Built| built.as_ref().map_or(true, |(shape, _)| shape.particle_of_vertex.len() == vertices);
@@ -85,7 +85,7 @@ impl RestCache {
 
     /// Whether the shape of a mesh at a scale is there, or will not be. Otherwise it is being built in the background, from now
     /// on if `begin` gives a mesh for it.
-    pub fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
+    pub(crate) fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
         let key = key(source, bake);
         if let Some(building) = self.tasks.get_mut(&key) {
             if building.ask().is_none() {
@@ -125,7 +125,7 @@ impl RestCache {
     }
 
     /// Lets go of what was built in the background and no cloth asks for any more.
-    pub fn forget_unasked(&mut self) {
+    pub(crate) fn forget_unasked(&mut self) {
         self.tasks.retain(|_, building| core::mem::take(&mut building.asked));
     }
 
@@ -179,13 +179,13 @@ impl RestCache {
 
     /// Forgets the shapes of a mesh that was written. What is built of it goes on: writing a mesh need not change it, and one
     /// that is written in every frame would never be built.
-    pub fn forget_shapes(&mut self, source: AssetId<Mesh>) {
+    pub(crate) fn forget_shapes(&mut self, source: AssetId<Mesh>) {
         self.shapes.retain(|(id, _), _| *id != source);
         self.tasks.iter_mut().filter(|((id, _), _)| *id == source).for_each(|(_, building)| building.written = true);
     }
 
     /// Forgets a mesh that is gone.
-    pub fn forget(&mut self, source: AssetId<Mesh>) {
+    pub(crate) fn forget(&mut self, source: AssetId<Mesh>) {
         self.shapes.retain(|(id, _), _| *id != source);
         self.tasks.retain(|(id, _), _| *id != source);
     }
@@ -223,20 +223,20 @@ pub(crate) struct Sources {
 
 impl Sources {
     /// The mesh that an instance was made from; the mesh itself if it is none of ours.
-    pub fn authored(&self, mesh: &Handle<Mesh>) -> Handle<Mesh> {
+    pub(crate) fn authored(&self, mesh: &Handle<Mesh>) -> Handle<Mesh> {
         self.authored.get(&mesh.id()).unwrap_or(mesh).clone()
     }
 
     /// Whether a mesh is an instance of ours.
-    pub fn is_instance(&self, mesh: AssetId<Mesh>) -> bool {
+    pub(crate) fn is_instance(&self, mesh: AssetId<Mesh>) -> bool {
         self.authored.contains_key(&mesh)
     }
 
-    pub fn insert(&mut self, instance: AssetId<Mesh>, source: Handle<Mesh>) {
+    pub(crate) fn insert(&mut self, instance: AssetId<Mesh>, source: Handle<Mesh>) {
         self.authored.insert(instance, source);
     }
 
-    pub fn remove(&mut self, instance: AssetId<Mesh>) {
+    pub(crate) fn remove(&mut self, instance: AssetId<Mesh>) {
         self.authored.remove(&instance);
     }
 }

@@ -35,7 +35,7 @@ pub(crate) enum BodyError {
 
 impl BodyError {
     /// What is told once.
-    pub fn kind(&self) -> &'static str {
+    pub(crate) fn kind(&self) -> &'static str {
         match self {
             Self::Cloth => "body is cloth",
             Self::Unreadable(_) => "body is unreadable",
@@ -58,7 +58,7 @@ pub(crate) enum BodyWait {
 
 impl BodyWait {
     /// What is missing, and what helps.
-    pub fn cure(self) -> &'static str {
+    pub(crate) fn cure(self) -> &'static str {
         match self {
             Self::Mesh => "it has no `Mesh3d`: put `ClothBody` on the entity of a skinned mesh",
             Self::Skin => {
@@ -84,7 +84,7 @@ pub(crate) struct SkinnedVertices<'a> {
 }
 
 impl<'a> SkinnedVertices<'a> {
-    pub fn of(mesh: &'a Mesh) -> Result<Self, BodyError> {
+    pub(crate) fn of(mesh: &'a Mesh) -> Result<Self, BodyError> {
         let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION) {
             Ok(VertexAttributeValues::Float32x3(positions)) => positions,
             Ok(_) => return Err(BodyError::Unreadable("its mesh has positions that are not Float32x3: convert them".into())),
@@ -119,7 +119,7 @@ pub(crate) struct BodyCache {
 
 impl BodyCache {
     /// The colliders of a body, fitted if no other body has them yet.
-    pub fn get_or_fit(&mut self, key: BodyKey, fit: impl FnOnce() -> Vec<BoneCollider>) -> Arc<[BoneCollider]> {
+    pub(crate) fn get_or_fit(&mut self, key: BodyKey, fit: impl FnOnce() -> Vec<BoneCollider>) -> Arc<[BoneCollider]> {
         if let Some(known) = self.fits.get(&key).and_then(Weak::upgrade) {
             return known;
         }
@@ -130,7 +130,7 @@ impl BodyCache {
     }
 
     /// Forgets the colliders of meshes that changed.
-    pub fn forget(&mut self, meshes: &HashSet<AssetId<Mesh>>) {
+    pub(crate) fn forget(&mut self, meshes: &HashSet<AssetId<Mesh>>) {
         self.fits.retain(|key, _| !key.meshes.iter().any(|mesh| meshes.contains(mesh)));
     }
 }

@@ -46,45 +46,45 @@ pub(crate) struct Crossfade {
 
 impl Crossfade {
     /// Of a skeleton with these skinning matrices.
-    pub fn of(live: &[Affine3A]) -> Self {
+    pub(crate) fn of(live: &[Affine3A]) -> Self {
         Self { live: live.to_vec(), live_before: live.to_vec(), ..Self::default() }
     }
 
     /// Whether the cloth is given another skeleton than the one that is there, or was in the frame before.
-    pub fn is_active(&self) -> bool {
+    pub(crate) fn is_active(&self) -> bool {
         self.left.is_some()
     }
 
     /// Skinning matrices of the skeleton that is there.
-    pub fn live(&self) -> &[Affine3A] {
+    pub(crate) fn live(&self) -> &[Affine3A] {
         &self.live
     }
 
     /// Time until bones begin to move, and from then until they are there `[s]`.
-    pub fn times_left(&self) -> [f32; 2] {
+    pub(crate) fn times_left(&self) -> [f32; 2] {
         [self.waits, self.left.unwrap_or(0.0)]
     }
 
     /// Goes along with the frame of simulation.
-    pub fn shift(&mut self, shift: Vec3) {
+    pub(crate) fn shift(&mut self, shift: Vec3) {
         self.live.iter_mut().chain(&mut self.live_before).for_each(|joint| joint.translation -= Vec3A::from(shift));
     }
 
     /// The skeleton goes along with the cloth: as it was in the frame before, or as it is.
-    pub fn move_along(&mut self, motion: Affine3A, as_it_is: bool) {
+    pub(crate) fn move_along(&mut self, motion: Affine3A, as_it_is: bool) {
         let which = if as_it_is { &mut self.live } else { &mut self.live_before };
         which.iter_mut().for_each(|joint| *joint = motion * *joint);
     }
 
     /// Begins the frame: reads where the joints are, as seen from `origin` `[m]`.
-    pub fn read(&mut self, skin: &Skin, transforms: &Transforms, origin: DVec3) {
+    pub(crate) fn read(&mut self, skin: &Skin, transforms: &Transforms, origin: DVec3) {
         self.live_before.clone_from(&self.live);
         skin.matrices(transforms, origin, &mut self.live);
         self.origin = origin;
     }
 
     /// Reads them again, if they are seen from elsewhere by now.
-    pub fn read_again(&mut self, skin: &Skin, transforms: &Transforms, origin: DVec3) {
+    pub(crate) fn read_again(&mut self, skin: &Skin, transforms: &Transforms, origin: DVec3) {
         if self.origin != origin {
             skin.matrices(transforms, origin, &mut self.live);
             self.origin = origin;
@@ -93,7 +93,7 @@ impl Crossfade {
 
     /// Begins in the bind pose, where the root is; with the [times](Self::times_left) that others of its character have, if
     /// there are any. A skeleton that `comes` was nowhere before.
-    pub fn begin_in_bind_pose(&mut self, skin: &Skin, comes: bool, times: Option<[f32; 2]>, parents: &Query<&ChildOf>) {
+    pub(crate) fn begin_in_bind_pose(&mut self, skin: &Skin, comes: bool, times: Option<[f32; 2]>, parents: &Query<&ChildOf>) {
         if comes {
             self.live_before.clone_from(&self.live);
         }
@@ -104,7 +104,7 @@ impl Crossfade {
 
     /// Begins where the cloth was given its joints until now, if in `dt` `[s]` a bone that `matters` has turned against the
     /// first by more than any does at `spin` `[rad/s]`. One that still waits goes to the new pose when it has waited.
-    pub fn begin_after_jump(
+    pub(crate) fn begin_after_jump(
         &mut self,
         skin: &Skin,
         joints: &[Affine3A],
@@ -118,7 +118,7 @@ impl Crossfade {
     }
 
     /// Gives the cloth the skeleton that is there.
-    pub fn end(&mut self, joints: &mut Vec<Affine3A>) {
+    pub(crate) fn end(&mut self, joints: &mut Vec<Affine3A>) {
         (self.waits, self.left) = (0.0, None);
         joints.clone_from(&self.live);
     }
@@ -152,7 +152,7 @@ impl Crossfade {
     }
 
     /// Lets `dt` `[s]` pass.
-    pub fn advance(&mut self, dt: f32) {
+    pub(crate) fn advance(&mut self, dt: f32) {
         let Some(left) = &mut self.left else { return };
         if *left <= 0.0 {
             self.left = None;
@@ -163,7 +163,7 @@ impl Crossfade {
     }
 
     /// Writes the skinning matrices that the cloth is given. What is flat is where it is.
-    pub fn pose(&self, skin: &Skin, joints: &mut Vec<Affine3A>) {
+    pub(crate) fn pose(&self, skin: &Skin, joints: &mut Vec<Affine3A>) {
         joints.clone_from(&self.live);
         let Some(left) = self.left.filter(|left| *left > 0.0) else { return };
         let done = 1.0 - left / RAMP_TIME;
@@ -186,7 +186,7 @@ impl Crossfade {
 
     /// Where a body that hangs on a joint of the skin is for the cloth, at the start of the frame and at its end; `joints`: the
     /// skinning matrices that the cloth was given then.
-    pub fn carry(&self, joint: u16, joints: [&[Affine3A]; 2], body: [Pose; 2]) -> Option<[Pose; 2]> {
+    pub(crate) fn carry(&self, joint: u16, joints: [&[Affine3A]; 2], body: [Pose; 2]) -> Option<[Pose; 2]> {
         let at = usize::from(joint);
         let place = |to: &[Affine3A], from: &[Affine3A], body: Pose| {
             let motion = *to.get(at)? * from.get(at)?.inverse();

@@ -22,7 +22,7 @@ pub(crate) struct Asked {
 
 impl Asked {
     /// Those of the components of a cloth.
-    pub fn of(limits: Option<&ClothLimits>, drive: Option<&ClothDrive>) -> Self {
+    pub(crate) fn of(limits: Option<&ClothLimits>, drive: Option<&ClothDrive>) -> Self {
         let of = |map: Option<&ClothMap>| map.cloned().unwrap_or_default();
         Self {
             max_distance: of(limits.map(|limits| &limits.max_distance)),
@@ -32,7 +32,7 @@ impl Asked {
     }
 
     /// Whether [`Self::of`] would give the same.
-    pub fn is_of(&self, limits: Option<&ClothLimits>, drive: Option<&ClothDrive>) -> bool {
+    pub(crate) fn is_of(&self, limits: Option<&ClothLimits>, drive: Option<&ClothDrive>) -> bool {
         let same = |mine: &ClothMap, map: Option<&ClothMap>| map.map_or(mine.is_off(), |map| mine == map);
         same(&self.max_distance, limits.map(|limits| &limits.max_distance))
             && same(&self.backstop_distance, limits.map(|limits| &limits.backstop_distance))
@@ -60,7 +60,7 @@ pub(crate) struct Followed {
 impl Followed {
     /// Spreads maps over particles. What cannot be used is off, and told by name with the reason. `before`: what was asked of
     /// it until now.
-    pub fn new(
+    pub(crate) fn new(
         asked: Asked,
         mesh: &Mesh,
         rest: &RestShape,
@@ -89,12 +89,12 @@ impl Followed {
     }
 
     /// Particles that are as good as pinned to the skin, sorted.
-    pub fn pinned(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn pinned(&self) -> impl Iterator<Item = u32> + '_ {
         (0..).zip(&self.wanted[0]).filter(|(_, distance)| **distance < PINNED).map(|(particle, _)| particle)
     }
 
     /// Moves what particles have towards what they are to have, for `dt` `[s]`: a map that changed makes no cloth jump.
-    pub fn advance(&mut self, dt: f32, skinned: &mut Skinned) {
+    pub(crate) fn advance(&mut self, dt: f32, skinned: &mut Skinned) {
         let share = match self.left {
             Some(left) if left <= 0.0 => return,
             Some(left) if dt < left => dt / left,

@@ -27,7 +27,7 @@ impl Default for Placement {
 
 impl Placement {
     /// None if a number is not finite, it is [too far](FARTHEST) from the origin, or an axis has no length.
-    pub fn of(affine: &Affine3A) -> Option<Self> {
+    pub(crate) fn of(affine: &Affine3A) -> Option<Self> {
         let matrix = Mat3::from(affine.matrix3);
         if !affine.is_finite() || affine.translation.abs().max_element() > FARTHEST {
             return None;
@@ -44,23 +44,23 @@ impl Placement {
     }
 
     /// Whether a rest shape made for `bake` still fits.
-    pub fn fits(&self, bake: &Mat3) -> bool {
+    pub(crate) fn fits(&self, bake: &Mat3) -> bool {
         let size = bake.to_cols_array().into_iter().map(f32::abs).fold(0.0, f32::max);
         self.bake.abs_diff_eq(*bake, SCALE_TOLERANCE * size)
     }
 
     /// Rotation and translation as they are seen from `origin`.
-    pub fn in_frame(&self, origin: DVec3) -> Affine3A {
+    pub(crate) fn in_frame(&self, origin: DVec3) -> Affine3A {
         Affine3A::from_rotation_translation(self.rotation, self.translation_from(origin))
     }
 
     /// Translation as it is seen from `origin` `[m]`.
-    pub fn translation_from(&self, origin: DVec3) -> Vec3 {
+    pub(crate) fn translation_from(&self, origin: DVec3) -> Vec3 {
         (self.translation.as_dvec3() - origin).as_vec3()
     }
 
     /// Rotation and translation.
-    pub fn isometry(&self) -> Isometry3d {
+    pub(crate) fn isometry(&self) -> Isometry3d {
         Isometry3d::new(self.translation, self.rotation)
     }
 }

@@ -34,12 +34,12 @@ pub(crate) type Transforms<'w, 's> = Query<'w, 's, &'static GlobalTransform, All
 
 impl Skin {
     /// Joints and inverse bind poses of a mesh, as far as they go together.
-    pub fn joints(skinned: &SkinnedMesh, bindposes: &SkinnedMeshInverseBindposes) -> Vec<(Entity, Affine3A)> {
+    pub(crate) fn joints(skinned: &SkinnedMesh, bindposes: &SkinnedMeshInverseBindposes) -> Vec<(Entity, Affine3A)> {
         skinned.joints.iter().copied().zip(bindposes.iter().map(|m| Affine3A::from_mat4(*m))).collect()
     }
 
     /// None when the mesh has no joints or weights that can be used.
-    pub fn new(mesh: &Mesh, authored: &Authored, rest: &RestShape, joints: Vec<(Entity, Affine3A)>) -> Option<Self> {
+    pub(crate) fn new(mesh: &Mesh, authored: &Authored, rest: &RestShape, joints: Vec<(Entity, Affine3A)>) -> Option<Self> {
         let Ok(VertexAttributeValues::Uint16x4(indices)) = mesh.try_attribute(Mesh::ATTRIBUTE_JOINT_INDEX) else {
             return None;
         };
@@ -79,7 +79,7 @@ impl Skin {
 
     /// Finds the joints that carry the cloth as a whole: by the weights of the particles that are `pinned`, or of all where
     /// none is.
-    pub fn find_carriers(&mut self, pinned: &[u32]) {
+    pub(crate) fn find_carriers(&mut self, pinned: &[u32]) {
         let all: Vec<u32> = if pinned.is_empty() { (0..self.points.len() as u32).collect() } else { pinned.to_vec() };
         let mut sums = vec![0.0f32; self.joints.len()];
         let mut center = Vec3::ZERO;
@@ -97,7 +97,7 @@ impl Skin {
 
     /// Where the skin is as a whole: as its [carriers](Self::find_carriers) turn it, in their mean, and move the middle of what
     /// they carry. Its scale is even. None where a joint is gone, flat or not finite.
-    pub fn placement(&self, transforms: &Transforms) -> Option<Placement> {
+    pub(crate) fn placement(&self, transforms: &Transforms) -> Option<Placement> {
         self.placement_by(|joint| {
             let (joint, inverse_bind) = self.joints.get(usize::from(joint))?;
             Some(transforms.get(*joint).ok()?.affine() * *inverse_bind)
@@ -105,7 +105,7 @@ impl Skin {
     }
 
     /// As [`Self::placement`], where joints have these skinning matrices as seen from `origin` `[m]`.
-    pub fn placement_of(&self, matrices: &[Affine3A], origin: DVec3) -> Option<Placement> {
+    pub(crate) fn placement_of(&self, matrices: &[Affine3A], origin: DVec3) -> Option<Placement> {
         self.placement_by(|joint| {
             let mut matrix = *matrices.get(usize::from(joint))?;
             matrix.translation = (origin + matrix.translation.as_dvec3()).as_vec3a();
@@ -130,13 +130,13 @@ impl Skin {
     }
 
     /// Whether a joint moves a particle.
-    pub fn moves_with(&self, joint: u16) -> bool {
+    pub(crate) fn moves_with(&self, joint: u16) -> bool {
         let moves = |(&of, &weight): (&u16, &f32)| of == joint && weight > 0.0;
         self.weights.iter().any(|(joints, weights)| joints.iter().zip(weights).any(moves))
     }
 
     /// How the skin moved at a particle, from one set of matrices to another. None where it is pressed flat, or was.
-    pub fn motion(&self, [from, to]: [&[Affine3A]; 2], particle: usize) -> Option<Affine3A> {
+    pub(crate) fn motion(&self, [from, to]: [&[Affine3A]; 2], particle: usize) -> Option<Affine3A> {
         let (joints, weights) = self.weights.get(particle)?;
         let blend = |matrices: &[Affine3A]| {
             let mut sum = Affine3A::ZERO;
@@ -154,49 +154,49 @@ impl Skin {
     }
 
     /// The joint that carries most of the cloth.
-    pub fn main_joint(&self) -> Option<Entity> {
+    pub(crate) fn main_joint(&self) -> Option<Entity> {
         let most = self.carriers.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         self.joints.get(usize::from(most.0)).map(|(joint, _)| *joint)
     }
 
     /// The inverse bind pose of a joint; none for what is no joint of the skin.
-    pub fn inverse_bind(&self, joint: Entity) -> Option<Affine3A> {
+    pub(crate) fn inverse_bind(&self, joint: Entity) -> Option<Affine3A> {
         self.joints.iter().find(|(known, _)| *known == joint).map(|(_, inverse_bind)| *inverse_bind)
     }
 
     /// Its joints.
-    pub fn entities(&self) -> impl Iterator<Item = Entity> {
+    pub(crate) fn entities(&self) -> impl Iterator<Item = Entity> {
         self.joints.iter().map(|(joint, _)| *joint)
     }
 
     /// The number of a joint; none for what is no joint of the skin.
-    pub fn index(&self, joint: Entity) -> Option<u16> {
+    pub(crate) fn index(&self, joint: Entity) -> Option<u16> {
         (0..).zip(&self.joints).find(|(_, (known, _))| *known == joint).map(|(index, _)| index)
     }
 
     /// Where a joint is in the bind pose, in the space of the mesh.
-    pub fn bind(&self, joint: u16) -> Affine3A {
+    pub(crate) fn bind(&self, joint: u16) -> Affine3A {
         self.joints.get(usize::from(joint)).map_or(Affine3A::IDENTITY, |(_, inverse_bind)| inverse_bind.inverse())
     }
 
     /// Positions of the particles in the bind pose, in the space of the mesh `[m]`.
-    pub fn points(&self) -> &[Vec3] {
+    pub(crate) fn points(&self) -> &[Vec3] {
         &self.points
     }
 
     /// Middle of what carries the cloth `[m]`, in the space of the mesh.
-    pub fn center(&self) -> Vec3 {
+    pub(crate) fn center(&self) -> Vec3 {
         self.center
     }
 
     /// Skinning matrices as seen from `origin`; a joint that is gone or not finite keeps its last one. False if there was none
     /// yet.
-    pub fn matrices(&self, transforms: &Transforms, origin: DVec3, matrices: &mut Vec<Affine3A>) -> bool {
+    pub(crate) fn matrices(&self, transforms: &Transforms, origin: DVec3, matrices: &mut Vec<Affine3A>) -> bool {
         skinning_matrices(&self.joints, transforms, origin, matrices)
     }
 
     /// Skinned position of a particle.
-    pub fn pose(&self, matrices: &[Affine3A], particle: usize) -> Vec3 {
+    pub(crate) fn pose(&self, matrices: &[Affine3A], particle: usize) -> Vec3 {
         let (Some((joints, weights)), Some(&point)) = (self.weights.get(particle), self.points.get(particle)) else {
             return Vec3::ZERO;
         };
@@ -209,7 +209,7 @@ impl Skin {
 
     /// Direction of a normal of a particle, as the skin turns it; of any length. By cofactors, which do not ask for an inverse:
     /// skin that is pressed flat has none.
-    pub fn turn(&self, matrices: &[Affine3A], particle: usize, normal: Vec3) -> Vec3 {
+    pub(crate) fn turn(&self, matrices: &[Affine3A], particle: usize, normal: Vec3) -> Vec3 {
         let Some((joints, weights)) = self.weights.get(particle) else { return normal };
         let place = |(&joint, &weight): (&u16, &f32)| match matrices.get(usize::from(joint)) {
             Some(matrix) if weight != 0.0 => Mat3::from(matrix.matrix3) * weight,

@@ -19,7 +19,7 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub fn new(mesh: &Mesh, authored: &Authored) -> Self {
+    pub(crate) fn new(mesh: &Mesh, authored: &Authored) -> Self {
         let vertices = authored.positions.len();
         let normals = matches!(
             mesh.try_attribute(Mesh::ATTRIBUTE_NORMAL), Ok(VertexAttributeValues::Float32x3(n)) if n.len() == vertices

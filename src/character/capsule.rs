@@ -33,7 +33,7 @@ pub(super) struct Capsule {
 
 impl Capsule {
     /// The capsule around points that fits best of those along the axes. Along z where there is no axis.
-    pub fn around(points: &[Vec3], axes: impl Iterator<Item = Vec3>) -> Self {
+    pub(super) fn around(points: &[Vec3], axes: impl Iterator<Item = Vec3>) -> Self {
         let mut best = None;
         for axis in axes {
             let capsule = Self::along(points, axis);
@@ -69,7 +69,7 @@ impl Capsule {
 
     /// A capsule near this one that fits better, by pattern search: each round tries to move an end, both, or the radius by a
     /// step, and halves the step once nothing gains. Without bounds it would find giants.
-    pub fn refined(self, points: &[Vec3]) -> Self {
+    pub(super) fn refined(self, points: &[Vec3]) -> Self {
         let stride = points.len().div_ceil(SAMPLE).max(1);
         let sample: Vec<Vec3> = points.iter().copied().step_by(stride).collect();
         let bounded = |tried: Self| {
@@ -98,7 +98,7 @@ impl Capsule {
     }
 
     /// The same capsule with its nearer end first.
-    pub fn seen_from(self, place: Vec3) -> Self {
+    pub(super) fn seen_from(self, place: Vec3) -> Self {
         let Self { a, b, radius } = self;
         if b.distance_squared(place) < a.distance_squared(place) { Self { a: b, b: a, radius } } else { self }
     }
@@ -113,7 +113,7 @@ impl Capsule {
     }
 
     /// Distance to the surface `[m]`, negative inside.
-    pub fn distance(&self, point: Vec3) -> f32 {
+    pub(super) fn distance(&self, point: Vec3) -> f32 {
         let (along, from) = (self.b - self.a, point - self.a);
         let share = (from.dot(along) / along.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
         (from - along * share).length() - self.radius

@@ -14,7 +14,7 @@ pub(super) struct Hull(SharedShape);
 
 impl Hull {
     /// None for points that span no volume.
-    pub fn around(points: &[Vec3], most: usize) -> Option<Self> {
+    pub(super) fn around(points: &[Vec3], most: usize) -> Option<Self> {
         let whole = Self::of(points)?;
         let corners = whole.polyhedron()?.points();
         if corners.len() <= most {
@@ -39,18 +39,18 @@ impl Hull {
     }
 
     /// The convex hull of points.
-    pub fn of(points: &[Vec3]) -> Option<Self> {
+    pub(super) fn of(points: &[Vec3]) -> Option<Self> {
         let hull = Self(convex_hull(points).ok()?);
         hull.polyhedron().is_some().then_some(hull)
     }
 
     /// Its corners `[m]`.
-    pub fn corners(&self) -> &[Vec3] {
+    pub(super) fn corners(&self) -> &[Vec3] {
         self.polyhedron().map_or(&[], ConvexPolyhedron::points)
     }
 
     /// How far a point sticks out `[m]`; 0 inside.
-    pub fn outside(&self, point: Vec3) -> f32 {
+    pub(super) fn outside(&self, point: Vec3) -> f32 {
         match self.polyhedron() {
             Some(polyhedron) if height(polyhedron, point) > 0.0 => polyhedron.distance_to_local_point(point, true),
             _ => 0.0,

@@ -38,7 +38,7 @@ pub(super) enum Shape {
 
 impl Shape {
     /// How far a point sticks out `[m]`; 0 inside.
-    pub fn outside(&self, point: Vec3) -> f32 {
+    pub(super) fn outside(&self, point: Vec3) -> f32 {
         match self {
             Self::Capsule(capsule) => capsule.distance(point).max(0.0),
             Self::Hull(hull) => hull.outside(point),
@@ -46,7 +46,7 @@ impl Shape {
     }
 
     /// As the joint sees it, with the metres per unit of its space. None where units make a size vanish or overflow.
-    pub fn to_joint(&self, bind: &Affine3A, unit: f32) -> Option<(BoneShape, f32)> {
+    pub(super) fn to_joint(&self, bind: &Affine3A, unit: f32) -> Option<(BoneShape, f32)> {
         let joint_unit = unit / scale(bind);
         let seen = |p: Vec3| bind.transform_point3(p / unit);
         let (shape, sound) = match self {
@@ -64,7 +64,7 @@ impl Shape {
     }
 
     /// From what a joint sees; the inverse of [`Self::to_joint`].
-    pub fn from_joint(shape: &BoneShape, bind: &Affine3A, unit: f32) -> Option<Self> {
+    pub(super) fn from_joint(shape: &BoneShape, bind: &Affine3A, unit: f32) -> Option<Self> {
         let bone = inverse(bind)?;
         let place = |p: Vec3| bone.transform_point3(p) * unit;
         match shape {

@@ -18,7 +18,7 @@ pub(super) struct Spread {
 
 impl Spread {
     /// None for points that all lie in one place.
-    pub fn of(points: &[Vec3]) -> Option<Self> {
+    pub(super) fn of(points: &[Vec3]) -> Option<Self> {
         let (_, covariance) = center_cov(points);
         let trace = covariance.x_axis.x + covariance.y_axis.y + covariance.z_axis.z;
         // Also where the points are none or too far apart to square.
@@ -36,7 +36,7 @@ impl Spread {
     }
 
     /// Shortest over middle extent, σ₃/σ₂: 1 is round, 0 is flat or a line.
-    pub fn flatness(&self) -> f32 {
+    pub(super) fn flatness(&self) -> f32 {
         let [_, middle, short] = self.sigmas;
         if middle > 0.0 { short / middle } else { 0.0 }
     }

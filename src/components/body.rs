@@ -28,12 +28,12 @@ pub(crate) struct ColliderBody {
 impl ColliderBody {
     /// Whether this shape was made from that of another crate last.
     #[cfg(feature = "avian")]
-    pub fn has_made(&self, shape: &SharedShape) -> bool {
+    pub(crate) fn has_made(&self, shape: &SharedShape) -> bool {
         self.shape.as_ref().is_some_and(|made| Arc::ptr_eq(&made.0, &shape.0))
     }
 
     /// Takes a shape that was checked.
-    pub fn make(&mut self, shape: Option<SharedShape>) {
+    pub(crate) fn make(&mut self, shape: Option<SharedShape>) {
         self.reach = shape.as_ref().map_or(0.0, |shape| shape.compute_local_bounding_sphere().radius);
         self.shape = shape;
     }

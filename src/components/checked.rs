@@ -29,13 +29,13 @@ pub(crate) struct Checked {
 
 impl Checked {
     /// Forgets all names but keeps the memory.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.clamped.clear();
         self.values.clear();
     }
 
     /// Names a setting that cannot be used.
-    pub fn refuse(&mut self, name: &'static str) {
+    pub(crate) fn refuse(&mut self, name: &'static str) {
         self.clamped.push(Cow::Borrowed(name));
         self.values.push(None);
     }
@@ -46,12 +46,12 @@ impl Checked {
     }
 
     /// The settings that were changed, each with what was given and what is used.
-    pub fn changes(&self) -> impl Iterator<Item = (&Cow<'static, str>, Option<Values>)> {
+    pub(crate) fn changes(&self) -> impl Iterator<Item = (&Cow<'static, str>, Option<Values>)> {
         self.clamped.iter().zip(self.values.iter().copied())
     }
 
     /// `value` if it lies in `low..=high`; the nearer end if it lies outside; `default` if it is not a number.
-    pub fn within(&mut self, name: &'static str, value: f32, default: f32, low: f32, high: f32) -> f32 {
+    pub(crate) fn within(&mut self, name: &'static str, value: f32, default: f32, low: f32, high: f32) -> f32 {
         if value >= low && value <= high {
             // Zero has no sign: what is divided by it would have.
             return value + 0.0;
@@ -62,7 +62,7 @@ impl Checked {
     }
 
     /// `value` if it lies in `low..=high`, else the nearer end.
-    pub fn count(&mut self, name: &'static str, value: u32, low: u32, high: u32) -> u32 {
+    pub(crate) fn count(&mut self, name: &'static str, value: u32, low: u32, high: u32) -> u32 {
         let used = value.clamp(low, high);
         if used != value {
             let range = (low as f32, high as f32);
@@ -72,12 +72,12 @@ impl Checked {
     }
 
     /// As [`Self::within`], where infinity switches a limit off.
-    pub fn within_or_off(&mut self, name: &'static str, value: f32, default: f32, low: f32, high: f32) -> f32 {
+    pub(crate) fn within_or_off(&mut self, name: &'static str, value: f32, default: f32, low: f32, high: f32) -> f32 {
         if value == f32::INFINITY { value } else { self.within(name, value, default, low, high) }
     }
 
     /// `value` if it is finite and no longer than `longest`; shortened if it is longer; `default` if it is not finite.
-    pub fn vector(&mut self, name: &'static str, value: Vec3, default: Vec3, longest: f32) -> Vec3 {
+    pub(crate) fn vector(&mut self, name: &'static str, value: Vec3, default: Vec3, longest: f32) -> Vec3 {
         if value.is_finite() && value.length() <= longest {
             return value;
         }

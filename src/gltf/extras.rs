@@ -17,7 +17,7 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    pub fn new(key: impl Into<String>, what: impl Into<String>) -> Self {
+    pub(crate) fn new(key: impl Into<String>, what: impl Into<String>) -> Self {
         Self { key: key.into(), what: what.into() }
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct VerticesOfFile(Vec<u32>);
 
 impl VerticesOfFile {
     /// Pins by index, by those of the mesh; none for other pins.
-    pub fn renumber(&self, pin: Option<&ClothPinSelect>) -> Option<ClothPinSelect> {
+    pub(crate) fn renumber(&self, pin: Option<&ClothPinSelect>) -> Option<ClothPinSelect> {
         let Some(ClothPinSelect::Vertices(pinned)) = pin else { return None };
         // One beyond the end of the file is beyond that of the mesh, and told of there.
         let end = self.0.iter().max().map_or(0, |last| last + 1);

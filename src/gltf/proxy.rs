@@ -8,7 +8,7 @@ use crate::notices::shortened;
 
 impl Nodes<'_, '_> {
     /// The node called `name` in the scene of `node`, if it is to be a cloth.
-    pub fn simulated(&self, node: Entity, name: &str) -> Result<Entity, Problem> {
+    pub(crate) fn simulated(&self, node: Entity, name: &str) -> Result<Entity, Problem> {
         let problem = |what: String| Problem::new("cloth.proxy", what);
         let above = || core::iter::once(node).chain(self.parents.iter_ancestors(node));
         let root = above().find(|at| self.roots.contains(*at)).or_else(|| above().last()).unwrap_or(node);

@@ -211,19 +211,19 @@ pub(super) struct Edit {
 }
 
 impl Edit {
-    pub fn new(settings: ClothSettings) -> Self {
+    pub(super) fn new(settings: ClothSettings) -> Self {
         Self { settings, touched: Vec::new() }
     }
 
     /// Marks a part as changed.
-    pub fn touch(&mut self, part: Part) {
+    pub(super) fn touch(&mut self, part: Part) {
         if !self.touched.contains(&part) {
             self.touched.push(part);
         }
     }
 
     /// Takes over what a file holds, as a cloth with a [`ClothPresetHandle`](crate::ClothPresetHandle) does: the rest stays.
-    pub fn take(&mut self, preset: ClothPreset) {
+    pub(super) fn take(&mut self, preset: ClothPreset) {
         let ClothPreset { material, solver, collision, untangle, skip_frame, limits, drive, wind } = preset;
         let own = &mut self.settings;
         own.material = material;
@@ -260,7 +260,7 @@ impl Edit {
     }
 
     /// Writes what was changed.
-    pub fn write(&self, world: &mut World, cloth: Entity) {
+    pub(super) fn write(&self, world: &mut World, cloth: Entity) {
         for &part in &self.touched {
             self.settings.write(part, world, cloth);
         }

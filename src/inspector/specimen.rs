@@ -53,7 +53,7 @@ impl Test {
 
 impl Specimen {
     /// Draws the button and, while it is pressed, the specimen, a frame later than before.
-    pub fn show(&mut self, ui: &mut Ui, material: &ClothMaterial) {
+    pub(super) fn show(&mut self, ui: &mut Ui, material: &ClothMaterial) {
         let (text, asked) = if self.test.is_some() { ("put the disk away", false) } else { ("drape on a disk", true) };
         if button(ui, text, text, TIP) {
             self.test = asked.then(|| Test::new(material.to_fabric()));

@@ -125,7 +125,7 @@ const LULL: f32 = 0.25;
 
 impl Settling {
     /// Steps a scene by a frame of `dt` `[s]`; whether it lies still.
-    pub fn step(&mut self, scene: &mut Scene, dt: f32) -> bool {
+    pub(crate) fn step(&mut self, scene: &mut Scene, dt: f32) -> bool {
         self.before.clear();
         self.before.extend(scene.cloths[0].state.positions.iter().map(|x| x.truncate()));
         scene.step(dt);

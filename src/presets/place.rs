@@ -15,7 +15,7 @@ pub(super) struct Place {
 
 impl Place {
     /// Where an error is: at a field that is unknown or given twice, else at what could not be read.
-    pub fn of(text: &str, error: &SpannedError) -> Self {
+    pub(super) fn of(text: &str, error: &SpannedError) -> Self {
         let named = match &error.code {
             ron::Error::NoSuchStructField { found, .. } => Some(found.as_str()),
             ron::Error::DuplicateStructField { field, .. } => Some(*field),

@@ -61,7 +61,7 @@ pub(crate) struct TakenSkin {
 
 impl TakenSkin {
     /// The component that was taken off.
-    pub fn skin(&self) -> SkinnedMesh {
+    pub(crate) fn skin(&self) -> SkinnedMesh {
         SkinnedMesh { inverse_bindposes: self.inverse_bindposes.clone(), joints: self.joints.clone() }
     }
 }

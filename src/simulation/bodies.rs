@@ -59,12 +59,12 @@ pub(crate) struct WorldRigid {
 
 impl WorldRigid {
     /// Whether cloth moved it in this frame.
-    pub fn is_moved(&self) -> bool {
+    pub(crate) fn is_moved(&self) -> bool {
         self.given.shift != Vec3::ZERO || self.given.turn != Quat::IDENTITY
     }
 
     /// A pose that goes with the body, moved as cloth moved it.
-    pub fn moved(&self, pose: Isometry3d) -> Isometry3d {
+    pub(crate) fn moved(&self, pose: Isometry3d) -> Isometry3d {
         let Reaction { shift, turn, .. } = self.given;
         let translation = self.to + shift + turn * (Vec3::from(pose.translation) - self.to);
         Isometry3d::new(translation, (turn * pose.rotation).normalize())
@@ -82,7 +82,7 @@ pub(crate) struct WorldBodies {
 
 impl WorldBodies {
     /// The body that takes what cloth does to `body`.
-    pub fn taker(&self, body: &WorldBody) -> Option<Entity> {
+    pub(crate) fn taker(&self, body: &WorldBody) -> Option<Entity> {
         self.rigids.get(body.rigid? as usize).map(|rigid| rigid.entity)
     }
 }

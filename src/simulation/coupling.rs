@@ -21,24 +21,24 @@ pub(crate) struct Coupled {
 
 impl Coupled {
     /// Forgets which bodies those of the last frame were.
-    pub fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.rigids.clear();
         self.shares.clear();
         self.pinned.clear();
     }
 
     /// Whether the cloth gave a body something in this frame. Asked after `give`.
-    pub fn gives(&self) -> bool {
+    pub(crate) fn gives(&self) -> bool {
         !self.gave.is_empty()
     }
 
     /// Whether it is pinned to a body that takes what it gives. Asked before `couple`: as of the last frame.
-    pub fn is_pinned(&self) -> bool {
+    pub(crate) fn is_pinned(&self) -> bool {
         !self.pinned.is_empty()
     }
 
     /// The slot of a body of the world's list.
-    pub fn slot_of(&mut self, index: u32) -> u32 {
+    pub(crate) fn slot_of(&mut self, index: u32) -> u32 {
         let known = self.rigids.iter().position(|&rigid| rigid == index);
         known.unwrap_or_else(|| {
             self.rigids.push(index);
@@ -47,7 +47,7 @@ impl Coupled {
     }
 
     /// Whether pins lie on other bodies, or on lighter or heavier ones, than when this was last asked.
-    pub fn pins_changed(&mut self, rigids: &[WorldRigid]) -> bool {
+    pub(crate) fn pins_changed(&mut self, rigids: &[WorldRigid]) -> bool {
         let Self { rigids: own, shares, pinned, weighed, .. } = self;
         let now = pinned.iter().map(|&(set, slot)| {
             let slot = slot as usize;

@@ -116,13 +116,13 @@ pub(crate) struct ClothInputs {
 
 impl ClothInputs {
     /// Inputs of a frame in which the clock of the schedule moves by `dt` `[s]`.
-    pub fn frame(&self, dt: f32) -> FrameInput<'_> {
+    pub(crate) fn frame(&self, dt: f32) -> FrameInput<'_> {
         let skinned = Some(&self.skinned).filter(|skinned| skinned.is_active());
         FrameInput { dt: dt * self.time_scale, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned }
     }
 
     /// Defaults for everything that the frame fills in.
-    pub fn new(
+    pub(crate) fn new(
         placement: Placement,
         radius: f32,
         anchors: Anchors,
@@ -184,17 +184,17 @@ impl ClothInputs {
     }
 
     /// How much of the limits a skinned cloth is to have (dimensionless, 0 to 1).
-    pub fn wanted(&self) -> f32 {
+    pub(crate) fn wanted(&self) -> f32 {
         if self.too_far { 0.0 } else { self.blend.weight }
     }
 
     /// Whether it has faded into its animation, and is to stay there.
-    pub fn is_animated(&self) -> bool {
+    pub(crate) fn is_animated(&self) -> bool {
         self.on_skin && self.wanted() == 0.0
     }
 
     /// Takes what it may go from its skin towards what is wanted, in `dt` `[s]`.
-    pub fn advance_fade(&mut self, dt: f32) {
+    pub(crate) fn advance_fade(&mut self, dt: f32) {
         let (wanted, most, before) = (self.wanted(), self.blend.rate * dt, self.fade);
         self.fade = match self.skin {
             // A skin that just came is not in the pose that it will have.
@@ -207,12 +207,12 @@ impl ClothInputs {
     }
 
     /// Whether what carries it is looked at in a frame in which time passes.
-    pub fn is_followed(&self) -> bool {
+    pub(crate) fn is_followed(&self) -> bool {
         self.active && self.time_scale != 0.0 && !self.carried
     }
 
     /// What carries the cloth as a whole: its entity or skin, or the first target if others hold it all.
-    pub fn carrier(&self) -> Isometry3d {
+    pub(crate) fn carrier(&self) -> Isometry3d {
         let sets = &self.sets.sets;
         match sets.first() {
             Some(first) if self.skin.is_none() && sets.iter().all(|s| s.target.is_some()) => {
@@ -224,7 +224,7 @@ impl ClothInputs {
     }
 
     /// Starts the anchors' frame where the last one ended, and ends it where their targets are now, as seen from `origin`.
-    pub fn aim(&mut self, origin: DVec3) {
+    pub(crate) fn aim(&mut self, origin: DVec3) {
         let Anchors { particles, from, to, .. } = &mut self.anchors;
         core::mem::swap(from, to);
         let AnchorSets { sets, set_of, local, .. } = &self.sets;
@@ -248,7 +248,7 @@ impl ClothInputs {
     }
 
     /// Starts the frame of the skin where the last one ended, and ends it where the skin is now, as seen from `origin`.
-    pub fn follow(&mut self, rest: &RestShape, origin: DVec3) {
+    pub(crate) fn follow(&mut self, rest: &RestShape, origin: DVec3) {
         let mut skinned = core::mem::take(&mut self.skinned);
         let Skinned { from, to, normals_from, normals_to, .. } = &mut skinned;
         core::mem::swap(from, to);
@@ -273,14 +273,14 @@ impl ClothInputs {
     }
 
     /// Puts anchors and targets where they are now, so that nothing is dragged there in the first frame.
-    pub fn settle(&mut self, rest: &RestShape, origin: DVec3) {
+    pub(crate) fn settle(&mut self, rest: &RestShape, origin: DVec3) {
         self.aim(origin);
         self.follow(rest, origin);
         self.stay();
     }
 
     /// Begins the frame where it ends: nothing is dragged along.
-    pub fn stay(&mut self) {
+    pub(crate) fn stay(&mut self) {
         self.anchors.from.clone_from(&self.anchors.to);
         let Skinned { from, to, normals_from, normals_to, .. } = &mut self.skinned;
         from.clone_from(to);
@@ -288,19 +288,19 @@ impl ClothInputs {
     }
 
     /// Moves where anchors and targets were last, to be [swapped](Self::aim) in.
-    pub fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
+    pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
         self.anchors.to.iter_mut().chain(&mut self.skinned.to).for_each(|x| *x = motion(*x));
     }
 
     /// Moves joints along: where they were in the frame before, or where they are.
-    pub fn carry_joints(&mut self, motion: Affine3A, as_they_are: bool) {
+    pub(crate) fn carry_joints(&mut self, motion: Affine3A, as_they_are: bool) {
         let joints = if as_they_are { &mut self.joints } else { &mut self.joints_before };
         joints.iter_mut().for_each(|joint| *joint = motion * *joint);
         self.crossfade.move_along(motion, as_they_are);
     }
 
     /// Lets go of the anchors whose sets were released.
-    pub fn drop_released(&mut self) {
+    pub(crate) fn drop_released(&mut self) {
         let sets = &self.sets.sets;
         let keep: Vec<bool> = self.sets.set_of.iter().map(|&s| sets.get(s as usize).is_some_and(|set| !set.released)).collect();
         fn filter<T>(list: &mut Vec<T>, keep: &[bool]) {
@@ -318,7 +318,7 @@ impl ClothInputs {
     }
 
     /// The pose at rest, or the animated one, in the frame of simulation `[m]`.
-    pub fn pose<'a>(&'a self, rest: &'a RestShape, origin: DVec3) -> impl Iterator<Item = Vec3> + 'a {
+    pub(crate) fn pose<'a>(&'a self, rest: &'a RestShape, origin: DVec3) -> impl Iterator<Item = Vec3> + 'a {
         let place = self.placement.in_frame(origin);
         rest.positions.iter().enumerate().map(move |(i, &p)| match &self.skin {
             Some(skin) => skin.pose(&self.joints, i),

@@ -14,40 +14,40 @@ pub(crate) struct Motion {
 
 impl Motion {
     /// Where the middle of what is carried was, and is `[m]`.
-    pub fn middles(&self) -> [Vec3; 2] {
+    pub(crate) fn middles(&self) -> [Vec3; 2] {
         [&self.from, &self.to].map(|at| Vec3::from(at.translation) + at.rotation * self.center)
     }
 
     /// How far it went `[m]`.
-    pub fn distance(&self) -> f32 {
+    pub(crate) fn distance(&self) -> f32 {
         let [from, to] = self.middles();
         from.distance(to)
     }
 
     /// By how much it turned `[rad]`.
-    pub fn angle(&self) -> f32 {
+    pub(crate) fn angle(&self) -> f32 {
         self.from.rotation.angle_between(self.to.rotation)
     }
 
     /// The rotation.
-    pub fn turn(&self) -> Quat {
+    pub(crate) fn turn(&self) -> Quat {
         self.to.rotation * self.from.rotation.inverse()
     }
 
     /// The motion of points as seen from `origin` `[m]`.
-    pub fn motion(&self, origin: DVec3) -> impl Fn(Vec3) -> Vec3 + use<> {
+    pub(crate) fn motion(&self, origin: DVec3) -> impl Fn(Vec3) -> Vec3 + use<> {
         let seen = |at: &Isometry3d| (Vec3::from(at.translation).as_dvec3() - origin).as_vec3();
         let (from, to, turn) = (seen(&self.from), seen(&self.to), self.turn());
         move |x| turn * (x - from) + to
     }
 
     /// As [`Self::motion`].
-    pub fn affine(&self, origin: DVec3) -> Affine3A {
+    pub(crate) fn affine(&self, origin: DVec3) -> Affine3A {
         Affine3A::from_rotation_translation(self.turn(), self.motion(origin)(Vec3::ZERO))
     }
 
     /// Where something at `at` goes that is carried along.
-    pub fn moved(&self, at: Isometry3d) -> Isometry3d {
+    pub(crate) fn moved(&self, at: Isometry3d) -> Isometry3d {
         let turn = self.turn();
         let translation =
             turn * (Vec3::from(at.translation) - Vec3::from(self.from.translation)) + Vec3::from(self.to.translation);
@@ -55,7 +55,7 @@ impl Motion {
     }
 
     /// Where it is after the share `linear` of its way and `angular` of its turn (dimensionless, 0 to 1).
-    pub fn partly(&self, linear: f32, angular: f32) -> Isometry3d {
+    pub(crate) fn partly(&self, linear: f32, angular: f32) -> Isometry3d {
         let [from, to] = self.middles();
         let rotation = self.from.rotation.slerp(self.to.rotation, angular);
         Isometry3d::new(from.lerp(to, linear) - rotation * self.center, rotation)

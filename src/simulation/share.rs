@@ -28,7 +28,7 @@ impl Default for Share {
 
 impl Share {
     /// Takes in what the last frame cost, `dt` `[s]` after the one before.
-    pub fn measure(&mut self, report: &ClothReport, dt: f32) {
+    pub(crate) fn measure(&mut self, report: &ClothReport, dt: f32) {
         self.settled_for += dt;
         if report.substeps == 0 || !(self.taken > 0.0) {
             return;
@@ -43,12 +43,12 @@ impl Share {
     }
 
     /// Whether its cost is known, and it did not change for a while.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         self.settled_for >= SETTLED && self.cost.is_some()
     }
 
     /// Leaves another level.
-    pub fn change(&mut self, detail: ClothDetail) {
+    pub(crate) fn change(&mut self, detail: ClothDetail) {
         (self.detail, self.settled_for) = (detail, 0.0);
     }
 }

@@ -37,7 +37,7 @@ pub(crate) struct ClothShown {
 
 impl ClothShown {
     /// Sizes the buffers for the surface.
-    pub fn fit(&mut self, vertices: usize) {
+    pub(crate) fn fit(&mut self, vertices: usize) {
         let buffers = &mut self.vertices;
         buffers.positions.resize(vertices, [0.0; 3]);
         buffers.normals.resize(if self.surface.normals { vertices } else { 0 }, [0.0; 3]);

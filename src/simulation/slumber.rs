@@ -55,12 +55,12 @@ pub(crate) struct SeenBody {
 }
 
 impl SeenBody {
-    pub fn of(body: &WorldBody, taker: Option<Entity>) -> Self {
+    pub(crate) fn of(body: &WorldBody, taker: Option<Entity>) -> Self {
         let surface = [body.margin, body.static_friction, body.dynamic_friction];
         Self { entity: body.entity, shape: body.shape.clone(), at: body.to, surface, taker }
     }
 
-    pub fn is(&self, body: &WorldBody, taker: Option<Entity>) -> bool {
+    pub(crate) fn is(&self, body: &WorldBody, taker: Option<Entity>) -> bool {
         (self.entity, self.taker) == (body.entity, taker)
             && Arc::ptr_eq(&self.shape.0, &body.shape.0)
             && self.surface == [body.margin, body.static_friction, body.dynamic_friction]

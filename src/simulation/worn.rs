@@ -53,12 +53,12 @@ struct OnBone {
 
 impl Worn {
     /// Forgets bones that are not among these bodies, in the order of entities.
-    pub fn keep(&mut self, bodies: &[Entity]) {
+    pub(crate) fn keep(&mut self, bodies: &[Entity]) {
         self.bones.retain(|(bone, _)| bodies.binary_search(bone).is_ok());
     }
 
     /// The particles that were made closer to a bone than `keep` `[m]`; none for a body that hangs on no joint of the skin.
-    pub fn on(&mut self, bone: &WorldBody, keep: f32, skin: &Skin, bones: &Bones) -> Option<Arc<Snug>> {
+    pub(crate) fn on(&mut self, bone: &WorldBody, keep: f32, skin: &Skin, bones: &Bones) -> Option<Arc<Snug>> {
         let at = self.bones.binary_search_by_key(&bone.entity, |(entity, _)| *entity);
         if let Ok(at) = at
             && let (_, OnBone { shape, reach, snug }) = &self.bones[at]

@@ -5,7 +5,7 @@ use core::ops::{Deref, DerefMut};
 /// Reused memory, beside what decides the next frame: what a frame leaves in it is not read by the next, or is found again with
 /// the same bits. So any two are equal, a clone is empty, and nothing of it is recorded.
 #[derive(Debug, Default)]
-pub struct Buffer<T>(pub T);
+pub(super) struct Buffer<T>(pub T);
 
 impl<T> Deref for Buffer<T> {
     type Target = T;

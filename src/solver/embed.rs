@@ -25,7 +25,7 @@ const MOST: usize = 8;
 
 /// Which triangles of a coarse mesh each vertex of a fine one follows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Embedding {
+pub(crate) struct Embedding {
     /// Where the list of each vertex begins, and at last where the last ends; as many as vertices, and one more.
     starts: Vec<u32>,
     /// Triangle and weight (dimensionless); weights of a vertex add up to one.
@@ -39,7 +39,7 @@ impl Embedding {
     /// or none; where cloth lies in layers, a vertex follows the one that faces as it does. None if no triangle has an area or
     /// a point is not finite.
     #[must_use]
-    pub fn new(rest: &RestShape, points: &[Vec3], normals: &[Vec3]) -> Option<Self> {
+    pub(crate) fn new(rest: &RestShape, points: &[Vec3], normals: &[Vec3]) -> Option<Self> {
         let faces = &rest.topology.faces;
         let corners = |face: u32| faces[face as usize].map(|p| rest.positions[p as usize]);
         let normal = |face: u32| {
@@ -96,12 +96,12 @@ impl Embedding {
 
     /// Distance of the farthest vertex from the coarse mesh at rest `[m]`.
     #[must_use]
-    pub fn farthest(&self) -> f32 {
+    pub(crate) fn farthest(&self) -> f32 {
         self.farthest
     }
 
     /// How each vertex moved from where it was at rest, by how the triangles did.
-    pub fn blend<'a>(&'a self, triangles: &'a [Affine3A]) -> impl Iterator<Item = Affine3A> + 'a {
+    pub(crate) fn blend<'a>(&'a self, triangles: &'a [Affine3A]) -> impl Iterator<Item = Affine3A> + 'a {
         self.starts.windows(2).map(|range| {
             let mut sum = Affine3A::ZERO;
             for &(face, weight) in &self.influences[range[0] as usize..range[1] as usize] {
@@ -135,7 +135,7 @@ fn grow(near: &mut Vec<(u32, f32)>, seed: usize, patch: &mut Vec<(u32, f32)>, fa
 
 /// How triangles of a cloth move from where they were at rest.
 #[derive(Clone, Debug, Default)]
-pub struct Triangles {
+pub(crate) struct Triangles {
     /// Inverses of the frames at rest; zero where a triangle has no area.
     rest: Vec<Affine3A>,
     /// How each moved; as many as triangles.
@@ -145,7 +145,7 @@ pub struct Triangles {
 impl Triangles {
     /// Those of a shape at rest.
     #[must_use]
-    pub fn new(rest: &RestShape) -> Self {
+    pub(crate) fn new(rest: &RestShape) -> Self {
         let inverse = |face: &[u32; 3]| {
             let frame = frame(face.map(|p| rest.positions[p as usize]));
             if frame.matrix3.determinant() == 0.0 { Affine3A::ZERO } else { frame.inverse() }
@@ -154,7 +154,7 @@ impl Triangles {
     }
 
     /// Finds how they moved, from positions `[m]` of the particles, and where `place` takes that.
-    pub fn find(&mut self, faces: &[[u32; 3]], positions: &[Vec3], place: &Affine3A) {
+    pub(crate) fn find(&mut self, faces: &[[u32; 3]], positions: &[Vec3], place: &Affine3A) {
         let now = faces.iter().map(|face| frame(face.map(|p| positions[p as usize])));
         self.moved.clear();
         self.moved.extend(now.zip(&self.rest).map(|(now, rest)| *place * now * *rest));
@@ -170,7 +170,7 @@ fn frame([a, b, c]: [Vec3; 3]) -> Affine3A {
 
 /// How a matrix turns normals: its cofactors, which ask for no inverse.
 #[must_use]
-pub fn cofactors(matrix: &Mat3A) -> Mat3A {
+pub(crate) fn cofactors(matrix: &Mat3A) -> Mat3A {
     let Mat3A { x_axis: x, y_axis: y, z_axis: z } = *matrix;
     Mat3A::from_cols(y.cross(z), z.cross(x), x.cross(y))
 }

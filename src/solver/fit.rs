@@ -14,7 +14,7 @@ use super::rest::RestShape;
 const ITERATIONS: usize = 40;
 
 /// Writes the shape at rest, rotated and moved to fit `positions` `[m]` best, weighed by area.
-pub fn fit(rest: &RestShape, positions: &[Vec4], fitted: &mut Vec<Vec3>) {
+pub(crate) fn fit(rest: &RestShape, positions: &[Vec4], fitted: &mut Vec<Vec3>) {
     fitted.clear();
     if positions.len() != rest.positions.len() {
         return;

@@ -5,13 +5,13 @@ use glam::{Vec3, Vec4};
 use super::state::ClothState;
 
 /// Largest change of a velocity `[m/s]`.
-pub const FASTEST: f32 = 100.0;
+pub(crate) const FASTEST: f32 = 100.0;
 /// Substep of a cloth that was not stepped yet `[s]`.
-pub const SUBSTEP: f32 = 1.0 / 360.0;
+pub(crate) const SUBSTEP: f32 = 1.0 / 360.0;
 
 /// Gives `impulse` `[N·s]` to the particles within `radius` `[m]` of `point` `[m]`, as one piece: each gets the velocity
 /// `J f / Σ m f`, `f = (1 - d²/r²)²`. Returns how many particles took part.
-pub fn impulse(state: &mut ClothState, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
+pub(crate) fn impulse(state: &mut ClothState, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
     let share = |x: &Vec4| falloff((x.truncate() - point).length_squared(), radius);
     let mass: f32 = state.positions.iter().filter(|x| x.w > 0.0).map(|x| share(x) / x.w).sum();
     let velocity = impulse / mass;
@@ -24,7 +24,7 @@ pub fn impulse(state: &mut ClothState, point: Vec3, impulse: Vec3, radius: f32) 
 /// Blows the particles within `radius` `[m]` away from `center` `[m]`: each gets the velocity `J f / M`, `M` the mass of all
 /// free particles and `f = (1 - d²/r²)²`, so that `impulse` `[N·s]` is what the whole cloth gets close by. Returns how many
 /// particles took part.
-pub fn explosion(state: &mut ClothState, center: Vec3, impulse: f32, radius: f32) -> u32 {
+pub(crate) fn explosion(state: &mut ClothState, center: Vec3, impulse: f32, radius: f32) -> u32 {
     let mass: f32 = state.positions.iter().filter(|x| x.w > 0.0).map(|x| 1.0 / x.w).sum();
     let speed = impulse / mass;
     if !(mass > 0.0 && speed.is_finite()) {

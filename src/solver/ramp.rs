@@ -15,13 +15,13 @@
 use super::settings::Fabric;
 
 /// Time in which a changed fabric is reached, but for its bounds of elongation `[s]`.
-pub const RAMP_TIME: f32 = 0.25;
+pub(crate) const RAMP_TIME: f32 = 0.25;
 
 /// A cloth longer than this takes as many times longer `[m]`: its end has a longer way.
 const LONG: f32 = 2.0;
 
 /// Speed at which a bound of elongation moves the far end of a cloth `[m/s]`.
-pub const RAMP_SPEED: f32 = 0.12;
+pub(crate) const RAMP_SPEED: f32 = 0.12;
 
 /// Time `τ` in which a bound that is lowered comes closer to its end by a factor of e `[s]`.
 const SETTLE: f32 = 0.5;
@@ -46,7 +46,7 @@ const THIN: f32 = 1.0e-4;
 /// On the way to a fabric.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Ramp {
+pub(crate) struct Ramp {
     /// Length of the cloth `[m]`.
     length: f32,
     /// None before the first fabric, which is taken as it is.
@@ -64,13 +64,13 @@ impl Default for Ramp {
 impl Ramp {
     /// Of a cloth of that length `[m]`, from one end to the other.
     #[must_use]
-    pub fn of_length(length: f32) -> Self {
+    pub(crate) fn of_length(length: f32) -> Self {
         Self { length: length.max(THIN), target: None, left: 0.0 }
     }
 
     /// Moves `fabric` towards `wanted` for `dt` `[s]`; `worst_edge` is the longest edge over its rest length (dimensionless).
     /// Whether anything changed.
-    pub fn advance(&mut self, fabric: &mut Fabric, wanted: &Fabric, dt: f32, worst_edge: f32) -> bool {
+    pub(crate) fn advance(&mut self, fabric: &mut Fabric, wanted: &Fabric, dt: f32, worst_edge: f32) -> bool {
         match &mut self.target {
             None => {
                 self.target = Some(wanted.clone());

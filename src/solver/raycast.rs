@@ -7,7 +7,7 @@ use glam::Vec3;
 /// A point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pick {
+pub(crate) struct Pick {
     /// Which face.
     pub face: usize,
     /// Weights of its three corners; they add up to one.
@@ -19,7 +19,7 @@ pub struct Pick {
 /// First face that a ray from `origin` along the unit vector `direction` meets within `farthest` `[m]`, from either side
 /// (Möller, Trumbore 1997).
 #[must_use]
-pub fn ray(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, origin: Vec3, direction: Vec3, farthest: f32) -> Option<Pick> {
+pub(crate) fn ray(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, origin: Vec3, direction: Vec3, farthest: f32) -> Option<Pick> {
     let mut best: Option<Pick> = None;
     let mut limit = farthest;
     for (face, t) in faces.iter().enumerate() {
@@ -45,7 +45,7 @@ pub fn ray(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, origin: Vec3, direction
 
 /// Nearest point of a surface to `point`, no farther than `farthest` `[m]`.
 #[must_use]
-pub fn nearest(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, point: Vec3, farthest: f32) -> Option<Pick> {
+pub(crate) fn nearest(faces: &[[u32; 3]], at: impl Fn(u32) -> Vec3, point: Vec3, farthest: f32) -> Option<Pick> {
     let mut best: Option<Pick> = None;
     let mut limit = farthest * farthest;
     for (face, t) in faces.iter().enumerate() {

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// Area-weighted normals of particles: `n_i = normalize(Σ (b - a) x (c - a))` over the faces around `i`. A particle without
 /// area keeps the normal it has in `normals`.
-pub fn normals(faces: &[[u32; 3]], positions: &[Vec3], sums: &mut Vec<Vec3>, normals: &mut Vec<Vec3>) {
+pub(crate) fn normals(faces: &[[u32; 3]], positions: &[Vec3], sums: &mut Vec<Vec3>, normals: &mut Vec<Vec3>) {
     sums.clear();
     sums.resize(positions.len(), Vec3::ZERO);
     for face in faces {
@@ -25,7 +25,7 @@ pub fn normals(faces: &[[u32; 3]], positions: &[Vec3], sums: &mut Vec<Vec3>, nor
 /// How a triangle's texture lies on it: `tangent = (b - a) * along.x + (c - a) * along.y`, weighted by its area in the texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct TextureAxis {
+pub(crate) struct TextureAxis {
     /// Render vertices of the triangle.
     pub corners: [u32; 3],
     /// Weights of the two edges from the first corner.
@@ -38,7 +38,7 @@ impl TextureAxis {
     /// With texture edges `(u1, v1)`, `(u2, v2)` and `d = u1 v2 - u2 v1`: `T = (e1 v2 - e2 v1) / d`; only the sign of `d` is
     /// kept.
     #[must_use]
-    pub fn new(corners: [u32; 3], uv: [Vec2; 3]) -> Option<Self> {
+    pub(crate) fn new(corners: [u32; 3], uv: [Vec2; 3]) -> Option<Self> {
         let (e1, e2) = (uv[1] - uv[0], uv[2] - uv[0]);
         let d = e1.perp_dot(e2);
         (d != 0.0 && d.is_finite()).then(|| Self { corners, along: Vec2::new(e2.y, -e1.y) * d.signum() })
@@ -47,7 +47,12 @@ impl TextureAxis {
 
 /// Tangents of render vertices: the texture axes of the triangles around each, orthogonal to its normal. Handedness (`w`)
 /// stays; a vertex whose texture has no direction keeps any orthogonal one.
-pub fn tangents(axes: &[TextureAxis], position: impl Fn(usize) -> Vec3, normal: impl Fn(usize) -> Vec3, tangents: &mut [Vec4]) {
+pub(crate) fn tangents(
+    axes: &[TextureAxis],
+    position: impl Fn(usize) -> Vec3,
+    normal: impl Fn(usize) -> Vec3,
+    tangents: &mut [Vec4],
+) {
     for t in tangents.iter_mut() {
         *t = Vec4::new(0.0, 0.0, 0.0, t.w);
     }

@@ -35,7 +35,7 @@ pub(crate) struct Characters<'w, 's> {
 
 impl Characters<'_, '_> {
     /// The nearest of an entity and its ancestors that is a character.
-    pub fn of(&self, entity: Entity) -> Option<Entity> {
+    pub(crate) fn of(&self, entity: Entity) -> Option<Entity> {
         if self.characters.is_empty() {
             return None;
         }

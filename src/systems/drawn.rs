@@ -49,7 +49,7 @@ pub(super) fn vertices_of(mesh: &Mesh) -> usize {
 impl DrawnItem<'_, '_> {
     /// Whether it can follow `cloth`, whose mesh is `binding`; it gets its own back otherwise. `kind` and `component` say what
     /// it is.
-    pub fn follows(
+    pub(crate) fn follows(
         &mut self,
         [kind, component]: [&'static str; 2],
         (cloth, binding): (Entity, Option<&Binding>),
@@ -82,7 +82,7 @@ impl DrawnItem<'_, '_> {
     }
 
     /// What it is bound to, if that is its mesh as it is now.
-    pub fn known(&self, source: &Handle<Mesh>, vertices: usize, Exchange { sources, meshes, .. }: &Exchange) -> bool {
+    pub(crate) fn known(&self, source: &Handle<Mesh>, vertices: usize, Exchange { sources, meshes, .. }: &Exchange) -> bool {
         self.binding.is_some_and(|binding| {
             binding.instance.id() == self.mesh.0.id()
                 && !sources.modified.contains(&source.id())
@@ -91,7 +91,7 @@ impl DrawnItem<'_, '_> {
     }
 
     /// Puts a mesh of its own in place of the authored one, and takes its skin off.
-    pub fn take(
+    pub(crate) fn take(
         &mut self,
         kind: &str,
         source: Handle<Mesh>,
@@ -121,7 +121,7 @@ impl DrawnItem<'_, '_> {
     }
 
     /// Gives it its authored mesh, its skin and its bounds back.
-    pub fn release(&mut self, commands: &mut Commands) {
+    pub(crate) fn release(&mut self, commands: &mut Commands) {
         if let Some(binding) = self.binding {
             release(&mut commands.entity(self.entity), Some(&mut self.mesh), binding, self.taken);
         }

@@ -14,7 +14,7 @@ use crate::solver::couple::Coupling;
 const DEEPEST: f32 = 2.0;
 
 /// What cloth lies on: bodies at the end of a substep, those of `coupling` where they are by now.
-pub struct Grounds<'a> {
+pub(crate) struct Grounds<'a> {
     /// The bodies.
     pub bodies: &'a [Body],
     /// Shares of the frame at which the substep begins and ends (0 to 1).

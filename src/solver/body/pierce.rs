@@ -50,7 +50,7 @@ pub(super) struct Held {
 /// What bones go through, what skins hold at them, and buffers to find it.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pierced {
+pub(crate) struct Pierced {
     /// Sorted.
     pairs: Vec<Pair>,
     before: Buffer<Vec<Pair>>,
@@ -87,7 +87,7 @@ impl Pierced {
     }
 
     /// Finds what bones go through as the frame begins. `worst`: length of the worst edge over that at rest.
-    pub fn find(
+    pub(crate) fn find(
         &mut self,
         bodies: &[Body],
         skinned: Option<(&Skinned, &TangledLimits)>,

@@ -18,7 +18,7 @@ const RELEASED: f32 = 3.0;
 /// The particles that are pinched, and buffers to find them.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pinches {
+pub(crate) struct Pinches {
     /// Sorted.
     particles: Vec<u32>,
     before: Vec<u32>,
@@ -30,13 +30,13 @@ pub struct Pinches {
 impl Pinches {
     /// The particles that are pinched, sorted.
     #[must_use]
-    pub fn particles(&self) -> &[u32] {
+    pub(crate) fn particles(&self) -> &[u32] {
         &self.particles
     }
 
     /// Finds what is between two bones that leave it no room, as they are at the end of the frame. `thickness` is that of the
     /// fabric `[m]`.
-    pub fn find(&mut self, bodies: &[Body], thickness: f32, positions: &[Vec4]) {
+    pub(crate) fn find(&mut self, bodies: &[Body], thickness: f32, positions: &[Vec4]) {
         let Self { particles, before, nearest, planes } = self;
         core::mem::swap(particles, before);
         particles.clear();

@@ -14,13 +14,13 @@ use glam::{Vec3A, Vec4};
 /// Where particles were before they were laid, and where to `[m]`.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Provisional {
+pub(crate) struct Provisional {
     moved: Vec<(u32, Vec4, Vec4)>,
 }
 
 impl Provisional {
     /// Begins a frame in which at most so many are moved in a substep.
-    pub fn begin(&mut self, most: usize) {
+    pub(crate) fn begin(&mut self, most: usize) {
         self.moved.clear();
         self.moved.reserve(most);
     }
@@ -35,7 +35,7 @@ impl Provisional {
     }
 
     /// Takes all of it back; what nothing else moved has the same bits as before.
-    pub fn restore(&mut self, positions: &mut [Vec4]) {
+    pub(crate) fn restore(&mut self, positions: &mut [Vec4]) {
         for (particle, from, to) in self.moved.drain(..).rev() {
             if let Some(x) = positions.get_mut(particle as usize) {
                 *x = if *x == to { from } else { *x - (to - from) };

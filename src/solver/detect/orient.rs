@@ -28,7 +28,7 @@ const FILTER: f64 = 1.0e-15;
 /// A point with its global id, which breaks ties.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Point {
+pub(crate) struct Point {
     /// Global particle id.
     pub id: u32,
     /// Position `[m]`; every coordinate must be exactly an `f32`.
@@ -38,7 +38,7 @@ pub struct Point {
 /// The determinant `[m³]` rounded, and whether it is positive, decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Side {
+pub(crate) struct Side {
     /// Rounded determinant `[m³]`.
     pub value: f64,
     /// Exact sign, ties broken by ids.
@@ -52,7 +52,7 @@ pub struct Side {
 /// A plane through three points, ready to be asked about many.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Plane {
+pub(crate) struct Plane {
     corners: [Point; 3],
     normal: DVec3,
     /// Bound of the magnitude of what was summed into `normal`.
@@ -63,7 +63,7 @@ impl Plane {
     /// Plane through three points.
     #[inline]
     #[must_use]
-    pub fn new(a: Point, b: Point, c: Point) -> Self {
+    pub(crate) fn new(a: Point, b: Point, c: Point) -> Self {
         let (u, v) = (b.at - a.at, c.at - a.at);
         let (p, q) = (u.abs(), v.abs());
         Self {
@@ -76,7 +76,7 @@ impl Plane {
     /// Side of the plane on which `d` lies, if rounding leaves no doubt.
     #[inline]
     #[must_use]
-    pub fn clear_side(&self, d: Point) -> Option<Side> {
+    pub(crate) fn clear_side(&self, d: Point) -> Option<Side> {
         let w = d.at - self.corners[0].at;
         let value = self.normal.dot(w);
         let clear = value.abs() > FILTER * self.magnitude.dot(w.abs());
@@ -86,7 +86,7 @@ impl Plane {
     /// Side of the plane on which `d` lies.
     #[inline]
     #[must_use]
-    pub fn side(&self, d: Point, ties: &mut Ties) -> Side {
+    pub(crate) fn side(&self, d: Point, ties: &mut Ties) -> Side {
         self.clear_side(d).unwrap_or_else(|| {
             let [a, b, c] = self.corners;
             let (positive, tie) = ties.decide([a, b, c, d]);
@@ -97,7 +97,7 @@ impl Plane {
     /// Whether a point lies exactly in the plane.
     #[inline]
     #[must_use]
-    pub fn holds(&self, d: Point) -> bool {
+    pub(crate) fn holds(&self, d: Point) -> bool {
         let w = d.at - self.corners[0].at;
         let bound = self.magnitude.dot(w.abs());
         bound == 0.0
@@ -111,7 +111,7 @@ impl Plane {
 /// Decides ties. Without directions it falls back to the order of the ids and notes that a tie was met.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Ties {
+pub(crate) struct Ties {
     /// Direction of each particle; multiples of `2^-14` below 128. Empty while no tie was met.
     pub directions: Vec<DVec3>,
     /// Whether a tie was met.
@@ -121,7 +121,7 @@ pub struct Ties {
 impl Ties {
     /// The direction of a particle with unit normal `normal` in cloth `part`.
     #[must_use]
-    pub fn direction(normal: DVec3, part: u16, particle: u32) -> DVec3 {
+    pub(crate) fn direction(normal: DVec3, part: u16, particle: u32) -> DVec3 {
         let length = f64::from(1 + part % 64);
         let main = (normal * 1024.0).round() / 1024.0 * length;
         let mut hash = particle.wrapping_mul(0x9E37_79B9) ^ 0x85EB_CA6B;
@@ -167,7 +167,7 @@ fn derivative_sign(p: [DVec3; 4], v: [DVec3; 4]) -> i32 {
 /// Side of the plane `(a, b, c)` on which `d` lies.
 #[inline]
 #[must_use]
-pub fn orient(a: Point, b: Point, c: Point, d: Point, ties: &mut Ties) -> Side {
+pub(crate) fn orient(a: Point, b: Point, c: Point, d: Point, ties: &mut Ties) -> Side {
     Plane::new(a, b, c).side(d, ties)
 }
 

@@ -30,7 +30,7 @@ impl Default for Parts {
 
 impl Parts {
     /// Notes how many crossings a look found, and whether it was at the first part of a round, and at the last.
-    pub fn note(&mut self, found: u32, [is_first, is_last]: [bool; 2]) {
+    pub(super) fn note(&mut self, found: u32, [is_first, is_last]: [bool; 2]) {
         self.is_whole = is_first && is_last;
         let so_far = if is_first { 0 } else { self.round };
         self.round = so_far + found;
@@ -46,7 +46,7 @@ impl Parts {
     }
 
     /// Notes that a look was at all that can cross.
-    pub fn note_whole(&mut self) {
+    pub(super) fn note_whole(&mut self) {
         (self.is_whole, self.elsewhere) = (true, 0);
     }
 }

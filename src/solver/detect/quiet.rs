@@ -19,7 +19,7 @@ const SLACK: f32 = 0.1;
 /// The faces that can cross while cloth hardly moves. See the module.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct QuietPairs {
+pub(super) struct QuietPairs {
     /// Where each particle was at the last look at everything `[m]`.
     noted: Vec<Vec3A>,
     /// Square of how far each may go, while [`Self::close`] is known `[m²]`.
@@ -33,7 +33,7 @@ pub struct QuietPairs {
 }
 
 impl QuietPairs {
-    pub fn new(surface: &Surface) -> Self {
+    pub(super) fn new(surface: &Surface) -> Self {
         let most = SLACK * surface.mean_edge;
         Self {
             noted: vec![Vec3A::INFINITY; surface.len()],
@@ -46,7 +46,7 @@ impl QuietPairs {
     }
 
     /// The pairs of faces that can cross at `positions` `[m]`, if that is known.
-    pub fn close(&mut self, positions: &[Vec4]) -> Option<&[[u32; 2]]> {
+    pub(super) fn close(&mut self, positions: &[Vec4]) -> Option<&[[u32; 2]]> {
         let used = self.used?;
         if !self.is_near(positions) {
             return None;
@@ -57,7 +57,7 @@ impl QuietPairs {
 
     /// Begins a look at everything, at `positions` `[m]`. Whether it is worth [taking in](Self::take_in) what is close: where
     /// cloth has hardly moved since the last look, or did so for some time.
-    pub fn begin(&mut self, surface: &Surface, positions: &[Vec4]) -> bool {
+    pub(super) fn begin(&mut self, surface: &Surface, positions: &[Vec4]) -> bool {
         let pays = match self.used {
             Some(used) => used > 1,
             None => self.is_near(positions),
@@ -74,7 +74,7 @@ impl QuietPairs {
     }
 
     /// Takes in two faces whose boxes come within [`Self::reach`].
-    pub fn take_in(&mut self, surface: &Surface, positions: &[Vec4], [f, g]: [u32; 2]) {
+    pub(super) fn take_in(&mut self, surface: &Surface, positions: &[Vec4], [f, g]: [u32; 2]) {
         let [tf, tg] = [f, g].map(|face| surface.topology.faces[face as usize]);
         let shared = tf.iter().filter(|v| tg.contains(v)).count();
         if shared == 1 || (shared == 0 && !are_apart(positions, tf, tg, None, self.reach)) {
@@ -83,19 +83,19 @@ impl QuietPairs {
     }
 
     /// Ends a look that took in all that is close, and found no crossing.
-    pub fn end(&mut self) {
+    pub(super) fn end(&mut self) {
         self.used = Some(0);
     }
 
     /// Forgets what was close, of a surface whose edges have another length.
-    pub fn rescale(&mut self, surface: &Surface) {
+    pub(super) fn rescale(&mut self, surface: &Surface) {
         self.reach = 2.0 * SLACK * surface.mean_edge;
         self.noted.fill(Vec3A::INFINITY);
         self.forget();
     }
 
     /// Forgets what was close.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.used = None;
     }
 

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::Surface;
 
 /// Smallest and largest corner `[m]` of the box around particles at rest.
-pub fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2] {
+pub(crate) fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec3; 2] {
     particles.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], v| {
         let x = surface.rest[v as usize];
         [low.min(x), high.max(x)]
@@ -14,7 +14,7 @@ pub fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) -> [Vec
 
 /// Edges at which normals say nothing about whether cloth lies on itself: more than two faces meet there, or the fronts of two
 /// face different sides.
-pub fn seams(surface: &Surface) -> Vec<bool> {
+pub(crate) fn seams(surface: &Surface) -> Vec<bool> {
     let topology = &surface.topology;
     let mut seams = vec![false; topology.edges.len()];
     // Two faces with one front run along their edge in opposite ways.
@@ -29,7 +29,7 @@ pub fn seams(surface: &Surface) -> Vec<bool> {
 }
 
 /// Whether a border lies in one side of a box and its face does not, along an axis in which the box is not flat.
-pub fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32) -> bool {
+pub(crate) fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32) -> bool {
     let topology = &surface.topology;
     let at = |v: u32| surface.rest[v as usize];
     let [a, b] = topology.edges[border as usize].map(at);
@@ -45,7 +45,7 @@ pub fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], border: u32)
 
 /// Particles around which cloth may lie over itself although normals agree: at `seams`, and at borders of the mesh but those
 /// along the sides of its box at rest.
-pub fn loose(surface: &Surface, seams: &[bool]) -> Vec<bool> {
+pub(crate) fn loose(surface: &Surface, seams: &[bool]) -> Vec<bool> {
     let topology = &surface.topology;
     let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();
     let mut loose = vec![false; surface.len()];

@@ -23,7 +23,7 @@ use crate::solver::settings::Fabric;
 /// The air around the particles of a cloth in a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Carried {
+pub(crate) struct Carried {
     /// Velocities at the start of the substep `[m/s]`; empty while no air is carried.
     before: Vec<Vec4>,
     /// Normals at the start of the frame, as long as the root of the share of the air that goes along (dimensionless).
@@ -32,7 +32,7 @@ pub struct Carried {
 
 /// Mass per area of the air that goes with a cloth of `area` `[m²]`, over all that moves (dimensionless), 0 to 1.
 #[must_use]
-pub fn share(fabric: &Fabric, area: f32, gravity: f32, air_density: f32) -> f32 {
+pub(crate) fn share(fabric: &Fabric, area: f32, gravity: f32, air_density: f32) -> f32 {
     let size = area.sqrt();
     let length = (fabric.bend_stiffness / (fabric.density * gravity)).cbrt();
     let wave = (2.0 * PI.sqrt() * length.powf(0.75) * size.powf(0.25)).min(2.0 * size);
@@ -43,12 +43,12 @@ pub fn share(fabric: &Fabric, area: f32, gravity: f32, air_density: f32) -> f32 
 impl Carried {
     /// Memory held `[B]`.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&self.before[..]) + size_of_val(&self.normals[..])
     }
 
     /// Begins a frame with a `share` of air in what moves across the cloth (dimensionless), 0 for none.
-    pub fn begin(&mut self, share: f32, rest: &RestShape, positions: &[Vec4]) {
+    pub(crate) fn begin(&mut self, share: f32, rest: &RestShape, positions: &[Vec4]) {
         self.before.clear();
         self.normals.clear();
         // In a frame without air, too: none after the first allocates.
@@ -75,12 +75,12 @@ impl Carried {
     }
 
     /// Ends it: no air is carried until the next begins.
-    pub fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         self.normals.clear();
     }
 
     /// Leaves out particles that lie on something until the end of the frame: no air is between.
-    pub fn leave_out(&mut self, touching: impl Iterator<Item = u32>) {
+    pub(crate) fn leave_out(&mut self, touching: impl Iterator<Item = u32>) {
         if !self.normals.is_empty() {
             touching.for_each(|p| self.normals[p as usize] = Vec4::ZERO);
         }
@@ -88,7 +88,7 @@ impl Carried {
 
     /// Notes the velocities at the start of a substep; `substep` `[s]` lies between `previous` and `positions`, 0 before the
     /// first.
-    pub fn note(&mut self, substep: f32, positions: &[Vec4], previous: &[Vec4]) {
+    pub(crate) fn note(&mut self, substep: f32, positions: &[Vec4], previous: &[Vec4]) {
         self.before.clear();
         if !self.normals.is_empty() {
             let rate = if substep > 0.0 { 1.0 / substep } else { 0.0 };
@@ -97,7 +97,7 @@ impl Carried {
     }
 
     /// Takes from what a substep of `substep` `[s]` changed of the velocities across the cloth what the air keeps.
-    pub fn keep(&self, substep: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+    pub(crate) fn keep(&self, substep: f32, positions: &[Vec4], previous: &mut [Vec4]) {
         for (((x, old), before), normal) in positions.iter().zip(previous).zip(&self.before).zip(&self.normals) {
             let change = (*x - *old) - *before * substep;
             *old += *normal * normal.dot(change);

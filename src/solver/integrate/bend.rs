@@ -66,7 +66,7 @@ const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 /// How stiff a cloth is against bending, and the buffers of its steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct BendFactors {
+pub(crate) struct BendFactors {
     /// `(1 + GRIP) B` `[N·m]`.
     stiffness: f32,
     /// Largest eigenvalue of `W K` `[1/s²]`, an estimate.
@@ -118,7 +118,7 @@ impl Polynomial {
 impl BendFactors {
     /// Memory held `[B]`.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let [a, b] = &self.moves;
         let weave = self.weave.as_ref().map_or(0, |weave| size_of_val(&weave.along[..]) + size_of_val(&weave.matrix[..]));
         [&self.folds, &self.residual, a, b, &self.keeps].map(|v| size_of_val(&v[..])).iter().sum::<usize>()
@@ -128,7 +128,7 @@ impl BendFactors {
 
     /// Must follow a change of the fabric or of inverse masses, in `w` of `positions` `[1/kg]`; `areas` `[m²]` around
     /// particles.
-    pub fn update(&mut self, bends: &Bends, fabric: &Fabric, areas: &[f32], positions: &[Vec4]) {
+    pub(crate) fn update(&mut self, bends: &Bends, fabric: &Fabric, areas: &[f32], positions: &[Vec4]) {
         self.stiffness = (1.0 + grip(fabric)) * fabric.bend_stiffness;
         // A pin on a light body may be lighter than the cloth around it.
         let lightest = positions.iter().zip(areas).map(|(x, area)| x.w * fabric.density * area).fold(1.0, f32::max);
@@ -162,14 +162,14 @@ impl BendFactors {
 
     /// Share of the stiffness that substeps of `h` `[s]` hold (dimensionless): 1, unless the mesh is very fine for them.
     #[must_use]
-    pub fn held(&self, h: f32) -> f32 {
+    pub(crate) fn held(&self, h: f32) -> f32 {
         // Nothing to hold is infinitely much of it.
         (self.most / (h * h * self.fastest)).min(1.0)
     }
 
     /// Finds what keeps the curvature at rest, and folds, where the cloth is now; once a frame. `set`: the curvature `[1/m]`
     /// from which friction holds each hinge, which follows.
-    pub fn fold(&mut self, bends: &Bends, fabric: &Fabric, positions: &[Vec4], set: &mut Vec<Vec4>) {
+    pub(crate) fn fold(&mut self, bends: &Bends, fabric: &Fabric, positions: &[Vec4], set: &mut Vec<Vec4>) {
         self.folds.clear();
         let grip = grip(fabric);
         if self.stiffness == 0.0 || (grip == 0.0 && bends.is_flat) {
@@ -210,7 +210,7 @@ impl BendFactors {
     }
 
     /// Bends the cloth in a substep of `h` `[s]`.
-    pub fn solve(&mut self, bends: &Bends, h: f32, positions: &mut [Vec4]) {
+    pub(crate) fn solve(&mut self, bends: &Bends, h: f32, positions: &mut [Vec4]) {
         let fastest = h * h * self.fastest;
         if !(fastest > 0.0) {
             return;
@@ -268,7 +268,7 @@ impl BendFactors {
 /// ```text
 /// Δv̇ = -min(|v̇| / 4, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²
 /// ```
-pub fn rub(bends: &Bends, fabric: &Fabric, dt: f32, h: f32, motion: &mut [Vec4]) {
+pub(crate) fn rub(bends: &Bends, fabric: &Fabric, dt: f32, h: f32, motion: &mut [Vec4]) {
     let moment = TREMBLE * fabric.bend_stiffness * dt * h;
     if !(moment > 0.0) {
         return;

@@ -14,7 +14,7 @@ const PASSES: u32 = 2;
 /// Masses and corrections of hubs.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct CoarseLevel {
+pub(crate) struct CoarseLevel {
     /// Inverse mass of each hub `[1/kg]`; 0: pinned.
     inverse_mass: Vec<f32>,
     /// How much of its hubs' moves each particle takes: 0 at a pin, 1 from one distance between hubs on (dimensionless).
@@ -26,12 +26,12 @@ pub struct CoarseLevel {
 impl CoarseLevel {
     /// Memory held `[B]`.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.inverse_mass.len() * (size_of::<f32>() + size_of::<Vec4>()) + size_of_val(&self.freedom[..])
     }
 
     /// Must follow a change of the rigid pins.
-    pub fn hold(&mut self, rest: &RestShape, pinned: &[u32]) {
+    pub(crate) fn hold(&mut self, rest: &RestShape, pinned: &[u32]) {
         self.freedom.clear();
         self.freedom.resize(rest.positions.len(), 1.0);
         let near = rest.coarse.spacing;
@@ -41,7 +41,7 @@ impl CoarseLevel {
     }
 
     /// Recomputes masses from the inverse masses in `w` of `positions`.
-    pub fn update(&mut self, mesh: &CoarseMesh, positions: &[Vec4]) {
+    pub(crate) fn update(&mut self, mesh: &CoarseMesh, positions: &[Vec4]) {
         self.inverse_mass.clear();
         self.inverse_mass.resize(mesh.hubs.len(), 0.0);
         self.moves.clear();
@@ -58,7 +58,7 @@ impl CoarseLevel {
     }
 
     /// Draws hubs together that are farther apart than the strain limit allows, and the cloth with them.
-    pub fn solve(&mut self, mesh: &CoarseMesh, strain_limit: f32, positions: &mut [Vec4]) {
+    pub(crate) fn solve(&mut self, mesh: &CoarseMesh, strain_limit: f32, positions: &mut [Vec4]) {
         let slack = (1.0 + 0.5 * strain_limit).powi(2);
         let mut moved = false;
         for _ in 0..PASSES {

@@ -9,20 +9,20 @@ use crate::solver::rest::{LANES, Springs};
 const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// Notes the motion of each particle over the last substep: `xyz` `[m]`, `w` its inverse mass `[1/kg]`.
-pub fn note(positions: &[Vec4], previous: &[Vec4], motion: &mut Vec<Vec4>) {
+pub(crate) fn note(positions: &[Vec4], previous: &[Vec4], motion: &mut Vec<Vec4>) {
     motion.clear();
     motion.extend(positions.iter().zip(previous).map(|(x, old)| Vec4::select(XYZ, *x - *old, *x)));
 }
 
 /// Takes over what became of the motion that [`note`] noted: it moves `previous`, where it changed.
-pub fn apply(positions: &[Vec4], motion: &[Vec4], previous: &mut [Vec4]) {
+pub(crate) fn apply(positions: &[Vec4], motion: &[Vec4], previous: &mut [Vec4]) {
     for ((x, old), motion) in positions.iter().zip(previous).zip(motion) {
         *old += Vec4::select(XYZ, (*x - *old) - *motion, Vec4::ZERO);
     }
 }
 
 /// Damps every spring over `dt` `[s]` at `rate` `[1/s]`.
-pub fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], motion: &mut [Vec4]) {
+pub(crate) fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], motion: &mut [Vec4]) {
     let fraction = Vec4::splat(1.0 - (-rate * dt).exp());
     for (a, b) in springs.a.iter().zip(&springs.b) {
         let (ua, ub) = (a.map(|i| motion[i as usize]), b.map(|i| motion[i as usize]));

@@ -12,26 +12,26 @@ use crate::solver::rest::{RestShape, geodesic};
 /// Edges from a particle to one farther from the pins, in the order of the second.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct FollowTheLeader {
+pub(crate) struct FollowTheLeader {
     ends: Vec<[u32; 2]>,
 }
 
 impl FollowTheLeader {
     /// Memory held `[B]`.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&self.ends[..])
     }
 
     /// Whether nothing hangs on a pin.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
     /// Edges of the parts of a cloth that hang on `pinned`.
     #[must_use]
-    pub fn new(rest: &RestShape, pinned: &[u32]) -> Self {
+    pub(crate) fn new(rest: &RestShape, pinned: &[u32]) -> Self {
         let mut front = geodesic::Front::new(rest.positions.len());
         let mut rank = vec![u32::MAX; rest.positions.len()];
         for (&(p, distance), n) in front.run(&rest.topology, &rest.positions, pinned, f32::INFINITY).iter().zip(1..) {
@@ -47,7 +47,7 @@ impl FollowTheLeader {
     }
 
     /// Shortens edges to `bound` times their length at rest (dimensionless).
-    pub fn solve(&self, rest: &RestShape, bound: f32, positions: &mut [Vec4]) {
+    pub(crate) fn solve(&self, rest: &RestShape, bound: f32, positions: &mut [Vec4]) {
         for &[near, far] in &self.ends {
             let (near, far) = (near as usize, far as usize);
             let d = (positions[near] - positions[far]).with_w(0.0);

@@ -31,7 +31,7 @@ use crate::solver::settings::Fabric;
 const LEAST_MOBILITY: f32 = 1.0 / 16.0;
 
 /// Solves every triangle once in a substep of `h` `[s]`.
-pub fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mut [Vec4]) {
+pub(crate) fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mut [Vec4]) {
     let weft = 2.0 * fabric.stretch_stiffness / (1.0 + fabric.stretch_ratio);
     let compliance = |stiffness: f32| Vec4::splat((stiffness * h * h).max(1.0e-12).recip());
     let [warp, weft, shear] = [fabric.stretch_ratio * weft, weft, fabric.shear_stiffness].map(compliance);

@@ -12,7 +12,7 @@ use glam::{Vec3, Vec4};
 /// One grip on a cloth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pull {
+pub(crate) struct Pull {
     /// Target at the start of the frame `[m]`, in the frame of simulation.
     pub from: Vec3,
     /// Target at the end of the frame `[m]`.
@@ -26,7 +26,7 @@ pub struct Pull {
 /// All grips on a cloth; buffers are reused.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pulls {
+pub(crate) struct Pulls {
     pulls: Vec<(Pull, usize)>,
     /// Particles and their shares, grip after grip.
     grips: Vec<(u32, f32)>,
@@ -34,19 +34,19 @@ pub struct Pulls {
 
 impl Pulls {
     /// Lets go of everything.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.pulls.clear();
         self.grips.clear();
     }
 
     /// Whether nothing is grabbed.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.pulls.is_empty()
     }
 
     /// Adds a grip on particles with shares that add up to one.
-    pub fn add(&mut self, pull: Pull, grip: impl IntoIterator<Item = (u32, f32)>) {
+    pub(crate) fn add(&mut self, pull: Pull, grip: impl IntoIterator<Item = (u32, f32)>) {
         self.grips.extend(grip);
         self.pulls.push((pull, self.grips.len()));
     }

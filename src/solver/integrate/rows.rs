@@ -9,7 +9,7 @@ use crate::solver::rest::LANES;
 /// Four vectors: all `x`, all `y`, all `z`.
 #[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Rows(pub [Vec4; 3]);
+pub(super) struct Rows(pub [Vec4; 3]);
 
 impl From<[Vec4; LANES]> for Rows {
     fn from(v: [Vec4; LANES]) -> Self {
@@ -45,26 +45,26 @@ impl Mul<Vec4> for Rows {
 impl Rows {
     /// Scalar products.
     #[inline(always)]
-    pub fn dot(self, other: Self) -> Vec4 {
+    pub(super) fn dot(self, other: Self) -> Vec4 {
         self.0[0] * other.0[0] + self.0[1] * other.0[1] + self.0[2] * other.0[2]
     }
 
     /// Lengths, never zero, so that they can be divided by.
     #[inline(always)]
-    pub fn length(self) -> Vec4 {
+    pub(super) fn length(self) -> Vec4 {
         self.dot(self).sqrt().max(Vec4::splat(f32::MIN_POSITIVE))
     }
 
     /// Vector products.
     #[inline(always)]
-    pub fn cross(self, other: Self) -> Self {
+    pub(super) fn cross(self, other: Self) -> Self {
         let ([ax, ay, az], [bx, by, bz]) = (self.0, other.0);
         Self([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
     }
 
     /// The vectors, one by one, with a `w` of zero.
     #[inline(always)]
-    pub fn columns(self) -> [Vec4; LANES] {
+    pub(super) fn columns(self) -> [Vec4; LANES] {
         let columns = Mat4::from_cols(self.0[0], self.0[1], self.0[2], Vec4::ZERO).transpose();
         [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
     }

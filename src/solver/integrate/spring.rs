@@ -28,7 +28,7 @@ const DIAGONAL: f32 = 4.0;
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct SpringFactors {
+pub(crate) struct SpringFactors {
     /// `σ = (w_a + w_b) / (w_a + w_b + 1 / (k h²))` (dimensionless), by batch and lane.
     give: Vec<Vec4>,
     /// `w_a / (w_a + w_b)` (dimensionless); 0 where nothing can move.
@@ -40,12 +40,12 @@ pub struct SpringFactors {
 impl SpringFactors {
     /// Memory held `[B]`.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         3 * size_of_val(&self.give[..])
     }
 
     /// Recomputes all factors for a substep of `h` `[s]`.
-    pub fn update(&mut self, springs: &Springs, fabric: &Fabric, positions: &[Vec4], h: f32) {
+    pub(crate) fn update(&mut self, springs: &Springs, fabric: &Fabric, positions: &[Vec4], h: f32) {
         // `K (1 + r cos 2(φ - φ₀))`: `2 ρ / (1 + ρ)` of `K` along the warp and `2 / (1 + ρ)` along the weft.
         let uneven = (fabric.stretch_ratio - 1.0) / (fabric.stretch_ratio + 1.0);
         let threads = Vec2::from_angle(2.0 * fabric.warp_angle);
@@ -88,7 +88,7 @@ fn lengths_squared(d: [Vec4; LANES]) -> Vec4 {
 const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Solves every spring once.
-pub fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
+pub(crate) fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
     let ends = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square);
     let shares = factors.give.iter().zip(&factors.share_a).zip(&factors.share_b);
     let bound = Bound::new(strain_limit);
@@ -142,7 +142,7 @@ fn scatter([a, b]: [&[u32; LANES]; 2], [pa, pb]: [[Vec4; LANES]; 2], d: [Vec4; L
 /// Springs at, or close to, the strain limit: the only ones that sweeps for the limit alone can change.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Tight {
+pub(crate) struct Tight {
     batches: Vec<u32>,
     listed: Vec<bool>,
 }
@@ -153,7 +153,7 @@ const TIGHT: f32 = 0.25;
 impl Tight {
     /// Finds them, once a frame: a list that changed with every substep would never let cloth rest. With `all`, any may get
     /// there within the frame; with `keep`, those that were close stay listed.
-    pub fn find(&mut self, springs: &Springs, strain_limit: f32, (all, keep): (bool, bool), positions: &[Vec4]) {
+    pub(crate) fn find(&mut self, springs: &Springs, strain_limit: f32, (all, keep): (bool, bool), positions: &[Vec4]) {
         self.batches.clear();
         self.batches.reserve(springs.a.len());
         if all {
@@ -180,7 +180,7 @@ impl Tight {
 
     /// Sweeps once over those beyond the strain limit, and shortens them. Springs that are too short do not push back, so
     /// nothing keeps others from giving way.
-    pub fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
+    pub(crate) fn solve(&self, springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
         let bound = Bound::new(strain_limit);
         for k in self.batches.iter().map(|&k| k as usize) {
             let (a, b) = (&springs.a[k], &springs.b[k]);
@@ -194,7 +194,7 @@ impl Tight {
 /// Longest and mean length over rest length of all springs (dimensionless), lanes that repeat counted again. Positions that are
 /// not finite give infinity.
 #[must_use]
-pub fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
+pub(crate) fn strain(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
     let mut worst = Vec4::ZERO;
     let mut sum = Vec4::ZERO;
     for ((a, b), &inverse_square) in springs.a.iter().zip(&springs.b).zip(&springs.inverse_square) {
@@ -226,13 +226,13 @@ fn strain_of_far(springs: &Springs, positions: &[Vec4]) -> (f32, f32) {
 /// Springs that are still too long at the end of a frame, and are shortened without letting time pass.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Overlong {
+pub(crate) struct Overlong {
     batches: Vec<u32>,
 }
 
 impl Overlong {
     /// Lists what is longer than `bound` times its length at rest (dimensionless); whether any is longer than `far` times.
-    pub fn find(&mut self, springs: &Springs, [bound, far]: [f32; 2], positions: &[Vec4]) -> bool {
+    pub(crate) fn find(&mut self, springs: &Springs, [bound, far]: [f32; 2], positions: &[Vec4]) -> bool {
         self.batches.clear();
         let mut worst = Vec4::ZERO;
         for (batch, ((a, b), &inverse_square)) in (0_u32..).zip(springs.a.iter().zip(&springs.b).zip(&springs.inverse_square)) {
@@ -248,7 +248,7 @@ impl Overlong {
 
     /// Shortens what was [listed](Self::find) and is longer than `bound` times its length at rest (dimensionless), `passes`
     /// times over.
-    pub fn shorten(&self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
+    pub(crate) fn shorten(&self, springs: &Springs, factors: &SpringFactors, bound: f32, passes: u32, positions: &mut [Vec4]) {
         for k in (0..passes).flat_map(|_| &self.batches).map(|&batch| batch as usize) {
             let (a, b) = (&springs.a[k], &springs.b[k]);
             let (pa, pb, d) = gather(a, b, positions);

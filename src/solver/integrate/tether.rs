@@ -20,7 +20,7 @@ const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 /// Upper bounds on distances to pins, in batches of four with different free particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Tethers {
+pub(crate) struct Tethers {
     particle: Vec<[u32; LANES]>,
     pin: Vec<[u32; LANES]>,
     /// One over the squared geodesic distance at rest `[1/m²]`.
@@ -32,13 +32,13 @@ pub struct Tethers {
 impl Tethers {
     /// Memory held `[B]`.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.particle.len() * (2 * size_of::<[u32; LANES]>() + size_of::<Vec4>())
     }
 
     /// Tethers of all particles that `pinned` does not list to the nearest pins of the nearest groups.
     #[must_use]
-    pub fn new(rest: &RestShape, pinned: &[u32]) -> Self {
+    pub(crate) fn new(rest: &RestShape, pinned: &[u32]) -> Self {
         let topology = &rest.topology;
         let mut is_pinned = vec![false; topology.particles as usize];
         pinned.iter().for_each(|&p| is_pinned[p as usize] = true);
@@ -78,7 +78,7 @@ impl Tethers {
     /// of those that are so by more than `least` `[m]`. 0 of none. Only the shortest tether of each particle counts, to whose
     /// pins it is drawn hardest.
     #[must_use]
-    pub fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
+    pub(crate) fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
         let list = self.particle.as_flattened();
         let mut most = 0.0_f32;
         for p in particles {
@@ -95,7 +95,7 @@ impl Tethers {
     }
 
     /// Pulls every particle back within `scale` (dimensionless) times its tethers.
-    pub fn solve(&self, scale: f32, positions: &mut [Vec4]) {
+    pub(crate) fn solve(&self, scale: f32, positions: &mut [Vec4]) {
         let shrink = scale.powi(2).recip();
         for ((particle, pin), &inverse_square) in self.particle.iter().zip(&self.pin).zip(&self.inverse_square) {
             let x = particle.map(|i| positions[i as usize]);

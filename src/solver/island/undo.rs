@@ -33,22 +33,22 @@ pub(super) struct Undo {
 
 impl Undo {
     /// Nothing will be undone.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.begun.clear();
     }
 
     /// Nothing crosses any more: the next tangle is another.
-    pub fn forget_least(&mut self) {
+    pub(super) fn forget_least(&mut self) {
         self.least.clear();
     }
 
     /// Whether something may be undone.
-    pub fn is_due(&self) -> bool {
+    pub(super) fn is_due(&self) -> bool {
         !self.begun.is_empty()
     }
 
     /// Notes how everything is.
-    pub fn begin<'a>(
+    pub(super) fn begin<'a>(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
@@ -70,7 +70,7 @@ impl Undo {
 
     /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without
     /// a change of velocity; whether there were any.
-    pub fn end<'a>(
+    pub(super) fn end<'a>(
         &mut self,
         surface: &Surface,
         contours: impl Iterator<Item = (&'a Contour, [u16; 2])>,
@@ -102,7 +102,7 @@ impl Undo {
     }
 
     /// Puts back cloths that cross one that was put back, as they did not before; whether there were any.
-    pub fn follow<'a>(
+    pub(super) fn follow<'a>(
         &mut self,
         surface: &Surface,
         contours: impl Iterator<Item = (&'a Contour, [u16; 2])>,
@@ -133,7 +133,7 @@ impl Undo {
     }
 
     /// Whether a cloth was put back since the last [end](Self::end).
-    pub fn has_undone(&self, part: u16) -> bool {
+    pub(super) fn has_undone(&self, part: u16) -> bool {
         self.undone[usize::from(part)]
     }
 

@@ -34,7 +34,7 @@ pub(super) struct Between {
 
 impl Between {
     /// Takes in what was analysed last.
-    pub fn take_in(&mut self, view: View<'_>, graph: &ContourGraph) {
+    pub(super) fn take_in(&mut self, view: View<'_>, graph: &ContourGraph) {
         self.list.clear();
         if view.surface.parts.len() > 1 {
             let entry = |contour: usize| {
@@ -47,18 +47,18 @@ impl Between {
     }
 
     /// The contours between two cloths, ascending, the first of which is to be side 0.
-    pub fn of(&self, [a, b]: [u16; 2]) -> impl Iterator<Item = Member> + '_ {
+    pub(super) fn of(&self, [a, b]: [u16; 2]) -> impl Iterator<Item = Member> + '_ {
         let run = self.list[self.start([a, b])..].iter().take_while(move |e| e.cloths == [a.min(b), a.max(b)]);
         run.map(move |e| Member { contour: e.contour as usize, flip: u8::from(e.first != a) })
     }
 
     /// Whether nobody found out yet that no way undoes all contours between two cloths at once.
-    pub fn may_work(&self, pair: [u16; 2]) -> bool {
+    pub(super) fn may_work(&self, pair: [u16; 2]) -> bool {
         self.list.get(self.start(pair)).is_some_and(|e| !e.failed)
     }
 
     /// Notes that no way undoes all contours between two cloths at once.
-    pub fn note_failure(&mut self, pair: [u16; 2]) {
+    pub(super) fn note_failure(&mut self, pair: [u16; 2]) {
         let start = self.start(pair);
         self.list.get_mut(start).into_iter().for_each(|e| e.failed = true);
     }

@@ -57,20 +57,20 @@ pub(super) struct Layers {
 
 impl Layers {
     /// Gives everything up.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.plans.clear();
         self.pairs.clear();
         self.strays.clear();
     }
 
     /// Whether there is something to be done.
-    pub fn any(&self) -> bool {
+    pub(super) fn any(&self) -> bool {
         self.plans.any() || !self.strays.is_empty()
     }
 
     /// Looks for cloths on the wrong side of each other, as seen from some of their particles. The tree must fit the positions,
     /// to a tenth of an edge.
-    pub fn patrol(&mut self, surface: &Surface, tree: &mut Tree, positions: &[Vec4]) {
+    pub(super) fn patrol(&mut self, surface: &Surface, tree: &mut Tree, positions: &[Vec4]) {
         self.strays.clear();
         // Pins may have changed.
         self.pairs.retain(|p| !p.held);

@@ -17,14 +17,14 @@ pub(super) struct Nearest {
 
 impl Nearest {
     /// Takes in other points `[m]`; they are sorted when the first is asked for.
-    pub fn take_in(&mut self, points: impl Iterator<Item = Vec3>) {
+    pub(super) fn take_in(&mut self, points: impl Iterator<Item = Vec3>) {
         self.order.clear();
         self.order.extend(points.zip(0..));
         self.is_sorted = false;
     }
 
     /// The number of the nearest point within `reach` `[m]` of another; of two as near the first.
-    pub fn find(&mut self, at: Vec3, reach: f32) -> Option<u32> {
+    pub(super) fn find(&mut self, at: Vec3, reach: f32) -> Option<u32> {
         if !core::mem::replace(&mut self.is_sorted, true) {
             sort(&mut self.order, 0);
         }

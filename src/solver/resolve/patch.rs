@@ -22,7 +22,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    pub fn gather(&mut self, view: View<'_>, graph: &ContourGraph, contour: usize) {
+    pub(super) fn gather(&mut self, view: View<'_>, graph: &ContourGraph, contour: usize) {
         self.begin(view.surface);
         for &i in graph.nodes_of(contour) {
             let c = &view.crossings[i as usize];
@@ -38,7 +38,7 @@ impl Patch {
     }
 
     /// Forgets all particles and makes room for a surface.
-    pub fn begin(&mut self, surface: &Surface) {
+    pub(super) fn begin(&mut self, surface: &Surface) {
         self.seen.resize(surface.len(), [0; 2]);
         self.ring.resize(surface.len(), [0; 2]);
         self.now = 0;
@@ -53,7 +53,7 @@ impl Patch {
     }
 
     /// Adds rings of neighbours around both sides at once; a particle falls to the side that is nearer.
-    pub fn grow(&mut self, surface: &Surface, rings: usize) {
+    pub(super) fn grow(&mut self, surface: &Surface, rings: usize) {
         let mut first = [0; 2];
         for side in 0..2 {
             self.ring_end[side].clear();
@@ -79,7 +79,7 @@ impl Patch {
         }
     }
 
-    pub fn put(&mut self, side: usize, v: u32) {
+    pub(super) fn put(&mut self, side: usize, v: u32) {
         let seen = &mut self.seen[v as usize][side];
         if *seen != self.stamp {
             *seen = self.stamp;
@@ -89,19 +89,19 @@ impl Patch {
     }
 
     /// Adds a particle that may have been gathered on that side already.
-    pub fn put_again(&mut self, side: usize, v: u32) {
+    pub(super) fn put_again(&mut self, side: usize, v: u32) {
         self.seen[v as usize][side] = self.stamp;
         self.ring[v as usize][side] = self.now;
         self.sides[side].push(v);
     }
 
     /// The particles of a side with their rings.
-    pub fn by_ring(&self, side: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
+    pub(super) fn by_ring(&self, side: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
         self.sides[side].iter().map(move |&v| (v, usize::from(self.ring[v as usize][side])))
     }
 
     /// The ring of a particle on a side: 0 at the contour itself.
-    pub fn order(&self, side: usize, v: u32) -> Option<usize> {
+    pub(super) fn order(&self, side: usize, v: u32) -> Option<usize> {
         (self.seen[v as usize][side] == self.stamp).then_some(usize::from(self.ring[v as usize][side]))
     }
 }

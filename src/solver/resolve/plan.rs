@@ -53,13 +53,13 @@ pub(super) struct Plans {
 
 impl Plans {
     /// Gives all plans up.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.live = 0;
         self.numbers.clear();
     }
 
     /// Gives up those that move particles that were `put` elsewhere.
-    pub fn give_up(&mut self, put: impl Fn(u32) -> bool) {
+    pub(super) fn give_up(&mut self, put: impl Fn(u32) -> bool) {
         let mut k = 0;
         while k < self.live {
             if self.list[k].moves.iter().any(|&(v, _)| put(v)) {
@@ -82,22 +82,22 @@ impl Plans {
     }
 
     /// Whether any plan is being carried out.
-    pub fn any(&self) -> bool {
+    pub(super) fn any(&self) -> bool {
         self.live > 0
     }
 
     /// Particles moved in an iteration, again for each plan that moves them.
-    pub fn moves(&self) -> usize {
+    pub(super) fn moves(&self) -> usize {
         self.list[..self.live].iter().map(|plan| plan.moves.len()).sum()
     }
 
     /// Whether a plan is still being carried out.
-    pub fn is_live(&self, number: u32) -> bool {
+    pub(super) fn is_live(&self, number: u32) -> bool {
         self.numbers.binary_search(&number).is_ok()
     }
 
     /// One iteration of every plan.
-    pub fn advance(&mut self, shift: &mut Shift) {
+    pub(super) fn advance(&mut self, shift: &mut Shift) {
         let mut k = 0;
         while k < self.live {
             let plan = &mut self.list[k];
@@ -117,7 +117,7 @@ impl Plans {
 
     /// Makes a plan of the ways found last between the sides of some contours, in steps of at most `step` `[m]`. Returns its
     /// number, never 0.
-    pub fn carry_out(
+    pub(super) fn carry_out(
         &mut self,
         view: View<'_>,
         graph: &ContourGraph,

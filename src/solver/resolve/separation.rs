@@ -137,7 +137,7 @@ pub(super) struct Separation {
 impl Separation {
     /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost
     /// of `most`. Returns whether the ways undo the contours.
-    pub fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], course: Course, most: f32) -> bool {
+    pub(super) fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], course: Course, most: f32) -> bool {
         self.begin(view, graph, set);
         self.largest = largest_area(self.length, self.edge, self.length + ABOUT * self.edge);
         self.look_along(view, graph, set, &[], course, most);
@@ -148,7 +148,7 @@ impl Separation {
     }
 
     /// The same from strays, too, whatever it costs.
-    pub fn look_from(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], course: Course) {
+    pub(super) fn look_from(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray], course: Course) {
         self.begin(view, graph, set);
         self.largest = f32::INFINITY;
         self.look_along(view, graph, set, strays, course, f32::INFINITY);
@@ -227,7 +227,7 @@ impl Separation {
     }
 
     /// Way that a particle of a side has to go `[m]`.
-    pub fn way(&self, side: usize, v: u32) -> f32 {
+    pub(super) fn way(&self, side: usize, v: u32) -> f32 {
         let seen = self.seen[v as usize][side];
         if seen.stamp == self.stamp { seen.way } else { 0.0 }
     }

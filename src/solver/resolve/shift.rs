@@ -10,7 +10,7 @@ pub(super) struct Shift {
 }
 
 impl Shift {
-    pub fn add(&mut self, particle: u32, by: Vec3, cap: f32) {
+    pub(super) fn add(&mut self, particle: u32, by: Vec3, cap: f32) {
         let shift = &mut self.of[particle as usize];
         if *shift == Vec4::ZERO {
             self.touched.push(particle);
@@ -19,7 +19,7 @@ impl Shift {
     }
 
     /// Moves both arrays by the capped displacements and forgets them.
-    pub fn apply(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) {
+    pub(super) fn apply(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) {
         for &v in &self.touched {
             let v = v as usize;
             let shift = core::mem::take(&mut self.of[v]);
@@ -36,7 +36,7 @@ impl Shift {
     }
 
     /// Takes the displacements off the previous positions only: they become changes of velocity per substep.
-    pub fn apply_to_velocity(&mut self, positions: &[Vec4], previous: &mut [Vec4]) {
+    pub(super) fn apply_to_velocity(&mut self, positions: &[Vec4], previous: &mut [Vec4]) {
         for &v in &self.touched {
             let by = core::mem::take(&mut self.of[v as usize]).truncate();
             if positions[v as usize].w > 0.0 && by.is_finite() {

@@ -32,7 +32,7 @@ pub enum Strategy {
 /// One contour's memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct TrackedContour {
+pub(crate) struct TrackedContour {
     /// How the contour ends now.
     pub kind: ContourKind,
     /// The choice.
@@ -72,7 +72,7 @@ impl TrackedContour {
     }
 
     /// Notes a measure that should fall.
-    pub fn progress(&mut self, measure: f32) {
+    pub(crate) fn progress(&mut self, measure: f32) {
         self.stale += 1;
         if measure < 0.9 * self.best {
             self.best = measure;
@@ -81,14 +81,14 @@ impl TrackedContour {
     }
 
     /// Takes up another strategy.
-    pub fn turn_to(&mut self, strategy: Strategy) {
+    pub(crate) fn turn_to(&mut self, strategy: Strategy) {
         let Self { age, longest, centre, escalation, .. } = *self;
         *self = Self { strategy, turns: self.turns + 1, age, longest, centre, escalation, ..Self::new() };
     }
 
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when
     /// it turns. Returns the motion as a multiple of the first step.
-    pub fn steer(&mut self, direction: Vec3, fastest: f32, inertia: f32) -> Vec3 {
+    pub(crate) fn steer(&mut self, direction: Vec3, fastest: f32, inertia: f32) -> Vec3 {
         let turn = direction.normalize_or_zero().dot(self.heading.normalize_or_zero());
         if turn > 0.7 {
             self.pace = (self.pace * GROWTH).min(fastest);
@@ -107,12 +107,12 @@ const GROWTH: f32 = 1.15;
 const REACH: f32 = 2.0;
 /// How much of the former direction a shrinking contour keeps. Without it, contours that leave sideways over a border swing
 /// from side to side for ever.
-pub const INERTIA: f32 = 0.8;
+pub(crate) const INERTIA: f32 = 0.8;
 
 /// Memories of all contours, in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct TrackedContours {
+pub(crate) struct TrackedContours {
     /// Parallel to [`ContourGraph::contours`].
     pub now: Vec<TrackedContour>,
     before: Vec<TrackedContour>,
@@ -123,13 +123,13 @@ pub struct TrackedContours {
 
 impl TrackedContours {
     /// Forgets everything.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.now.clear();
         self.votes.clear();
     }
 
     /// Carries memories over to the contours found now. `fresh` decides for a contour that is new.
-    pub fn carry(&mut self, crossings: &[Crossing], graph: &ContourGraph, fresh: impl Fn(usize) -> Strategy) {
+    pub(crate) fn carry(&mut self, crossings: &[Crossing], graph: &ContourGraph, fresh: impl Fn(usize) -> Strategy) {
         core::mem::swap(&mut self.now, &mut self.before);
         self.now.clear();
         self.nearest.take_in(self.before.iter().map(|l| l.centre));

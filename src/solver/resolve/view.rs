@@ -14,7 +14,7 @@ pub(super) struct View<'a> {
 
 impl View<'_> {
     /// Unit normal of a face, or zero.
-    pub fn facing(self, face: u32) -> Vec3 {
+    pub(super) fn facing(self, face: u32) -> Vec3 {
         let [a, b, c] = self.surface.topology.faces[face as usize].map(|v| self.positions[v as usize].truncate());
         (b - a).cross(c - a).normalize_or_zero()
     }

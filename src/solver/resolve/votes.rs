@@ -50,19 +50,19 @@ pub(super) struct Votes {
 
 impl Votes {
     /// Forgets the time before.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.keys.clear();
     }
 
     /// Takes in the crossings of now, for the next time.
-    pub fn take_in(&mut self, crossings: &[Crossing], graph: &ContourGraph) {
+    pub(super) fn take_in(&mut self, crossings: &[Crossing], graph: &ContourGraph) {
         self.keys.clear();
         let of = crossings.iter().zip(graph.contour_of.iter().zip(&graph.side));
         self.keys.extend(of.map(|(c, (&contour, &side))| Key { edge: c.edge, face: c.face, t: c.t, contour, side }));
     }
 
     /// The votes of all crossings, sorted.
-    pub fn cast(&mut self, crossings: &[Crossing], graph: &ContourGraph) -> &[Vote] {
+    pub(super) fn cast(&mut self, crossings: &[Crossing], graph: &ContourGraph) -> &[Vote] {
         let Self { keys, along, list } = self;
         list.clear();
         let (mut low, mut first) = (0, 0);

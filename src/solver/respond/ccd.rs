@@ -37,12 +37,12 @@ const FLOOR: f32 = 0.02;
 impl Contacts {
     /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to [`Self::gather_end`];
     /// whether any. Once `effort` is spent on pairs that are asked again, what still passes is bounded at once.
-    pub fn clamp_motion(&mut self, effort: &mut Effort) -> bool {
+    pub(crate) fn clamp_motion(&mut self, effort: &mut Effort) -> bool {
         self.clamp_motion_except(effort, |_, _| false)
     }
 
     /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
-    pub fn clamp_motion_except(&mut self, effort: &mut Effort, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
+    pub(crate) fn clamp_motion_except(&mut self, effort: &mut Effort, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
         let Self { pairs, start, now, cut, bounds, dividers, particles, incidence, .. } = self;
         let start: &[Vec4] = start;
         let is_free = |pair: &Contact| {
@@ -106,7 +106,7 @@ impl Contacts {
 
     /// Takes in where the particles of pairs in cloth `part` would end the substep: `read` gives the position of its `i`-th
     /// (`[m]`, `w` inverse mass).
-    pub fn gather_end(&mut self, part: usize, read: impl Fn(usize) -> Vec4) {
+    pub(crate) fn gather_end(&mut self, part: usize, read: impl Fn(usize) -> Vec4) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
             self.now[s as usize] = read((self.particles[s as usize] - first) as usize);
@@ -114,7 +114,7 @@ impl Contacts {
     }
 
     /// Gives back those that were stopped: `write` takes the position of the `i`-th `[m]`.
-    pub fn scatter_clamped(&self, part: usize, mut write: impl FnMut(usize, Vec4)) {
+    pub(crate) fn scatter_clamped(&self, part: usize, mut write: impl FnMut(usize, Vec4)) {
         let first = self.firsts.get(part).copied().unwrap_or_default();
         for &s in self.slots_of(part) {
             if self.cut[s as usize] > 0 {

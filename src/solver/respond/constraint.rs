@@ -50,7 +50,7 @@ pub(super) struct Constraint {
 impl Constraint {
     /// The first pass: pushes the pair apart. An overlap from before the substep is recovered by at most `recovery` `[m]`.
     #[inline]
-    pub fn bring_out(&mut self, recovery: f32, now: &mut [Vec4], old: &mut [Vec4]) {
+    pub(super) fn bring_out(&mut self, recovery: f32, now: &mut [Vec4], old: &mut [Vec4]) {
         let (start, end) = (self.delta(old), self.delta(now));
         let out = push_out(self.plane, start, end, end, recovery, 0.0);
         let step = out.end - end;
@@ -63,13 +63,13 @@ impl Constraint {
     }
 
     /// Notes where the pair was when the substep began: nothing moves that after the first pass.
-    pub fn note_start(&mut self, old: &[Vec4]) {
+    pub(super) fn note_start(&mut self, old: &[Vec4]) {
         self.floor = self.plane.gap(self.delta(old)).min(0.0);
     }
 
     /// As [`Self::bring_out`] without recovery, in the passes after it.
     #[inline]
-    pub fn push_apart(&mut self, now: &mut [Vec4]) {
+    pub(super) fn push_apart(&mut self, now: &mut [Vec4]) {
         let (end, normal) = (self.delta(now), self.plane.normal);
         let gap = self.plane.gap(end);
         if gap >= self.floor {
@@ -85,7 +85,7 @@ impl Constraint {
 
     /// Applies the friction of the last substep, at most what static friction bears under all pushes (warm starting).
     #[inline]
-    pub fn warm_start(&mut self, now: &mut [Vec4]) {
+    pub(super) fn warm_start(&mut self, now: &mut [Vec4]) {
         let along = slip(self.plane.normal, self.tangent_push);
         self.tangent_push = along.clamp_length_max(self.friction.fixed * self.mean_load());
         self.move_by(-self.tangent_push, now);
@@ -95,7 +95,7 @@ impl Constraint {
     /// it bore friction, folds of crumpled sheets that lie on a floor would give by up to 20 mm now and then, and so by 0.6
     /// **`[measured]`**.
     #[inline]
-    pub fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
+    pub(super) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
         let end = self.delta(now);
         let mut push = Vec3A::ZERO;
         if self.plane.gap(end) < BAND * self.plane.offset {
@@ -110,27 +110,27 @@ impl Constraint {
 
     /// Mean push `[m]`, this substep included.
     #[inline]
-    pub fn mean_load(&self) -> f32 {
+    pub(super) fn mean_load(&self) -> f32 {
         mean_load(self.load, self.push)
     }
 
     /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: that of the
     /// substeps before it.
     #[inline]
-    pub fn mean_drive(&self, before: f32) -> f32 {
+    pub(super) fn mean_drive(&self, before: f32) -> f32 {
         mean_load(before, self.push / self.mobility)
     }
 
     /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep
     /// began. None of one that did not, however hard springs press it together, or that was not pushed.
     #[inline]
-    pub fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
+    pub(super) fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
         let approach = -self.along(self.slots.map(|s| velocities[s as usize]));
         (self.push > 0.0 && approach > IMPACT_SPEED).then_some(self.restitution? * approach)
     }
 
     /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
-    pub fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
+    pub(super) fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
         let way = self.along(self.slots.map(|s| Vec3A::from_vec4(positions[s as usize] - previous[s as usize])));
         let by = self.plane.normal * (way - apart);
         if by.is_finite() {

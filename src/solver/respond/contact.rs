@@ -74,13 +74,13 @@ pub(super) struct Particles<'a> {
 impl Contact {
     /// How many of the slots make up the first primitive.
     #[inline]
-    pub fn first(&self) -> usize {
+    pub(super) fn first(&self) -> usize {
         if self.kind == ProximityKind::VertexFace { 1 } else { 2 }
     }
 
     /// What keeps pair number `pair` apart in the substep, if it touches.
     #[inline]
-    pub fn touch(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
+    pub(super) fn touch(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
         let constraint = self.meet(pair, particles);
         // What is apart stays as it was, mostly, and is not written.
         if constraint.is_none() && (self.load != 0.0 || self.drive != 0.0) {

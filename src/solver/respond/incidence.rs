@@ -20,7 +20,7 @@ const PER_PAIR: usize = 4;
 
 impl Incidence {
     /// Makes room for so many slots and pairs.
-    pub fn reserve(&mut self, slots: usize, pairs: usize) {
+    pub(super) fn reserve(&mut self, slots: usize, pairs: usize) {
         fn room<T>(of: &mut Vec<T>, count: usize) {
             of.clear();
             of.reserve(count);
@@ -33,7 +33,7 @@ impl Incidence {
     }
 
     /// Takes in all pairs; none is due.
-    pub fn list(&mut self, slots: usize, pairs: &[Contact]) {
+    pub(super) fn list(&mut self, slots: usize, pairs: &[Contact]) {
         let Self { first, next, due, due_next } = self;
         first.clear();
         first.resize(slots, NONE);
@@ -51,12 +51,12 @@ impl Incidence {
     }
 
     /// The pairs that a slot is in.
-    pub fn of(&self, slot: u32) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = usize> + '_ {
         pairs_of(&self.first, &self.next, slot)
     }
 
     /// Says that the pairs of a slot are due in the next pass, and those after pair `at` in this one, too.
-    pub fn ask_again(&mut self, slot: u32, at: Option<usize>) {
+    pub(super) fn ask_again(&mut self, slot: u32, at: Option<usize>) {
         let Self { first, next, due, due_next } = self;
         for pair in pairs_of(first, next, slot) {
             let (word, bit) = (pair / u64::BITS as usize, 1 << (pair % u64::BITS as usize));
@@ -68,13 +68,13 @@ impl Incidence {
     }
 
     /// Begins the next pass.
-    pub fn turn(&mut self) {
+    pub(super) fn turn(&mut self) {
         core::mem::swap(&mut self.due, &mut self.due_next);
         self.due_next.fill(0);
     }
 
     /// The first pair that is due in this pass from number `from` on, which is not any more.
-    pub fn take(&mut self, from: usize) -> Option<usize> {
+    pub(super) fn take(&mut self, from: usize) -> Option<usize> {
         let first = from / u64::BITS as usize;
         let word = first + self.due.get(first..)?.iter().position(|word| *word != 0)?;
         let pair = word * u64::BITS as usize + self.due[word].trailing_zeros() as usize;

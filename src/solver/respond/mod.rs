@@ -34,12 +34,12 @@ use constraint::Constraint;
 use contact::{Contact, Particles};
 use incidence::Incidence;
 use loads::{Load, Loads};
-pub use neighbors::{Moment, NeighborList};
+pub(crate) use neighbors::{Moment, NeighborList};
 
 /// Pairs that may touch before the next frame, and the particles they are made of.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Contacts {
+pub(crate) struct Contacts {
     pairs: Vec<Contact>,
     /// Particle of each slot, in the order in which pairs ask for them.
     particles: Vec<u32>,
@@ -102,7 +102,7 @@ const FREE: u8 = u8::MAX;
 
 impl Contacts {
     /// Forgets all pairs.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         for &p in &self.particles {
             self.slots[p as usize] = NONE;
         }
@@ -141,7 +141,7 @@ impl Contacts {
     }
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
-    pub fn clear_inverted(&mut self, put: impl Fn(u32) -> bool) {
+    pub(crate) fn clear_inverted(&mut self, put: impl Fn(u32) -> bool) {
         let Self { pairs, particles, .. } = self;
         for pair in pairs.iter_mut().filter(|pair| pair.inverted) {
             pair.inverted = !pair.slots.iter().any(|&s| put(particles[s as usize]));
@@ -151,37 +151,37 @@ impl Contacts {
     /// Whether primitives lay in the same place at the last look, so that nobody can say on which side of each other they
     /// belong.
     #[must_use]
-    pub fn coincide(&self) -> bool {
+    pub(crate) fn coincide(&self) -> bool {
         self.coincide
     }
 
     /// Faces that are close, or may come close before the next look.
     #[must_use]
-    pub fn close_faces(&self) -> &[[u32; 2]] {
+    pub(crate) fn close_faces(&self) -> &[[u32; 2]] {
         &self.close
     }
 
     /// Number of pairs that may touch.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.pairs.len()
     }
 
     /// Whether nothing can touch.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
 
     /// Pairs that touched in the last substep.
     #[must_use]
-    pub fn touching(&self) -> u32 {
+    pub(crate) fn touching(&self) -> u32 {
         self.pairs.iter().filter(|pair| pair.load > 0.0).count() as u32
     }
 
     /// Particles, weights, unit normal towards the first and mean of push over mobility per substep `[kg·m]` of every pair that
     /// touched in the last substep.
-    pub fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
+    pub(crate) fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
         touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.drive))
     }
@@ -248,7 +248,7 @@ impl Contacts {
     }
 
     /// Says that a particle lies on a body: cloth on top of it gives way.
-    pub fn touch_ground(&mut self, particle: u32) {
+    pub(crate) fn touch_ground(&mut self, particle: u32) {
         if let Some(level) = self.levels.get_mut(particle as usize) {
             *level = 0;
         }
@@ -266,7 +266,7 @@ impl Contacts {
     }
 
     /// Makes room for what [`Self::note_start`] takes in.
-    pub fn begin_start(&mut self) {
+    pub(crate) fn begin_start(&mut self) {
         self.start.clear();
         self.start.resize(self.particles.len(), Vec4::NAN);
         self.velocities.clear();
@@ -281,7 +281,7 @@ impl Contacts {
 
     /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its
     /// `i`-th `[m]` and its velocity `[m/s]`.
-    pub fn note_start(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec3A)) {
+    pub(crate) fn note_start(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec3A)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
             (self.start[s as usize], self.velocities[s as usize]) = read((self.particles[s as usize] - first) as usize);
@@ -289,7 +289,7 @@ impl Contacts {
     }
 
     /// Makes room for what [`Self::gather`] takes in.
-    pub fn begin_gather(&mut self) {
+    pub(crate) fn begin_gather(&mut self) {
         // Of what nobody gives, nothing is known, and nothing touches it.
         self.now.clear();
         self.old.clear();
@@ -299,7 +299,7 @@ impl Contacts {
 
     /// Takes in the particles of pairs in cloth `part`: `read` gives the position (`[m]`, `w` inverse mass) and the position at
     /// the start of the substep `[m]` of its `i`-th.
-    pub fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
+    pub(crate) fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
             (self.now[s as usize], self.old[s as usize]) = read((self.particles[s as usize] - first) as usize);
@@ -308,7 +308,7 @@ impl Contacts {
 
     /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along
     /// `gravity`, carries what lies on it.
-    pub fn touch(&mut self, h: f32, gravity: Vec3) {
+    pub(crate) fn touch(&mut self, h: f32, gravity: Vec3) {
         // What was pushed in a substep goes with its square.
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
@@ -330,7 +330,7 @@ impl Contacts {
     }
 
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around.
-    pub fn solve(&mut self) {
+    pub(crate) fn solve(&mut self) {
         let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
         constraints.iter_mut().for_each(|constraint| constraint.note_start(old));
         for _ in 1..PASSES {
@@ -396,7 +396,7 @@ impl Contacts {
     }
 
     /// Gives back what [`Self::gather`] took.
-    pub fn scatter(&self, part: usize, mut write: impl FnMut(usize, Vec4, Vec4)) {
+    pub(crate) fn scatter(&self, part: usize, mut write: impl FnMut(usize, Vec4, Vec4)) {
         let first = self.firsts.get(part).copied().unwrap_or_default();
         for &s in self.slots_of(part) {
             let s = s as usize;

@@ -8,7 +8,7 @@ use crate::solver::detect::ProximityKind;
 /// A pair that touched in the last substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Touching {
+pub(crate) struct Touching {
     /// Whether a particle touched a face, or two edges each other.
     pub kind: ProximityKind,
     /// The closest points of the first primitive and the second `[m]`, in the frame of the island.
@@ -24,7 +24,7 @@ impl Contacts {
     ///
     /// Force `F = C / (h² Σ w² m⁻¹)`, `C` what a pair is pushed in a substep `h`, `w` the weights of the closest points, `m`
     /// the masses as they were pushed; a mean over the last substeps.
-    pub fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
+    pub(crate) fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
         self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(|pair| {
             let [Some(a), Some(b), Some(c), Some(d)] = pair.slots.map(|s| self.now.get(s as usize)) else { return None };
             let x = [a, b, c, d];

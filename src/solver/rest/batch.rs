@@ -8,13 +8,13 @@
 pub const LANES: usize = 4;
 
 /// Constraints coloured together.
-pub const BLOCK: usize = 1024;
+pub(super) const BLOCK: usize = 1024;
 
 const COLOURS: u32 = 64;
 
 /// Batches over `elements`, each a list of `N` particles below `particles`. Entries index `elements`.
 #[must_use]
-pub fn batches<const N: usize>(particles: usize, elements: &[[u32; N]]) -> Vec<[u32; LANES]> {
+pub(super) fn batches<const N: usize>(particles: usize, elements: &[[u32; N]]) -> Vec<[u32; LANES]> {
     let mut used = vec![0u64; particles];
     let mut colour_of: Vec<u32> = Vec::with_capacity(BLOCK);
     let mut out = Vec::with_capacity(elements.len() / LANES + 16);

@@ -22,7 +22,7 @@ const SPACING: f32 = 5.0;
 const REACH: f32 = 1.6;
 
 /// Hubs that move a particle, at most.
-pub const PER_PARTICLE: usize = 4;
+pub(super) const PER_PARTICLE: usize = 4;
 
 /// Hubs and links of a mesh at rest.
 #[derive(Clone, Debug, Default, PartialEq)]

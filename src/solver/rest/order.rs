@@ -7,7 +7,7 @@ use crate::solver::topology::Topology;
 
 /// New number of each particle: breadth-first from a far end of every component, fewer neighbours first.
 #[must_use]
-pub fn cuthill_mckee(topology: &Topology) -> Vec<u32> {
+pub(super) fn cuthill_mckee(topology: &Topology) -> Vec<u32> {
     let n = topology.particles as usize;
     let mut number = vec![u32::MAX; n];
     let mut queue: Vec<u32> = Vec::with_capacity(n);

@@ -20,7 +20,7 @@ pub(super) struct Threads {
 impl Threads {
     /// Of a triangle at `x` `[m]` with texture coordinates `uv`. A mirrored texture has its weft mirrored, as a piece cut from
     /// the other side has.
-    pub fn new(x: [Vec3; 3], uv: [Vec2; 3]) -> Option<Self> {
+    pub(super) fn new(x: [Vec3; 3], uv: [Vec2; 3]) -> Option<Self> {
         let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
         let (d1, d2) = (uv[1] - uv[0], uv[2] - uv[0]);
         let area = d1.perp_dot(d2);
@@ -36,7 +36,7 @@ impl Threads {
     }
 
     /// Itself, or directions along the edges `d1` and `d2` of a triangle `[m]` where nothing tells any.
-    pub fn or_along(self, d1: Vec3, d2: Vec3) -> Self {
+    pub(super) fn or_along(self, d1: Vec3, d2: Vec3) -> Self {
         if self.warp != Vec3::ZERO {
             return self;
         }

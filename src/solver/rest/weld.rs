@@ -3,13 +3,13 @@
 use glam::Vec3;
 
 /// Vertices closer than this fraction of the mesh's diagonal are one (dimensionless).
-pub const WELD_FRACTION: f32 = 1.0e-5;
+pub(super) const WELD_FRACTION: f32 = 1.0e-5;
 
 /// Maps each vertex to the smallest index among the vertices within `tolerance` `[m]` of it, transitively.
 ///
 /// Vertices are sorted along a direction no modelling grid is aligned with, so each is compared with few others.
 #[must_use]
-pub fn weld(positions: &[Vec3], tolerance: f32) -> Vec<u32> {
+pub(super) fn weld(positions: &[Vec3], tolerance: f32) -> Vec<u32> {
     let direction = Vec3::new(0.6124, 0.3536, 0.7077);
     let mut order: Vec<(f32, u32)> = positions.iter().enumerate().map(|(i, p)| (p.dot(direction), i as u32)).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

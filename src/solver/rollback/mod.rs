@@ -36,7 +36,7 @@ const MOST_STAYS: u32 = 8;
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Rollback {
+pub(crate) struct Rollback {
     /// Positions `[m]` at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
     clean: Vec<Vec4>,
     /// Which particles were rolled back in this frame, and in the one before.
@@ -63,23 +63,23 @@ pub struct Rollback {
 
 impl Rollback {
     /// Whether a particle was rolled back in the frame that ended last.
-    pub fn was_restored(&self, particle: u32) -> bool {
+    pub(crate) fn was_restored(&self, particle: u32) -> bool {
         self.was_restored.get(particle as usize).is_some_and(|&was_restored| was_restored)
     }
 
     /// Whether any particle was rolled back in the frame that ended last.
-    pub fn restored_any(&self) -> bool {
+    pub(crate) fn restored_any(&self) -> bool {
         self.was_restored.contains(&true)
     }
 
     /// Whether it is known where everything was when nothing crossed.
-    pub fn knows(&self) -> bool {
+    pub(crate) fn knows(&self) -> bool {
         !self.clean.is_empty()
     }
 
     /// Notes how a frame ended, whose last substep lies between `previous` and `positions` `[m]`; nothing is known of one that
     /// was not clean.
-    pub fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
+    pub(crate) fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
         self.clean.clear();
         self.restored.resize(positions.len(), false);
         self.was_restored.clone_from(&self.restored);
@@ -95,7 +95,7 @@ impl Rollback {
 
     /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to
     /// begin the next one at `positions`, `offset` `[m]` from the frame of the island.
-    pub fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
+    pub(crate) fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
         let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
         let is_elsewhere = |(x, clean): (&Vec4, &Vec4)| {
@@ -107,13 +107,13 @@ impl Rollback {
     }
 
     /// Everything lies `by` `[m]` elsewhere from now on.
-    pub fn carry(&mut self, by: Vec3) {
+    pub(crate) fn carry(&mut self, by: Vec3) {
         self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
     /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame took as
     /// many `substeps`, the last of which lies between `previous` and `positions` `[m]`.
-    pub fn begin(
+    pub(crate) fn begin(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
@@ -156,7 +156,7 @@ impl Rollback {
     }
 
     /// Takes the particles that cross back; whether there were any that had not been.
-    pub fn restore_relative(
+    pub(crate) fn restore_relative(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
@@ -177,14 +177,14 @@ impl Rollback {
     }
 
     /// Whether something was rolled back in this frame.
-    pub fn rolled_back(&self) -> bool {
+    pub(crate) fn rolled_back(&self) -> bool {
         self.rolled_back
     }
 
     /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was
     /// taken along with all, or rounding made it cross what it touched. They go on as all together did. Whether any was
     /// elsewhere.
-    pub fn restore_exactly(
+    pub(crate) fn restore_exactly(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
@@ -203,7 +203,7 @@ impl Rollback {
 
     /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins
     /// cannot be taken back. Whether any was elsewhere.
-    pub fn follow_pins(
+    pub(crate) fn follow_pins(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],
@@ -273,7 +273,7 @@ impl Rollback {
     /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was
     /// rolled back, and nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was
     /// rolled back goes on as all together did: it would do the same again. What came from far does not stay.
-    pub fn restore_cloths(
+    pub(crate) fn restore_cloths(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],

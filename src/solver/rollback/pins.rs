@@ -45,13 +45,13 @@ pub(super) struct Pins {
 
 impl Pins {
     /// Nothing rides.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         self.rides.clear();
         self.on.clear();
     }
 
     /// Puts what crosses pins, or what rides along with them, on their ride: from `clean` to `positions` `[m]`.
-    pub fn meet(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4], clean: &[Vec4]) {
+    pub(super) fn meet(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4], clean: &[Vec4]) {
         self.on.resize(positions.len(), 0);
         let particles = |c: &Crossing| {
             let (e, f) = (surface.topology.edges[c.edge as usize], surface.topology.faces[c.face as usize]);
@@ -72,7 +72,7 @@ impl Pins {
     }
 
     /// Where particle `v` rides that was at `clean` `[m]`; none if it does not.
-    pub fn destination(&self, v: usize, clean: Vec3) -> Option<Vec3> {
+    pub(super) fn destination(&self, v: usize, clean: Vec3) -> Option<Vec3> {
         let ride = self.rides.get(self.on.get(v)?.checked_sub(1)? as usize)?;
         let to = ride.to + ride.turn * (clean - ride.from);
         to.is_finite().then_some(to)

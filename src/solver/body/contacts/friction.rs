@@ -9,7 +9,7 @@ use crate::solver::body::motion::RigidProxy;
 
 impl BodyContacts {
     /// Friction of particles, once per substep, after all pushes. Two-way bodies take the reaction.
-    pub fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
+    pub(crate) fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
         let Self { parts, candidates, places, dt, .. } = self;
         for part in parts.iter() {
             let candidates = candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or_default();

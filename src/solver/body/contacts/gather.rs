@@ -13,7 +13,7 @@ use crate::solver::body::{Body, geometry};
 /// What a frame may bring: the bound on how far a particle can get.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Approach {
+pub(crate) struct Approach {
     /// Length of the frame `[s]`.
     pub dt: f32,
     /// Length of the substep that lies between `previous` and `positions` `[s]`; 0 or less: the cloth is at rest.
@@ -33,7 +33,7 @@ impl BodyContacts {
     /// A particle is a candidate when it lies in the box around the shape at both ends of the frame, widened by how far any
     /// particle can get: `v dt + |g| dt² + b + extra + 2 thickness`, `v` the fastest particle's speed and `b` the longest way
     /// of a body, which may push a particle against another body. Pinned (`w = 0`) and non-finite particles never are.
-    pub fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
+    pub(crate) fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
         core::mem::swap(&mut self.parts, &mut *self.parts_before);
         core::mem::swap(&mut self.candidates, &mut *self.candidates_before);
         core::mem::swap(&mut self.places, &mut *self.places_before);

@@ -10,7 +10,7 @@ mod project;
 use glam::{Vec3, Vec4};
 use parry3d::math::Pose;
 
-pub use gather::Approach;
+pub(crate) use gather::Approach;
 
 use super::pierce::{Pair, Pierced};
 use super::renumber;
@@ -69,7 +69,7 @@ struct Part {
 /// Contacts of one cloth with all bodies. Buffers are reused: nothing is allocated once they are warm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct BodyContacts {
+pub(crate) struct BodyContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
@@ -89,17 +89,17 @@ pub struct BodyContacts {
 impl BodyContacts {
     /// Number of pairs of a particle and a part of a body that are tested in each substep of this frame.
     #[must_use]
-    pub fn candidates(&self) -> usize {
+    pub(crate) fn candidates(&self) -> usize {
         self.candidates.len()
     }
 
     /// Particles that touched a body when last projected, by part of a body.
-    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn touching(&self) -> impl Iterator<Item = u32> + '_ {
         self.candidates.iter().filter(|c| c.is_touching()).map(|c| c.particle)
     }
 
     /// Number of the body, particle and mean push per substep `[m]` of every contact when last projected, by body.
-    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+    pub(crate) fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.parts.iter().flat_map(|part| {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
             candidates.iter().filter(|c| c.is_touching()).map(|c| (part.body as usize, c.particle, c.load))

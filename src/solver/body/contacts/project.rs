@@ -14,7 +14,12 @@ use crate::solver::body::respond::{IMPACT_SPEED, Projection};
 impl BodyContacts {
     /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing.
     /// [`Provisional::restore`] must come before [`Self::project`].
-    pub fn project_provisionally(&self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], provisional: &mut Provisional) {
+    pub(crate) fn project_provisionally(
+        &self,
+        grounds: &mut Grounds<'_>,
+        positions: &mut [Vec4],
+        provisional: &mut Provisional,
+    ) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
@@ -29,7 +34,7 @@ impl BodyContacts {
     }
 
     /// Pushes particles of this substep's contacts out to their planes again. Two-way bodies take the reaction.
-    pub fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
+    pub(crate) fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
         let Self { parts, candidates, dt, .. } = self;
         for part in parts.iter() {
             let candidates = candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or_default();
@@ -63,7 +68,7 @@ impl BodyContacts {
     /// particles (`w = 0`) never move. Two-way bodies take the reaction, unless no time passes. `inbound`: the ways of particles
     /// in the substep `[m]` as their speeds at its start and gravity have them; empty: nothing bounces. Returns the number of
     /// contacts.
-    pub fn project(
+    pub(crate) fn project(
         &mut self,
         grounds: &mut Grounds<'_>,
         positions: &mut [Vec4],

@@ -9,7 +9,7 @@ use crate::solver::body::Grounds;
 
 impl FaceContacts {
     /// Friction of faces, after that of [particles](crate::solver::body::BodyContacts::apply_friction).
-    pub fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
+    pub(crate) fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
             let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };

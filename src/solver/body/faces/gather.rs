@@ -13,7 +13,7 @@ use crate::solver::body::{Body, geometry};
 impl FaceContacts {
     /// Once per frame of `dt` `[s]`, before its first substep: lists the faces that could reach a part that is fine for them.
     /// `way`: bound on the way of any particle `[m]`.
-    pub fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
+    pub(crate) fn gather(&mut self, bodies: &[Body], sheet: &Sheet<'_>, way: f32, dt: f32) {
         core::mem::swap(&mut self.parts, &mut *self.parts_before);
         core::mem::swap(&mut self.candidates, &mut *self.candidates_before);
         core::mem::swap(&mut self.feature_edges, &mut *self.feature_edges_before);

@@ -18,7 +18,7 @@ const MOST: usize = 64;
 
 /// What [`FaceContacts::gather`] has to know of a cloth.
 #[derive(Clone, Copy, Debug)]
-pub struct Sheet<'a> {
+pub(crate) struct Sheet<'a> {
     /// Its faces and edges.
     pub topology: &'a Topology,
     /// Length of its longest edge `[m]`.

@@ -52,7 +52,7 @@ mod tests;
 use glam::{Vec3, Vec3A, Vec4};
 use parry3d::math::Pose;
 
-pub use list::Sheet;
+pub(crate) use list::Sheet;
 
 use crate::solver::buffer::Buffer;
 
@@ -143,7 +143,7 @@ struct Part {
 /// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct FaceContacts {
+pub(crate) struct FaceContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
@@ -165,13 +165,13 @@ pub struct FaceContacts {
 impl FaceContacts {
     /// Number of pairs of a face, or an edge of one, and a part of a body that are looked at in each substep of this frame.
     #[must_use]
-    pub fn candidates(&self) -> usize {
+    pub(crate) fn candidates(&self) -> usize {
         self.candidates.len()
     }
 
     /// Number of the body, particle and mean push per substep `[m]` of every touch when last projected, as if the nearest
     /// corner bore it alone.
-    pub fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
+    pub(crate) fn loads(&self) -> impl Iterator<Item = (usize, u32, f32)> + '_ {
         self.parts.iter().flat_map(|part| {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or(&[]);
             candidates.iter().filter(|c| c.is_touching()).map(|c| (part.body as usize, c.corner, c.load * c.share))
@@ -179,7 +179,7 @@ impl FaceContacts {
     }
 
     /// Particles of faces that touched when last projected.
-    pub fn touching(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn touching(&self) -> impl Iterator<Item = u32> + '_ {
         self.candidates.iter().filter(|c| c.is_touching()).flat_map(|c| c.particles)
     }
 

@@ -16,7 +16,12 @@ use crate::solver::body::respond::Projection;
 impl FaceContacts {
     /// The same for faces as [`BodyContacts::project_provisionally`](crate::solver::body::BodyContacts::project_provisionally),
     /// after it.
-    pub fn project_provisionally(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], provisional: &mut Provisional) {
+    pub(crate) fn project_provisionally(
+        &mut self,
+        grounds: &mut Grounds<'_>,
+        positions: &mut [Vec4],
+        provisional: &mut Provisional,
+    ) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
@@ -33,7 +38,7 @@ impl FaceContacts {
     }
 
     /// The same for faces as [`BodyContacts::push_to_planes`](crate::solver::body::BodyContacts::push_to_planes), after it.
-    pub fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
+    pub(crate) fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
             let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
@@ -69,7 +74,7 @@ impl FaceContacts {
 
     /// After the particles, whenever they are projected: keeps faces out of parts. As
     /// [`BodyContacts::project`](crate::solver::body::BodyContacts::project); returns the number of touches.
-    pub fn project(
+    pub(crate) fn project(
         &mut self,
         grounds: &mut Grounds<'_>,
         positions: &mut [Vec4],

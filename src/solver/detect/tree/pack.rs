@@ -22,11 +22,12 @@ pub(super) struct Pack {
 }
 
 impl Pack {
-    pub const EMPTY: Self = Self { min: [[Vec4::INFINITY; LEAF / WIDE]; 3], max: [[Vec4::NEG_INFINITY; LEAF / WIDE]; 3] };
+    pub(super) const EMPTY: Self =
+        Self { min: [[Vec4::INFINITY; LEAF / WIDE]; 3], max: [[Vec4::NEG_INFINITY; LEAF / WIDE]; 3] };
 
     /// The box in a lane.
     #[inline]
-    pub fn get(&self, lane: usize) -> Bounds {
+    pub(super) fn get(&self, lane: usize) -> Bounds {
         let (half, k) = (lane / WIDE, lane % WIDE);
         let at = |of: &[[Vec4; LEAF / WIDE]; 3]| Vec3A::new(of[0][half][k], of[1][half][k], of[2][half][k]);
         Bounds { min: at(&self.min), max: at(&self.max) }
@@ -34,7 +35,7 @@ impl Pack {
 
     /// Puts a box into a lane.
     #[inline]
-    pub fn set(&mut self, lane: usize, bounds: &Bounds) {
+    pub(super) fn set(&mut self, lane: usize, bounds: &Bounds) {
         let (half, k) = (lane / WIDE, lane % WIDE);
         for axis in 0..3 {
             self.min[axis][half][k] = bounds.min[axis];
@@ -44,7 +45,7 @@ impl Pack {
 
     /// Which boxes come within `margin` `[m]` of another along every axis, as [`Bounds::meets`].
     #[inline]
-    pub fn meets(&self, other: &Bounds, margin: Vec3A) -> u32 {
+    pub(super) fn meets(&self, other: &Bounds, margin: Vec3A) -> u32 {
         let (low, high) = (other.min - margin, other.max);
         let mut met = 0;
         for half in 0..LEAF / WIDE {

@@ -24,7 +24,7 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub fn new(tree: &Tree, surface: &Surface) -> Self {
+    pub(super) fn new(tree: &Tree, surface: &Surface) -> Self {
         let topology = &surface.topology;
         let place = tree.places();
         let ranges = tree.ranges();
@@ -44,12 +44,12 @@ impl Shared {
     }
 
     /// Particles in both children of a node, in ascending order.
-    pub fn particles(&self, node: u32) -> &[u32] {
+    pub(super) fn particles(&self, node: u32) -> &[u32] {
         self.particles.of(node)
     }
 
     /// Whether a face below a node has a particle.
-    pub fn has(&self, node: u32, particle: u32) -> bool {
+    pub(super) fn has(&self, node: u32, particle: u32) -> bool {
         self.places.of(particle).iter().any(|at| self.ranges[node as usize].contains(at))
     }
 }

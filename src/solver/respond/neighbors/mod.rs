@@ -26,7 +26,7 @@ mod list;
 
 use glam::{Vec3, Vec3A, Vec4};
 
-pub use moment::Moment;
+pub(crate) use moment::Moment;
 
 use super::{Contacts, Touch};
 use crate::solver::buffer::Buffer;
@@ -48,7 +48,7 @@ const FLUTTER: f32 = 2.0;
 /// Which face asks for which particle and edge, and how far each particle goes.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct NeighborList {
+pub(crate) struct NeighborList {
     /// The faces of each leaf, with what they own.
     patches: Patches,
     /// Where each particle is foreseen to be in the next frame `[m]`, less the motion that all cloths share.
@@ -87,7 +87,7 @@ impl NeighborList {
     /// Prepares for looking at all pairs that may touch within `dt` `[s]`: with [`Self::narrow_phase`], in whatever order
     /// [`Tree::pairs`] finds faces. The tree is fitted to where particles are and [will be](Self::ahead), and finds faces
     /// within [`Self::reach`].
-    pub fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
+    pub(crate) fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
         contacts.begin();
         contacts.fit(surface);
         self.foresee(surface, moment, dt);
@@ -96,7 +96,7 @@ impl NeighborList {
 
     /// Finds the pairs that may touch within `dt` `[s]`. `tangled` says how much a particle belongs to a tangle (0 to 1),
     /// within which there is no right side.
-    pub fn find(
+    pub(crate) fn find(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,
@@ -115,51 +115,51 @@ impl NeighborList {
     }
 
     /// Notes what a look cost.
-    pub fn note_cost(&mut self, meter: &Meter) {
+    pub(crate) fn note_cost(&mut self, meter: &Meter) {
         (self.visits, self.is_cut) = (meter.spent(), meter.is_spent());
     }
 
     /// Whether pairs were left out at the last look, since there was too much work.
     #[must_use]
-    pub fn is_cut(&self) -> bool {
+    pub(crate) fn is_cut(&self) -> bool {
         self.is_cut
     }
 
     /// Work that the last look was, in [visits](crate::solver::effort).
     #[must_use]
-    pub fn visits(&self) -> usize {
+    pub(crate) fn visits(&self) -> usize {
         self.visits
     }
 
     /// Where each particle is foreseen to be `[m]`, less the motion that all cloths share.
     #[must_use]
-    pub fn ahead(&self) -> &[Vec3A] {
+    pub(crate) fn ahead(&self) -> &[Vec3A] {
         &self.ahead
     }
 
     /// How far ahead to look `[s]` when the next look at everything is due in `dt` `[s]`. It is half of that where cloth
     /// flutters, as boxes swept half as far meet a third of the faces. It is a whole number of substeps of `h` `[s]`.
     #[must_use]
-    pub fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
+    pub(crate) fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
         if self.haste * dt > FLUTTER * thickest { (h * (0.5 * dt / h - 1.0e-3).ceil()).min(dt) } else { dt }
     }
 
     /// Moves everything that is known `by` `[m]`.
-    pub fn carry(&mut self, by: Vec3) {
+    pub(crate) fn carry(&mut self, by: Vec3) {
         let by = Vec3A::from(by);
         [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten().for_each(|x| *x += by);
     }
 
     /// Notes where all particles are `[m]` at the end of a frame, or of the time looked ahead within one. The next look tells
     /// by it how far their motion lasts.
-    pub fn note(&mut self, positions: &[Vec4]) {
+    pub(crate) fn note(&mut self, positions: &[Vec4]) {
         self.before.iter_mut().zip(positions).for_each(|(before, &x)| *before = Vec3A::from_vec4(x));
     }
 
     /// How close boxes must come for their faces to be asked `[m]`.
     #[must_use]
-    pub fn reach(moment: &Moment<'_>) -> f32 {
+    pub(crate) fn reach(moment: &Moment<'_>) -> f32 {
         (1.0 + MARGIN) * moment.thickest()
     }
 }

@@ -7,7 +7,7 @@ use crate::solver::effort::Effort;
 
 /// What pairs are looked for in: the state of all cloths after a substep.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment<'a> {
+pub(crate) struct Moment<'a> {
     /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle.
     pub positions: &'a [Vec4],
     /// Positions `[m]` at the start of the substep.

@@ -25,7 +25,7 @@ const MOST_PAIRS: usize = 32;
 impl NeighborList {
     /// What to ask leaves with whose boxes meet. Whether it is asked `anew`, of faces nobody has looked for crossings at since
     /// they were elsewhere. More than the `meter` allows are not asked, and may cross.
-    pub fn narrow_phase<'a, T: Fn(u32) -> f32>(
+    pub(crate) fn narrow_phase<'a, T: Fn(u32) -> f32>(
         &'a mut self,
         surface: &'a Surface,
         moment: &Moment<'a>,
@@ -64,7 +64,7 @@ impl NeighborList {
 }
 
 /// What leaves are asked with.
-pub struct NarrowPhase<'a, T> {
+pub(crate) struct NarrowPhase<'a, T> {
     pub(super) surface: &'a Surface,
     /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle, and where it is foreseen to be `[m]`.
     pub(super) positions: &'a [Vec4],
@@ -98,7 +98,7 @@ pub struct NarrowPhase<'a, T> {
 impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     /// Asks for what may touch of the faces of two leaves. `cross` is told of faces that may cross now, and says whether
     /// something does: then nothing more is asked, but it is told of all that is left.
-    pub fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
+    pub(crate) fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
         if self.meter.is_spent() {
             tree.pairs_of(met, |f, g| _ = cross(f, g));
             return;
@@ -149,7 +149,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     }
 
     /// Lists what may touch of all that is near.
-    pub fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         self.batch.find(self.positions, self.ahead);
         let (surface, touch, longest) = (self.surface, self.touch, self.longest);
         self.batch.find_at_rest(&surface.rest, |found| rest_matters(surface, touch, longest, found));

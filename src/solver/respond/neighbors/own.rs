@@ -14,7 +14,7 @@ use crate::solver::detect::tree::Tree;
 impl NeighborList {
     /// Prepares finding on a surface.
     #[must_use]
-    pub fn new(surface: &Surface, tree: &Tree) -> Self {
+    pub(crate) fn new(surface: &Surface, tree: &Tree) -> Self {
         let topology = &surface.topology;
         let mut owns = vec![0; topology.faces.len()];
         let mut owned = vec![false; surface.len()];
@@ -56,7 +56,7 @@ impl NeighborList {
     }
 
     /// Measures the longest edges of a surface, which is new or some times as large as before.
-    pub fn measure(&mut self, surface: &Surface) {
+    pub(crate) fn measure(&mut self, surface: &Surface) {
         let length = |e: u32| {
             let [a, b] = surface.topology.edges[e as usize].map(|v| surface.rest[v as usize]);
             a.distance(b)

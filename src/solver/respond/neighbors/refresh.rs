@@ -18,7 +18,7 @@ const MOST_DRIFTED: f32 = 0.4;
 impl NeighborList {
     /// Brings the last look at all pairs up to date, if particles have drifted so little that it still holds except for a few.
     /// Those are looked at anew. False, and nothing is done, where more have drifted.
-    pub fn refresh(
+    pub(crate) fn refresh(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,

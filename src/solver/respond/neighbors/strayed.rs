@@ -16,7 +16,7 @@ impl NeighborList {
     /// Notes which particles of the cloth that begins at particle `first` may touch something that was not found before. It is
     /// for the next substep, at whose end `share` (0 to 1) of the time looked ahead will have passed. `positions` and
     /// `previous` and `offset` `[m]` as gathered, `thickness` `[m]` of the cloth. Whether there are any.
-    pub fn strayed(
+    pub(crate) fn strayed(
         &mut self,
         first: usize,
         positions: &[Vec4],
@@ -52,7 +52,7 @@ impl NeighborList {
     /// Finds the pairs anew whose particles have [strayed](Self::strayed), for the rest `dt` `[s]` of the time looked ahead, of
     /// which `share` has passed.
     #[expect(clippy::too_many_arguments, reason = "arrays of an island, which it keeps apart")]
-    pub fn update_strayed(
+    pub(crate) fn update_strayed(
         &mut self,
         surface: &Surface,
         tree: &mut Tree,
