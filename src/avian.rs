@@ -20,7 +20,7 @@ use avian3d::prelude::{
 };
 use bevy::prelude::*;
 
-use crate::components::body::ColliderBody;
+use crate::components::fitted::ColliderBody;
 use crate::components::{ClothCollider, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
 use crate::notices::{Notices, label};
 use crate::simulation::{WorldBodies, WorldBody, jumped, swept};

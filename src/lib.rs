@@ -3,11 +3,11 @@
 //! [`ClothPlugin`] simulates every mesh with a [`Cloth`]. The other components have defaults; a cloth takes those it needs:
 //!
 //! - what it is made of: [`ClothMaterial`]; what holds it: [`ClothPins`];
-//! - what it meets: [`ClothCollider`], [`ClothBody`], other cloth by [`ClothCollision`]; what blows: [`ClothGlobalWind`],
-//!   [`ClothWind`], [`ClothWindZone`];
+//! - collision: [`ClothCollider`], [`ClothBody`], [`ClothCollision`] with cloth; wind: [`ClothGlobalWind`], [`ClothWind`],
+//!   [`ClothWindZone`];
 //! - how it follows a character: [`ClothLimits`], [`ClothDrive`], [`ClothInertia`], [`ClothBlend`];
 //! - how much it may cost: [`ClothSleep`], [`ClothLod`], [`ClothBudget`], [`ClothSolver`];
-//! - what is said of it: [`ClothReport`], [`ClothStatus`], and events such as [`ClothRecovered`].
+//! - reports and events: [`ClothReport`], [`ClothStatus`], [`ClothRecovered`] and others.
 //!
 //! ```
 //! use bevy::prelude::*;

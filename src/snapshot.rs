@@ -4,7 +4,7 @@ use bevy::ecs::world::WorldId;
 use bevy::math::{DVec3, Isometry3d};
 use bevy::prelude::*;
 
-use crate::components::body::{ColliderBody, CoupledBody};
+use crate::components::fitted::{ColliderBody, CoupledBody};
 use crate::components::grip::Grip;
 use crate::components::{ClothContacts, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus};
 use crate::islands::{ClothIsland, ClothIslands};

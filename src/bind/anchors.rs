@@ -8,8 +8,8 @@ use super::placement::seen_from;
 use super::{Authored, Placement};
 use crate::components::{ClothError, ClothErrorKind, ClothPinSelect, ClothPins};
 use crate::solver::anchors::{Anchors, RIGID};
-use crate::solver::ramp::RAMP_TIME;
 use crate::solver::rest::RestShape;
+use crate::solver::scales::RESPONSE_TIME;
 
 /// What holds the anchors.
 #[derive(Clone, Debug, Default)]
@@ -196,7 +196,7 @@ impl Resolved {
 /// Moves weights towards those that anchors are to have, for `dt` `[s]`. Whether one moved, and whether one became rigid or
 /// ceased to be.
 pub(crate) fn ramp_weights(anchors: &mut Anchors, wanted: &[f32], dt: f32) -> [bool; 2] {
-    let step = (dt / RAMP_TIME).max(0.0);
+    let step = (dt / RESPONSE_TIME).max(0.0);
     let (mut moved, mut turned) = (false, false);
     for (weight, &wanted) in anchors.weights.iter_mut().zip(wanted).filter(|(weight, wanted)| weight != wanted) {
         let was = *weight >= RIGID;

@@ -17,7 +17,7 @@ use bevy::prelude::*;
 
 use super::skin::{Skin, Transforms};
 use crate::solver::body::Pose;
-use crate::solver::ramp::RAMP_TIME;
+use crate::solver::scales::RESPONSE_TIME;
 
 /// Most entities between a joint and the joint above it.
 const MOST_BETWEEN: usize = 256;
@@ -98,7 +98,7 @@ impl Crossfade {
             self.live_before.clone_from(&self.live);
         }
         self.begin(skin, &vec![Affine3A::IDENTITY; self.live.len()], parents);
-        let [waits, left] = times.unwrap_or([RAMP_TIME; 2]);
+        let [waits, left] = times.unwrap_or([RESPONSE_TIME; 2]);
         (self.waits, self.left) = (waits, self.left.map(|_| left).filter(|left| *left > 0.0));
     }
 
@@ -133,7 +133,7 @@ impl Crossfade {
         self.from = self.hierarchy.iter().map(seen).collect();
         // Roots alone are where they are.
         let fades = self.hierarchy.iter().any(|(_, above)| above.is_some());
-        (self.waits, self.left) = (0.0, fades.then_some(RAMP_TIME));
+        (self.waits, self.left) = (0.0, fades.then_some(RESPONSE_TIME));
     }
 
     /// The joints that turned against the first by more than `most` `[rad]` since the frame before.
@@ -166,7 +166,7 @@ impl Crossfade {
     pub(crate) fn pose(&self, skin: &Skin, joints: &mut Vec<Affine3A>) {
         joints.clone_from(&self.live);
         let Some(left) = self.left.filter(|left| *left > 0.0) else { return };
-        let done = 1.0 - left / RAMP_TIME;
+        let done = 1.0 - left / RESPONSE_TIME;
         let share = done * done * (3.0 - 2.0 * done);
         for (&(joint, above), from) in self.hierarchy.iter().zip(&self.from) {
             let Some(above) = above else { continue };

@@ -7,8 +7,8 @@ use bevy::prelude::*;
 use super::paint::spread;
 use super::uniform_scale;
 use crate::components::{ClothDrive, ClothLimits, ClothMap};
-use crate::solver::ramp::RAMP_TIME;
 use crate::solver::rest::RestShape;
+use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::skinned::{PINNED, Skinned};
 use crate::solver::surface;
 
@@ -84,7 +84,7 @@ impl Followed {
         let backstops = list("backstop_distance", &asked.backstop_distance, (-1.0, 1.0), scale);
         let frequencies = list("frequency", &asked.frequency, (0.0, ClothDrive::HIGHEST), 1.0);
         let normals = if backstops.is_empty() { Vec::new() } else { normals(mesh, rest, bake) };
-        let left = before.map(|_| RAMP_TIME);
+        let left = before.map(|_| RESPONSE_TIME);
         Self { asked, wanted: [distances, backstops, frequencies], normals, scale, bound, left }
     }
 

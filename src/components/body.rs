@@ -1,97 +1,83 @@
-//! What is remembered of a body from one frame to the next. It comes along with a collider, a coupling or a skinned body; users
-//! do not see it.
+//! Characters: bodies with bones that cloth drapes over.
 
-use std::sync::Arc;
-
-use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 
-use super::layers::ClothCollisionLayers;
-use crate::character::BoneCollider;
-use crate::solver::body::SharedShape;
+use super::checked::Checked;
+use super::fitted::FittedBody;
 
-/// Shape of a collider as it was made, and where it was.
-#[derive(Component, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct ColliderBody {
-    pub stage: Stage,
-    pub shape: Option<SharedShape>,
-    pub unscaled: Option<SharedShape>,
-    pub scale: Vec3,
-    pub mesh: Option<AssetId<Mesh>>,
-    /// Where it was at the end of the last frame.
-    pub pose: Option<Isometry3d>,
-    /// Radius of the ball around it `[m]`.
-    pub reach: f32,
+/// Makes colliders for the bones of a skinned body. Put it on an entity with `Mesh3d` and `SkinnedMesh`.
+///
+/// Each part of the body gets a capsule, or a convex hull where it is flat: an entity of its own, with a
+/// [`ClothCollider`](crate::ClothCollider) and a name such as `thigh_l collider`, as a child of its joint. It moves with the
+/// joint. You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of this entity.
+///
+/// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They
+/// are made anew when the mesh, the skin or the layers change, and what was edited is lost. A change of this component writes
+/// margins and friction to them, and keeps shapes, places and contacts. Bodies with the same joints, settings and layers are
+/// fitted together: a character whose mesh is in pieces has one set of colliders. All go when this component is removed.
+///
+/// A [`Cloth`](crate::Cloth) is no body: this belongs on what wears it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_drape::prelude::*;
+/// fn dress(mut commands: Commands, skins: Query<(Entity, &Name), Added<bevy::mesh::skinning::SkinnedMesh>>) {
+///     for (entity, name) in &skins {
+///         if name.starts_with("Body") {
+///             commands.entity(entity).insert(ClothBody::default());
+///         }
+///     }
+/// }
+/// ```
+#[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
+#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[require(FittedBody)]
+pub struct ClothBody {
+    /// Distance that cloth keeps from each shape, on top of its own thickness `[m]`. Default 0.015, range 0 to 1. Where more
+    /// than a tenth of a part sticks out farther, its collider keeps that distance. Too low: the body shows through; too high:
+    /// clothes stand off.
+    pub margin: f32,
+    /// Coulomb coefficient below which cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined by the geometric
+    /// mean. Too low: clothes slip off shoulders; too high: they ride up with the limbs.
+    pub static_friction: f32,
+    /// Coulomb coefficient while cloth slides (dimensionless). Default 0.4, range 0 to 10; combined by the geometric mean.
+    pub dynamic_friction: f32,
 }
 
-impl ColliderBody {
-    /// Whether this shape was made from that of another crate last.
-    #[cfg(feature = "avian")]
-    pub(crate) fn has_made(&self, shape: &SharedShape) -> bool {
-        self.shape.as_ref().is_some_and(|made| Arc::ptr_eq(&made.0, &shape.0))
+impl Default for ClothBody {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl ClothBody {
+    /// The defaults.
+    pub const DEFAULT: Self = Self { margin: 0.015, static_friction: 0.5, dynamic_friction: 0.4 };
+
+    /// Sets both friction coefficients (dimensionless).
+    #[must_use]
+    pub const fn with_friction(mut self, coefficient: f32) -> Self {
+        self.static_friction = coefficient;
+        self.dynamic_friction = coefficient;
+        self
     }
 
-    /// Takes a shape that was checked.
-    pub(crate) fn make(&mut self, shape: Option<SharedShape>) {
-        self.reach = shape.as_ref().map_or(0.0, |shape| shape.compute_local_bounding_sphere().radius);
-        self.shape = shape;
+    /// Sets the distance that cloth keeps `[m]`.
+    #[must_use]
+    pub const fn with_margin(mut self, margin: f32) -> Self {
+        self.margin = margin;
+        self
+    }
+
+    /// Settings that can be used.
+    pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
+        let Self { margin, static_friction, dynamic_friction } = Self::DEFAULT;
+        Self {
+            margin: checked.within("body.margin", self.margin, margin, 0.0, 1.0),
+            static_friction: checked.within("body.static_friction", self.static_friction, static_friction, 0.0, 10.0),
+            dynamic_friction: checked.within("body.dynamic_friction", self.dynamic_friction, dynamic_friction, 0.0, 10.0),
+        }
     }
 }
-
-/// How far a shape is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Stage {
-    /// Not tried yet.
-    #[default]
-    New,
-    /// Its mesh is not there; since that real time `[s]`.
-    Waiting {
-        since: f64,
-    },
-    /// It cannot be made until something changes.
-    Failed,
-    Made,
-}
-
-/// Where a body that takes part was at the end of the last frame, and how many cloths gave it something.
-#[derive(Component, Clone, Copy, Debug, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct CoupledBody {
-    pub pose: Option<Isometry3d>,
-    pub givers: u32,
-}
-
-/// What the colliders of a skinned body were fitted to.
-#[derive(Component, Default)]
-#[component(clone_behavior = Ignore)]
-pub(crate) struct FittedBody {
-    pub stage: Stage,
-    pub made_of: MadeOf,
-    /// Bodies that were fitted together, this one first. Empty where another one is first, or nothing is fitted.
-    pub members: Vec<Entity>,
-    /// What was fitted to them; keeps it for others with the same mesh.
-    pub colliders: Option<Arc<[BoneCollider]>>,
-}
-
-/// What of a skinned body can be compared from frame to frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct MadeOf {
-    pub mesh: Option<AssetId<Mesh>>,
-    pub skin: Option<AssetId<SkinnedMeshInverseBindposes>>,
-    pub is_cloth: bool,
-    pub layers: Option<ClothCollisionLayers>,
-}
-
-/// On a collider of a bone: the first of the bodies it was fitted to. It is reflected so that a scene that is saved and loaded
-/// has no second set.
-#[derive(Component, Clone, Copy, Debug, Reflect)]
-#[reflect(Component, Clone, Debug)]
-#[relationship(relationship_target = FittedColliders)]
-pub(crate) struct FittedTo(pub Entity);
-
-/// Colliders of the bones of a body. They go with it, and yet are not linked: whoever clones a character clones them as
-/// children of joints, and would have them twice.
-#[derive(Component, Debug)]
-#[relationship_target(relationship = FittedTo)]
-pub(crate) struct FittedColliders(Vec<Entity>);

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use parry3d::shape::SharedShape;
 
-use super::body::ColliderBody;
 use super::checked::Checked;
+use super::fitted::ColliderBody;
 use super::shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit, ParryShape};
 
 /// Pushes cloth away from its entity.

@@ -3,8 +3,8 @@
 use bevy::math::Mat3;
 use bevy::prelude::*;
 
-use super::body::CoupledBody;
 use super::checked::Checked;
+use super::fitted::CoupledBody;
 
 /// Whether a body takes what cloth does to it. On the entity of a collider, on an ancestor of several, or on what cloth is
 /// pinned to.

@@ -1,17 +1,17 @@
-//! What users spawn and read, one file per concern; `body` and `grip` come along with it and are not theirs.
+//! What users spawn and read, one file per concern; `fitted` and `grip` come along with it and are not theirs.
 
 mod blend;
-pub(crate) mod body;
 pub(crate) mod checked;
+pub(crate) mod fitted;
 pub(crate) mod grip;
 
+mod body;
 mod budget;
 mod character;
 mod cloth;
 mod collider;
 mod collision;
 mod coupling;
-mod fitted;
 mod grab;
 mod hit;
 mod layers;
@@ -37,13 +37,13 @@ mod untangle;
 mod wind;
 
 pub use blend::ClothBlend;
+pub use body::ClothBody;
 pub use budget::{ClothBudget, ClothPriority};
 pub use character::{ClothCharacter, ClothInertia};
 pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
 pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
-pub use fitted::ClothBody;
 pub use grab::ClothGrab;
 pub use hit::ClothHit;
 pub use layers::ClothCollisionLayers;

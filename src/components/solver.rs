@@ -32,10 +32,11 @@ pub struct ClothSolver {
     pub time_scale: f32,
     /// What happens when the cloth is moved too far in one frame. Default [`ClothTeleportMode::Keep`].
     pub teleport: ClothTeleportMode,
-    /// Least jump of the carrier in a frame that counts as a teleport `[m]`. Default 1, range 0.001 to 1e6; three times the
-    /// cloth's radius counts when that is larger.
+    /// Least jump of the carrier in a frame that counts as a teleport `[m]`, if it is faster than 25 m/s. Default 1, range 0.001
+    /// to 1e6; three times the cloth's radius counts when that is larger.
     pub teleport_distance: f32,
-    /// Least turn of the carrier in a frame that counts as a teleport `[rad]`. Default 60 degrees, range 0.01 to pi.
+    /// Least turn of the carrier in a frame that counts as a teleport `[rad]`, if it is faster than 1,800 degrees a second.
+    /// Default 60 degrees, range 0.01 to pi.
     pub teleport_angle: f32,
     /// Edge length over rest length beyond which the cloth is taken back to its last good state (dimensionless). Default 5,
     /// range 1.1 to 1000.

@@ -33,11 +33,11 @@ pub struct ClothUntangling {
     pub stall_iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
-    /// Most work of a frame beyond what is in proportion to the size of the cloth, in visits of particles, crossings and pairs
-    /// of faces for each face. Default 512, range 16 to 1,000,000. What is more goes on in the next frame, and
-    /// [`ClothReport::deferred`](crate::ClothReport::deferred) tells of it. Less keeps heaps tangled for longer and lets piles
-    /// that land hard cross; more holds up the frame where cloth crosses all over. It is counted, not timed, so that every
-    /// machine comes to the same.
+    /// Work budget of looks and of untangling in a frame: visits of particles, crossings and pairs of faces for each face.
+    /// Default 512, range 16 to 1,000,000. The rest goes on in the next frame, and
+    /// [`ClothReport::deferred`](crate::ClothReport::deferred) tells of it. Lower, heaps stay tangled for longer and piles that
+    /// land hard cross; higher, a frame in which cloth crosses all over takes long. It is counted and not timed, so that every
+    /// machine stops at the same place.
     pub effort: u32,
     /// Whether a cloth that is tangled in its first frame is taken apart at once, in 300 iterations at most, over several
     /// frames if it is much work. Default false: it comes apart before the eyes of the player. While no time passes, as in the

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 
 use super::bodies::WorldBody;
 use crate::bind::Skin;
-use crate::components::body::ColliderBody;
+use crate::components::fitted::ColliderBody;
 use crate::solver::body::{SharedShape, Snug};
 
 /// How much farther particles are listed than they are kept away, so that a slider lists none anew (dimensionless).

@@ -15,6 +15,7 @@
 
 pub mod settings;
 mod buffer;
+pub(crate) mod scales;
 pub(crate) mod ramp;
 pub mod topology;
 pub mod rest;

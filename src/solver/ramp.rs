@@ -12,10 +12,8 @@
 //! lowered   b' = b - dt min(V / L, (b - b₁) / τ)       from the elongation there is; slowly at the end, where edges go slack
 //! ```
 
+use super::scales::RESPONSE_TIME;
 use super::settings::Fabric;
-
-/// Time in which a changed fabric is reached, but for its bounds of elongation `[s]`.
-pub(crate) const RAMP_TIME: f32 = 0.25;
 
 /// A cloth longer than this takes as many times longer `[m]`: its end has a longer way.
 const LONG: f32 = 2.0;
@@ -78,7 +76,7 @@ impl Ramp {
             }
             Some(target) if target != wanted => {
                 target.clone_from(wanted);
-                self.left = RAMP_TIME * (self.length / LONG).max(1.0);
+                self.left = RESPONSE_TIME * (self.length / LONG).max(1.0);
                 // From where a bound begins to hold something.
                 fabric.strain_limit = fabric.strain_limit.min((worst_edge - 1.0).max(wanted.strain_limit));
                 fabric.tether_scale = fabric.tether_scale.min(worst_edge.max(wanted.tether_scale));

@@ -20,8 +20,8 @@ use bevy::prelude::*;
 
 use crate::bind::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sources, collider_of, margin_of, uniform_scale};
 use crate::character::{BoneCollider, FitSettings, SkinnedBody, fit};
-use crate::components::body::{FittedBody, FittedColliders, FittedTo, MadeOf, Stage};
 use crate::components::checked::Checked;
+use crate::components::fitted::{FittedBody, FittedColliders, FittedTo, MadeOf, Stage};
 use crate::components::{Cloth, ClothBody, ClothCollider, ClothCollisionLayers, ClothPiece, ClothRenderMesh};
 use crate::notices::{Notices, PATIENCE, label};
 

@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 use super::carriers::Characters;
 use crate::bind::{ColliderError, Sources, shape_of};
-use crate::components::body::{ColliderBody, Stage};
+use crate::components::fitted::{ColliderBody, Stage};
 use crate::components::{ClothCollider, ClothColliderDisabled, ClothColliderShape, ClothCollisionLayers, ClothMeshFit};
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{WorldBodies, WorldBody, jumped, swept};

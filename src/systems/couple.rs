@@ -4,7 +4,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::release::forget;
-use crate::components::body::{ColliderBody, CoupledBody};
+use crate::components::fitted::{ColliderBody, CoupledBody};
 use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
 use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, WorldBodies, WorldRigid, jumped};

@@ -7,7 +7,7 @@ use bevy::ecs::query::Allow;
 use bevy::ecs::relationship::RelationshipTarget;
 use bevy::prelude::*;
 
-use crate::components::body::{ColliderBody, FittedBody, FittedColliders, Stage};
+use crate::components::fitted::{ColliderBody, FittedBody, FittedColliders, Stage};
 use crate::components::{
     Cloth, ClothBody, ClothCollider, ClothCoupling, ClothError, ClothGrab, ClothPiece, ClothRenderMesh, ClothReport,
     ClothStatus, ClothWindZone,

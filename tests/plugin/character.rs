@@ -210,8 +210,8 @@ fn what_a_user_edits_or_despawns_stays_so_until_the_body_changes() {
 fn settings_of_a_body_change_its_colliders_and_cloth_keeps_its_hold() {
     let mut app = app();
     let (body, _) = body(&mut app, ());
-    let cloth = spawn(&mut app, sheet(16), Transform::from_xyz(0.5, 0.2, 0.0));
-    run(&mut app, 240);
+    let cloth = spawn(&mut app, sheet(16), (ClothSleepDisabled, Transform::from_xyz(0.5, 0.2, 0.0)));
+    run(&mut app, 600);
     let (all, before) = (colliders(&mut app), positions(&mut app, cloth));
     let touching = report(&app, cloth).body_contacts;
     assert!(touching > 20, "{touching} contacts with the leg");

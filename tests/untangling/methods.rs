@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
-use bevy_drape::solver::resolve::gradient::Terms;
+use bevy_drape::solver::resolve::Terms;
 use bevy_drape::solver::resolve::{ContourKind, Method, ResolveSettings, Untangler};
 use bevy_drape::solver::topology::Topology;
 use drape_scenes::Tangle;

@@ -7,7 +7,8 @@
 //! As for particles ([`sweep`](super::sweep)), with the nearest point of the whole face in place of one point.
 
 use super::nearest::{Face, Near, at};
-use super::sweep::{GRAZE, NEAR, STEPS};
+use super::sweep::{GRAZE, STEPS};
+use crate::solver::scales::TOUCHING;
 
 /// The face at the share `s` of its way.
 #[inline]
@@ -38,7 +39,7 @@ pub(super) fn first_touch(nearest: &impl Fn(&Face) -> Option<Near>, from: &Face,
         let gap = near.sample.distance - keep;
         let deeper = near.sample.normal.dot(at(to, &near.weights) - near.point);
         last = Some((face, near));
-        if gap <= NEAR * keep && gap + deeper < -GRAZE * keep {
+        if gap <= TOUCHING * keep && gap + deeper < -GRAZE * keep {
             break;
         }
         travelled += gap.max(0.5 * near.sample.distance).max(1.0e-6);

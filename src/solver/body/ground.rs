@@ -4,9 +4,10 @@ use glam::{Mat3A, Vec3, Vec3A};
 
 use super::friction::{Friction, slip};
 use super::motion::{Motion, RigidProxy};
-use super::respond::{BAND, Plane};
+use super::respond::Plane;
 use super::{Body, Pose, Touch};
 use crate::solver::couple::Coupling;
+use crate::solver::scales::TOUCHING;
 
 /// Depth below its plane down to which a contact still counts, in distances kept (dimensionless). What is deeper comes out as an
 /// overlap does, at its speed. The worst edge of a sheet of 40² on needles is 1.38 of its length with 1, 1.30 with 2 and 4
@@ -105,7 +106,7 @@ impl Ground {
         let movable = rigid.as_ref().filter(|rigid| rigid.is_movable());
         // A body that contacts share is where their mean has put it, no more than a push away. What was pushed off otherwise is
         // off: under what is left of its load, cloth would jam on the edge of a table **`[measured]`**.
-        let reach = floor.max(0.0) + BAND * kept + if movable.is_some() { load } else { 0.0 };
+        let reach = floor.max(0.0) + TOUCHING * kept + if movable.is_some() { load } else { 0.0 };
         // NaN passes no comparison.
         if !(plane.gap(end) < reach) {
             return None;

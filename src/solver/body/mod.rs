@@ -53,7 +53,7 @@ pub use parry3d::shape::SharedShape;
 pub(crate) use pierce::Pierced;
 pub(crate) use pinch::Pinches;
 pub(crate) use provisional::Provisional;
-pub(crate) use respond::{BAND, IMPACT_SPEED, Plane, Projection, mean_load, push_out};
+pub(crate) use respond::{IMPACT_SPEED, Plane, Projection, mean_load, push_out};
 pub use shape::ShapeError;
 pub(crate) use snug::Snug;
 pub(super) use take_out::take_out;

@@ -28,9 +28,6 @@ const RECOVERY_SPEED: f32 = 1.0;
 /// springs.
 const LOAD_SHARE: f32 = 0.25;
 
-/// Width of the band over the contact plane in which friction still acts, in units of the distance kept (dimensionless).
-pub(crate) const BAND: f32 = 0.02;
-
 /// Speed of approach up to which nothing bounces `[m/s]`: what rests is pulled in by its springs and by gravity in every
 /// substep.
 pub(crate) const IMPACT_SPEED: f32 = 0.25;

@@ -3,14 +3,13 @@
 //! parry's own constructors index out of bounds on bad indices and assert on flat or non-finite input, so everything is checked
 //! before.
 
+use crate::solver::scales::FARTHEST;
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
 use parry3d::shape::{Compound, ConvexPolyhedron, HeightField, SharedShape, TriMesh, TriMeshFlags, TypedShape};
 use parry3d::utils::Array2;
 
-/// Largest coordinate or size of a shape `[m]`.
-const LARGEST: f32 = 1.0e6;
 /// Coordinates of triangles that are nearer to zero are zero `[m]`: parry divides by how far apart their middles are, which
 /// overflows, and panics.
 const NOTHING: f32 = 1.0e-29;
@@ -92,7 +91,7 @@ pub enum ShapeError {
 }
 
 fn size(what: &'static str, value: f32) -> Result<f32, ShapeError> {
-    if (SMALLEST..=LARGEST).contains(&value) { Ok(value) } else { Err(ShapeError::Size { what, value }) }
+    if (SMALLEST..=FARTHEST).contains(&value) { Ok(value) } else { Err(ShapeError::Size { what, value }) }
 }
 
 fn points(points: &[Vec3]) -> Result<(), ShapeError> {
@@ -104,7 +103,7 @@ fn points(points: &[Vec3]) -> Result<(), ShapeError> {
 
 fn finite(p: Vec3) -> bool {
     // `max_element` alone may hide a NaN.
-    p.is_finite() && p.abs().max_element() <= LARGEST
+    p.is_finite() && p.abs().max_element() <= FARTHEST
 }
 
 /// A ball around the origin.

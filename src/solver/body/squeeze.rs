@@ -9,11 +9,10 @@
 use glam::{Vec3, Vec3A};
 
 use super::respond::Projection;
+use crate::solver::scales::TOUCHING;
 
 /// Cosine of two normals beyond which something is between the two parts (dimensionless).
 pub(super) const OPPOSED: f32 = -0.5;
-/// Least distance that is kept between two parts, as a share of what is kept elsewhere (dimensionless).
-const CLOSEST: f32 = 0.02;
 
 /// What something is close to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,7 +64,7 @@ impl Squeezes {
         }
         let is_other = other.substep > 0 && other.part != part && self.substep - other.substep <= 1;
         let between = is_other && normal.dot(other.normal.into()) < OPPOSED;
-        let keep = if between { (0.5 * (distance + other.distance)).clamp(CLOSEST * keep, keep) } else { keep };
+        let keep = if between { (0.5 * (distance + other.distance)).clamp(TOUCHING * keep, keep) } else { keep };
         if self.projection == Projection::First {
             *close = Close { substep: self.substep, part, normal: normal.into(), distance: distance.max(keep), kept: keep };
         }

@@ -8,11 +8,10 @@ use glam::Vec3A;
 
 use super::distance::Sample;
 use super::respond::Plane;
+use crate::solver::scales::TOUCHING;
 
 /// Steps of one trace; a path that takes more ends where it is.
 pub(super) const STEPS: u32 = 24;
-/// Gap at which a path counts as touching, in units of the distance kept (dimensionless).
-pub(super) const NEAR: f32 = 0.02;
 /// How far under the plane a path must lead to count as touching, in units of the distance kept (dimensionless).
 pub(super) const GRAZE: f32 = 1.0e-3;
 /// Planes that one path may slide along in a substep: a corner has three.
@@ -46,7 +45,7 @@ fn first_touch(sample: &impl Fn(Vec3A, f32) -> Sample, from: (Vec3A, Sample), to
     for _ in 0..STEPS {
         let gap = s.distance - keep;
         // Near, and the rest of the path goes deeper: grazing along the surface is not a touch.
-        if gap <= NEAR * keep && gap + s.normal.dot(to - q) < -GRAZE * keep {
+        if gap <= TOUCHING * keep && gap + s.normal.dot(to - q) < -GRAZE * keep {
             return Some((q, s));
         }
         travelled += gap.max(0.5 * s.distance).max(1.0e-6);

@@ -10,13 +10,13 @@
 mod quiet;
 pub(super) mod beside;
 pub(super) mod four;
-pub mod crossing;
+pub(crate) mod crossing;
 pub(crate) mod orient;
 mod parts;
-pub mod proximity;
+pub(crate) mod proximity;
 pub(super) mod seams;
-pub mod surface;
-pub mod tree;
+pub(crate) mod surface;
+pub(crate) mod tree;
 
 pub use crossing::{Crossing, Detector};
 pub use proximity::{Proximity, ProximityKind, ProximitySettings};

@@ -11,6 +11,7 @@
 use core::ops::Range;
 use glam::{Vec3, Vec3A, Vec4};
 
+use crate::solver::scales::FARTHEST;
 use crate::solver::topology::{NONE, Topology};
 
 /// One cloth to be concatenated into a [`Surface`].
@@ -219,12 +220,9 @@ impl Surface {
     }
 }
 
-/// Largest coordinate `[m]` that is simulated; a cloth with a particle beyond it, or with one that is not finite, is left out.
-pub const FARTHEST: f32 = 1.0e6;
-
 /// Whether a position can be handed to the search tree.
 #[must_use]
-pub fn is_sane(p: Vec4) -> bool {
+pub(crate) fn is_sane(p: Vec4) -> bool {
     let p = p.truncate().abs();
     // `NaN` compares false.
     p.x <= FARTHEST && p.y <= FARTHEST && p.z <= FARTHEST

@@ -31,6 +31,7 @@
 
 use glam::{BVec4A, Vec4};
 
+use super::IS_XYZ;
 use super::rows::Rows;
 use crate::solver::rest::{Bends, LANES, Weave};
 use crate::solver::settings::Fabric;
@@ -60,8 +61,6 @@ const RUB_SHARE: f32 = 0.25;
 
 /// Share of the curvature that friction holds below which an element counts as flat (dimensionless).
 const FLAT: f32 = 0.1;
-
-const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// How stiff a cloth is against bending, and the buffers of its steps.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -229,7 +228,7 @@ impl BendFactors {
         let rows = || bends.row_start.windows(2).map(|row| row[0] as usize..row[1] as usize);
         for ((row, x), r) in rows().zip(&*positions).zip(&mut *residual) {
             let force = product(&bends.columns[row.clone()], &matrix[row], positions, *x);
-            *r = Vec4::select(XYZ, force * (hhb * x.w), Vec4::ZERO);
+            *r = Vec4::select(IS_XYZ, force * (hhb * x.w), Vec4::ZERO);
         }
         for ((x, r), fold) in positions.iter().zip(&mut *residual).zip(&*folds) {
             *r -= *fold * (hh * x.w);

@@ -4,20 +4,19 @@
 
 use glam::{BVec4A, Mat4, Vec4};
 
+use super::IS_XYZ;
 use crate::solver::rest::{LANES, Springs};
-
-const XYZ: BVec4A = BVec4A::from_array([true, true, true, false]);
 
 /// Notes the motion of each particle over the last substep: `xyz` `[m]`, `w` its inverse mass `[1/kg]`.
 pub(crate) fn note(positions: &[Vec4], previous: &[Vec4], motion: &mut Vec<Vec4>) {
     motion.clear();
-    motion.extend(positions.iter().zip(previous).map(|(x, old)| Vec4::select(XYZ, *x - *old, *x)));
+    motion.extend(positions.iter().zip(previous).map(|(x, old)| Vec4::select(IS_XYZ, *x - *old, *x)));
 }
 
 /// Takes over what became of the motion that [`note`] noted: it moves `previous`, where it changed.
 pub(crate) fn apply(positions: &[Vec4], motion: &[Vec4], previous: &mut [Vec4]) {
     for ((x, old), motion) in positions.iter().zip(previous).zip(motion) {
-        *old += Vec4::select(XYZ, (*x - *old) - *motion, Vec4::ZERO);
+        *old += Vec4::select(IS_XYZ, (*x - *old) - *motion, Vec4::ZERO);
     }
 }
 
@@ -35,7 +34,7 @@ pub(crate) fn solve(springs: &Springs, rate: f32, dt: f32, positions: &[Vec4], m
         let moved = w * squared;
         let impulse = Vec4::select(moved.cmpgt(Vec4::ZERO), approach * fraction / moved, Vec4::ZERO).to_array();
         for lane in 0..LANES {
-            let push = Vec4::select(XYZ, d[lane], Vec4::ZERO) * impulse[lane];
+            let push = Vec4::select(IS_XYZ, d[lane], Vec4::ZERO) * impulse[lane];
             motion[a[lane] as usize] = ua[lane] + push * ua[lane].w;
             motion[b[lane] as usize] = ub[lane] - push * ub[lane].w;
         }

@@ -17,6 +17,7 @@
 
 use glam::{Mat4, Vec2, Vec4};
 
+use super::XYZ;
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
 
@@ -85,7 +86,6 @@ fn lengths_squared(d: [Vec4; LANES]) -> Vec4 {
 }
 
 /// Leaves out `w`, a mass: cheaper than a mask, with the same bits.
-const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Solves every spring once.
 pub(crate) fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {

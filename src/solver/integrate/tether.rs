@@ -5,6 +5,7 @@
 
 use glam::{Mat4, Vec4};
 
+use super::XYZ;
 use crate::solver::rest::{LANES, RestShape, geodesic};
 use crate::solver::topology::NONE;
 
@@ -15,7 +16,6 @@ const ISLANDS: usize = 8;
 const PER_PARTICLE: usize = 2;
 
 /// Leaves out `w`, a mass: cheaper than a mask, with the same bits.
-const XYZ: Vec4 = Vec4::new(1.0, 1.0, 1.0, 0.0);
 
 /// Upper bounds on distances to pins, in batches of four with different free particles.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -64,14 +64,6 @@ const LOOK_AGAIN: f32 = 1.0 / 120.0;
 /// looked at less often, cross.
 const CROWDED: usize = 2;
 
-/// Time for which frames take twice as many substeps after one was rolled back, as an integrator that rejects a step goes on
-/// with shorter ones `[s]`: not on bodies, where a character's cape then was twice as often in a bone. Light cloth in gusts,
-/// eight seeds each at 40² and 30²: 280 of 4,800 frames cross without it, 51 with this.
-const REFINED_TIME: f32 = 0.25;
-
-/// Time in which a tangle is drawn to a pose, the last resort `[s]`.
-const BLEND_TIME: f32 = 0.25;
-
 /// How an island is untangled in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]

@@ -6,10 +6,11 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{BLEND_TIME, Island, MOST_ROLLBACKS, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
+use super::{Island, MOST_ROLLBACKS, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::rollback::Rollback;
+use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::step::{displace, relax};
 use crate::solver::verdict::Escalation;
 
@@ -44,7 +45,7 @@ impl Island {
             m.pose(&mut pose);
             // First around the tangle, then more and more of the cloth.
             let whole = (m.outcome.tangled_for / m.last_resort - 4.0).clamp(0.0, 1.0);
-            self.blend(part, &pose, m.offset, dt / BLEND_TIME, whole);
+            self.blend(part, &pose, m.offset, dt / RESPONSE_TIME, whole);
         }
         self.pose = pose;
     }

@@ -7,7 +7,8 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{CROWDED, Island, LOOK_AGAIN, Member, REFINED_TIME};
+use super::{CROWDED, Island, LOOK_AGAIN, Member};
+use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::settings::Stepping;
 use crate::solver::state::ClothState;
 use crate::solver::step::substeps_of;
@@ -21,7 +22,10 @@ impl Island {
     /// others meet it where it is.
     pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
         if self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
-            self.refined_for = REFINED_TIME;
+            // Twice as many substeps for a while, as in an integrator that rejects a step; except on bodies, where a character's
+            // cape then was twice as often in a bone. Light cloth in gusts, eight seeds each at 40² and 30²: 280 of 4,800 frames
+            // cross without it, 51 with this.
+            self.refined_for = RESPONSE_TIME;
         }
         let refined = self.refined_for > 0.0;
         let (mut count, mut longest, mut fast_body) = (0, 0.0f32, false);

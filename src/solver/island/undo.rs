@@ -1,7 +1,7 @@
-//! What takes crossings apart is undone where it makes them much longer than they were at the least since nothing crossed:
-//! cloth that is pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes. It waits, as
-//! slow as it was made, until there is room, or for the shape at rest, the last resort. What gets shorter is never undone; what
-//! something else made much longer may only get shorter.
+//! Reverts a step of untangling that makes contours much longer than their shortest length since the cloth was clean. Cloth
+//! that is pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes: it waits until there
+//! is room, or for the last resort. A step that makes contours shorter is never reverted; contours that something else made
+//! much longer may only get shorter.
 
 use glam::Vec4;
 

@@ -19,7 +19,7 @@ use crate::solver::detect::Crossing;
 use crate::solver::topology::{NONE, Topology};
 
 /// Bound of `E·N` near parallel.
-pub const BOUND: f64 = 0.05;
+pub(crate) const BOUND: f64 = 0.05;
 
 /// The gradient's ingredients at one crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -15,19 +15,19 @@ use crate::solver::effort::Meter;
 /// Sides remembered, sorted by particle and face.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct History {
+pub(crate) struct History {
     sides: Vec<([u32; 4], f32)>,
     before: Vec<([u32; 4], f32)>,
     close: Vec<Proximity>,
 }
 
 /// Displacement `[m]` asked for at one particle.
-pub type Push = (u32, Vec3);
+pub(crate) type Push = (u32, Vec3);
 
 impl History {
     /// Looks for close pairs within `reach` `[m]`, remembers new ones, and returns where those on the wrong side should be
     /// pushed, until they are `thickness` `[m]` on the right one. Pairs that `meter` leaves out are forgotten.
-    pub fn pushes(
+    pub(crate) fn pushes(
         &mut self,
         surface: &Surface,
         detector: &mut Detector,

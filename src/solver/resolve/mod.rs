@@ -16,10 +16,10 @@
 //! | Eight, BLI, unknown | shrink | push, shrink, ..., peel |
 //! | any, between two layers of clothing | into their order | |
 
-pub mod contour;
-pub mod gradient;
+pub(crate) mod contour;
+pub(crate) mod gradient;
 #[cfg(feature = "research")]
-pub mod history;
+pub(crate) mod history;
 pub(crate) mod tracked;
 pub(crate) mod region;
 mod between;
@@ -43,6 +43,7 @@ mod view;
 mod votes;
 
 pub use contour::{Contour, ContourGraph, ContourKind};
+pub use gradient::Terms;
 pub use tracked::Strategy;
 
 use glam::{Vec3, Vec4};
@@ -53,7 +54,7 @@ use crate::solver::effort::Effort;
 use crate::solver::verdict::{Escalation, Verdict};
 
 use between::Between;
-use gradient::Terms;
+
 #[cfg(feature = "research")]
 use history::{History, Push};
 use layers::Layers;

@@ -5,6 +5,9 @@ use crate::solver::detect::Surface;
 use super::contour::ContourGraph;
 use super::view::View;
 
+/// Most rings around a tangle that move.
+pub(super) const MOST_RINGS: usize = 1000;
+
 /// The particles of the two sides of a contour.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::contour::{ContourGraph, ContourKind};
+use super::patch::MOST_RINGS;
 use super::region::{Flood, Region};
 use super::separation::largest_area;
 use super::share::{Load, load, shares};
@@ -15,8 +16,6 @@ use crate::solver::topology::NONE;
 const PROLONG: f32 = 1.0;
 /// How far the motion of a region spreads into the rest of its sheet, as a multiple of its depth.
 const SPREAD: f32 = 8.0;
-/// Most rings that a region draws along.
-const MOST_RINGS: usize = 1000;
 
 impl Resolver {
     /// The region to push on a side, smaller first.

@@ -9,12 +9,10 @@
 
 use glam::{DVec3, Vec3};
 
+use super::patch::MOST_RINGS;
 use super::share::{load, shares};
 use super::view::View;
 use super::{ResolveSettings, Resolver, tracked};
-
-/// Most rings that shrinking moves.
-const MOST_RINGS: usize = 1000;
 
 /// `d = step g / sqrt(|g|² + 1)`
 pub(super) fn saturate(g: DVec3, step: f32) -> Vec3 {

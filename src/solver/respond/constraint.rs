@@ -19,7 +19,8 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::contact::sum;
-use crate::solver::body::{BAND, Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
+use crate::solver::body::{Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
+use crate::solver::scales::TOUCHING;
 
 /// What keeps a pair apart in a substep. See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +99,7 @@ impl Constraint {
     pub(super) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
         let end = self.delta(now);
         let mut push = Vec3A::ZERO;
-        if self.plane.gap(end) < BAND * self.plane.offset {
+        if self.plane.gap(end) < TOUCHING * self.plane.offset {
             let slipped = slip(self.plane.normal, end - self.delta(old));
             push = self.friction.hold(self.tangent_push + slipped, self.mean_load());
         }

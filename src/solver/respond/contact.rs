@@ -17,9 +17,10 @@ use glam::{Mat4, Vec3, Vec4};
 
 use super::constraint::Constraint;
 use super::{FREE, LEVEL};
-use crate::solver::body::{BAND, Friction, Plane};
+use crate::solver::body::{Friction, Plane};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
+use crate::solver::scales::TOUCHING;
 
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1
 /// leaves a pile of three on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
@@ -133,7 +134,7 @@ impl Contact {
         self.inverted = distance < 0.0;
         let gap = distance - self.thickness;
         // NaN passes no comparison.
-        if !(gap < 0.0 || (self.load > 0.0 && gap < BAND * self.thickness)) {
+        if !(gap < 0.0 || (self.load > 0.0 && gap < TOUCHING * self.thickness)) {
             return None;
         }
         self.support(particles, &mut x);
@@ -165,7 +166,7 @@ impl Contact {
             ProximityKind::VertexFace => along.x - along.y.max(along.z).max(along.w),
             ProximityKind::EdgeEdge => along.x.min(along.y) - along.z.max(along.w),
         };
-        gap > (1.0 + BAND) * self.thickness || along.dot(self.weights.into()) > FAR * self.thickness
+        gap > (1.0 + TOUCHING) * self.thickness || along.dot(self.weights.into()) > FAR * self.thickness
     }
 
     /// How far a unit push moves the closest points apart `[1/kg]`, or a share of that of the lightest particle; 0 where

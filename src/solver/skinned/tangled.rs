@@ -10,9 +10,7 @@
 
 use super::Skinned;
 use super::avoid::FASTEST;
-
-/// Time in which a limit is let go `[s]`, as limits come after the first frame.
-const RELEASE: f32 = 0.25;
+use crate::solver::scales::RESPONSE_TIME;
 
 /// How far from their targets particles may be for now.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,7 +43,7 @@ impl TangledLimits {
             if weight > 0.0 && most < f32::INFINITY {
                 *limit = (limit.min(most) - FASTEST * dt).max(0.0);
             } else {
-                *limit += most * dt / RELEASE;
+                *limit += most * dt / RESPONSE_TIME;
             }
             if *limit >= most {
                 *limit = f32::INFINITY;
@@ -75,7 +73,7 @@ mod tests {
             assert_eq!(distances(&tangled_limits), [0.0, 0.04, f32::INFINITY], "{rate}");
             let frames = (0.125 * rate) as u32;
             (0..frames).for_each(|_| tangled_limits.advance(&skinned, &[], 1.0 / rate));
-            let ([half, ..], expected) = (distances(&tangled_limits), 0.04 * frames as f32 / rate / RELEASE);
+            let ([half, ..], expected) = (distances(&tangled_limits), 0.04 * frames as f32 / rate / RESPONSE_TIME);
             assert!((half - expected).abs() < 1.0e-6, "{half} at {rate}");
             (0..(0.2 * rate) as u32).for_each(|_| tangled_limits.advance(&skinned, &[], 1.0 / rate));
             assert_eq!(tangled_limits, TangledLimits::default(), "{rate}");

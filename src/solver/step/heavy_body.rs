@@ -9,10 +9,10 @@ use super::{Scratch, Stepped};
 const LIES: f32 = 0.5;
 
 impl Stepped<'_> {
-    /// Finds out how many times as many substeps the cloth takes from now on for heavier bodies that lie on it. From when one
-    /// presses it too far they are as the root of what it is heavier by. Those that the speed of one took stay. Both last until
-    /// none is near. Not by how hard it is pressed: more substeps in cloth that is drawn out already throw it up. What the
-    /// cloth lies on, and presses down, is none of them.
+    /// Finds the factor of substeps for heavier bodies that lie on the cloth. A body that presses the cloth too far multiplies
+    /// them by √(mass of the body / mass of the cloth), until it leaves. A factor that its speed asked for stays as long. The
+    /// depth does not count: more substeps in cloth that is drawn out already throw it up. A body that the cloth rests on is
+    /// left out.
     pub(super) fn count_for_heavy_bodies(&self, scratch: &mut Scratch) {
         let (own, bound) = (self.mass(), self.most_pressed());
         let mut for_heavy_body = 1;

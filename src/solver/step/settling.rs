@@ -3,13 +3,11 @@
 use glam::Vec4;
 
 use super::Scratch;
+use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::state::ClothState;
 
 /// Root mean square of the speeds over a frame below which a cloth begins to settle `[m/s]`; at twice that it no longer does.
 const SETTLING_SPEED: f32 = 0.03;
-
-/// Time for which it has to be that slow `[s]`.
-const SETTLING_AFTER: f32 = 0.25;
 
 /// What a settling cloth loses of its velocities on top of drag `[1/s]`. What one sweep over constraints in a row leaves over
 /// keeps going around for ever otherwise.
@@ -23,7 +21,7 @@ impl Scratch {
     /// Whether the cloth has been slow for a while.
     #[must_use]
     pub fn is_settling(&self) -> bool {
-        self.slow_for >= SETTLING_AFTER
+        self.slow_for >= RESPONSE_TIME
     }
 
     /// Notes for how long the cloth has been slow, after a frame of `dt` `[s]` in which its mean square of speeds was `speed2`

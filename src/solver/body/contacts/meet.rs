@@ -5,9 +5,10 @@ use glam::{Mat3A, Vec3A};
 use super::Candidate;
 use super::part::{Particles, Setting};
 use crate::solver::body::distance::Sample;
-use crate::solver::body::respond::{BAND, Plane, Projection, mean_load, push_out};
+use crate::solver::body::respond::{Plane, Projection, mean_load, push_out};
 use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::sweep::{Swept, plane_at, sweep};
+use crate::solver::scales::TOUCHING;
 
 /// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance
 /// kept (dimensionless): it was put where it is.
@@ -27,7 +28,7 @@ impl Setting<'_> {
     ) -> bool {
         let inset = candidate.inset;
         let sample = &|q: Vec3A, reach: f32| sample(q, reach).deeper(inset);
-        let band = BAND * self.keep;
+        let band = TOUCHING * self.keep;
         let i = candidate.particle as usize;
         let (Some(position), Some(before)) = (particles.positions.get_mut(i), particles.previous.get_mut(i)) else {
             return false;

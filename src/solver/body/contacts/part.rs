@@ -5,8 +5,9 @@ use glam::{Mat3A, Vec3, Vec3A, Vec4};
 use super::Candidate;
 use crate::solver::body::distance::Sample;
 use crate::solver::body::motion::{Motion, RigidProxy};
-use crate::solver::body::respond::{BAND, Projection};
+use crate::solver::body::respond::Projection;
 use crate::solver::body::squeeze::Squeezes;
+use crate::solver::scales::TOUCHING;
 
 /// Positions at both ends of the substep.
 pub(super) struct Particles<'a> {
@@ -89,7 +90,7 @@ impl Setting<'_> {
         to_body1: Mat3A,
         sample: &impl Fn(Vec3A, f32) -> Sample,
     ) -> usize {
-        let band = BAND * self.keep;
+        let band = TOUCHING * self.keep;
         let touches = candidates.iter().filter(|candidate| !candidate.left_out).filter(|candidate| {
             let Some(x) = positions.get(candidate.particle as usize) else { return false };
             let q = to_body1 * (Vec3A::from_vec4(*x) - self.motion.translation1);

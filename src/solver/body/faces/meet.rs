@@ -8,9 +8,9 @@ use super::pass::Pass;
 use super::setting::{Setting, State};
 use crate::solver::body::geometry::Geometry;
 use crate::solver::body::nearest::{Face, Near};
-use crate::solver::body::respond::BAND;
 use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::sweep::plane_at;
+use crate::solver::scales::TOUCHING;
 
 impl Setting<'_> {
     /// Whether the face touched.
@@ -55,7 +55,7 @@ impl Setting<'_> {
             state.candidate.lies(&near, &way.to);
         }
         let gap = near.sample.distance - keep;
-        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < BAND * keep);
+        let touches = gap < 0.0 || (state.candidate.load > 0.0 && gap < TOUCHING * keep);
         touches && self.push(&near, plane_at(near.point, near.sample, keep), &mut way, state)
     }
 }

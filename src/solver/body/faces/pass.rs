@@ -6,7 +6,7 @@ use super::setting::{Setting, Way};
 use crate::solver::body::advance::longest_way;
 use crate::solver::body::distance::Sample;
 use crate::solver::body::nearest::{Face, Near, at, to_point};
-use crate::solver::body::respond::BAND;
+use crate::solver::scales::TOUCHING;
 
 /// Tangent planes that are tried before the nearest point is asked for.
 const PLANES: u32 = 4;
@@ -43,7 +43,7 @@ impl Setting<'_> {
             let foot = normal.dot(point) - distance;
             let height = |face: &Face| face.iter().map(|x| normal.dot(*x) - foot).fold(f32::INFINITY, f32::min);
             let least = height(to);
-            if least >= (1.0 + BAND) * self.keep && height(from) > 0.0 {
+            if least >= (1.0 + TOUCHING) * self.keep && height(from) > 0.0 {
                 return Pass::By(normal, least);
             }
             if !(distance > 0.0) {

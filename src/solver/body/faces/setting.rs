@@ -8,9 +8,7 @@ use crate::solver::body::geometry::Geometry;
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::{Convex, Face};
 use crate::solver::body::respond::Projection;
-
-/// Farthest corner that is looked at `[m]`.
-const FARTHEST: f32 = 1.0e6;
+use crate::solver::scales::FARTHEST;
 
 /// Corners at both ends of the substep, in the part's own space `[m]`, and inverse masses `[1/kg]`.
 pub(super) struct Way {

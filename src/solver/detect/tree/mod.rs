@@ -42,18 +42,18 @@ use core::ops::Range;
 
 use glam::Vec3A;
 
-pub use bounds::Bounds;
-pub use traverse::Meeting;
+pub(crate) use bounds::Bounds;
+pub(crate) use traverse::Meeting;
 
 use pack::Pack;
-pub use pack::lanes;
+pub(crate) use pack::lanes;
 
 /// Faces per leaf at most: as many as a node has bits to mark them.
-pub const LEAF: usize = u8::BITS as usize;
+pub(crate) const LEAF: usize = u8::BITS as usize;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
 /// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°. See the module.
-pub const FLAT: f32 = 0.5;
+pub(crate) const FLAT: f32 = 0.5;
 /// Most edges at a particle that joins nodes.
 const HUB: usize = 64;
 /// [`Node::part`] of a node that holds more than one cloth.

@@ -61,7 +61,7 @@ impl Pack {
 
 /// The lanes whose bits are set, in ascending order.
 #[inline]
-pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let lane = bits.trailing_zeros();
         bits &= bits.wrapping_sub(1);

@@ -5,14 +5,18 @@ use glam::Vec3A;
 use super::looked::Looked;
 use super::{Moment, NeighborList};
 use crate::solver::detect::Surface;
-use crate::solver::detect::surface::FARTHEST;
+use crate::solver::scales::FARTHEST;
 
 /// Mean way of the cloth until the next look that is not worth knowing, in thicknesses (dimensionless).
 const HARDLY: f32 = 1.0 / 24.0;
 
 /// How far ahead a particle is looked for, at most, in mean edges plus thicknesses. Boxes swept farther meet half of the cloth.
-pub(super) const FARTHEST_EDGES: f32 = 4.0;
-pub(super) const FARTHEST_THICKNESSES: f32 = 4.0;
+const FARTHEST_AHEAD: f32 = 4.0;
+
+/// The farthest way that is foreseen `[m]`.
+pub(super) fn longest_way(surface: &Surface, thickest: f32) -> f32 {
+    FARTHEST_AHEAD * (surface.mean_edge + thickest)
+}
 
 impl NeighborList {
     /// Takes the motion of the last substep, as far as it lasts, for that of the next frame, less what all cloths share.
@@ -40,7 +44,7 @@ impl NeighborList {
             mean = Vec3A::ZERO;
         }
         self.shared = mean;
-        let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        let longest = longest_way(surface, moment.thickest());
         let mut sum = 0.0;
         for (ahead, &start) in self.ahead.iter_mut().zip(&self.start) {
             let motion = *ahead - start - mean;

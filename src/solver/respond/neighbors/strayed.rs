@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::foresee::{FARTHEST_EDGES, FARTHEST_THICKNESSES, foreseen, limited};
+use super::foresee::{foreseen, limited, longest_way};
 use super::looked::Looked;
 use super::{Contacts, MARGIN, Moment, NeighborList};
 use crate::solver::detect::Surface;
@@ -94,7 +94,7 @@ impl NeighborList {
 
     /// Foresees anew where particles that are astray will be, when the rest `dt` `[s]` of the time looked ahead has passed.
     fn foresee_astray(&mut self, surface: &Surface, moment: &Moment<'_>, share: f32, dt: f32) {
-        let longest = FARTHEST_EDGES * surface.mean_edge + FARTHEST_THICKNESSES * moment.thickest();
+        let longest = longest_way(surface, moment.thickest());
         // Of the time since the last look at everything and until the next: at its end all of it.
         let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
         for (part, &h) in surface.parts.iter().zip(moment.substep) {

@@ -1,0 +1,10 @@
+//! Scales that several rooms of the solver share.
+
+/// Farthest coordinate that is simulated `[m]`: cloth with a particle beyond it is left out, and so is a body.
+pub(crate) const FARTHEST: f32 = 1.0e6;
+/// Gap that counts as touching, in units of the distance kept (dimensionless): a way that ends there is stopped, friction still
+/// acts there, and nothing is pressed closer together than this.
+pub(crate) const TOUCHING: f32 = 0.02;
+/// Time that cloth takes to respond `[s]`: within it changed fabrics, limits and skeletons are reached, a tangle is drawn to a
+/// pose, slow cloth begins to settle, and what was rolled back takes smaller substeps.
+pub(crate) const RESPONSE_TIME: f32 = 0.25;
