@@ -5,6 +5,10 @@ pub(crate) const FARTHEST: f32 = 1.0e6;
 /// Gap that counts as touching, in units of the distance kept (dimensionless): a way that ends there is stopped, friction still
 /// acts there, and nothing is pressed closer together than this.
 pub(crate) const TOUCHING: f32 = 0.02;
+/// Least mobility of what a constraint pushes, as a share of that of the lightest particle in it (dimensionless). A point that
+/// hangs by a corner from two that are held would have to go far to matter: `|w| / max(w², 1/16) <= 4`, so no particle goes
+/// farther than four times the push.
+pub(crate) const LEAST_MOBILITY: f32 = 1.0 / 16.0;
 /// Time that cloth takes to respond `[s]`: within it changed fabrics, limits and skeletons are reached, a tangle is drawn to a
 /// pose, slow cloth begins to settle, and what was rolled back takes smaller substeps.
 pub(crate) const RESPONSE_TIME: f32 = 0.25;

@@ -18,9 +18,6 @@ use super::distance::Sample;
 use super::geometry::Geometry;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
 
-/// Projections in turn after GJK, at most.
-const PROJECTIONS: u32 = 3;
-
 /// Corners of a face in the part's own space `[m]`.
 pub(super) type Face = [Vec3A; 3];
 
@@ -70,16 +67,10 @@ impl Convex<'_> {
     /// What GJK found, which stops early at round shapes, after projections in turn onto part and face: they approach the
     /// closest points of any two convex sets.
     fn refined(&self, face: &Face, weights: [f32; 3]) -> Option<Near> {
-        let mut best = self.near(face, weights)?;
-        for _ in 0..PROJECTIONS {
-            let foot = best.point - best.sample.normal * best.sample.distance;
-            let next = self.near(face, to_point(face, foot).0)?;
-            if next.sample.distance >= 0.999 * best.sample.distance {
-                break;
-            }
-            best = next;
-        }
-        Some(best)
+        let found = self.near(face, weights)?;
+        let foot = found.point - found.sample.normal * found.sample.distance;
+        let next = self.near(face, to_point(face, foot).0)?;
+        Some(if next.sample.distance < found.sample.distance { next } else { found })
     }
 }
 

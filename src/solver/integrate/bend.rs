@@ -29,7 +29,7 @@
 //! What keeps the curvature points where it did when it was found, once a frame: cloth that turns by a large angle in a frame
 //! is braked by it, the more the stiffer and the more bent it is.
 
-use glam::{BVec4A, Vec4};
+use glam::Vec4;
 
 use super::IS_XYZ;
 use super::rows::Rows;

@@ -2,7 +2,7 @@
 //!
 //! Once per frame, `v_b - v_a` along the spring is reduced by `1 - exp(-rate · dt)`, split by mass, as an impulse.
 
-use glam::{BVec4A, Mat4, Vec4};
+use glam::{Mat4, Vec4};
 
 use super::IS_XYZ;
 use crate::solver::rest::{LANES, Springs};

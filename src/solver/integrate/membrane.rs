@@ -23,12 +23,8 @@ use glam::{Mat4, Vec4};
 use super::rows::Rows;
 use super::spring::{Bound, inverse_length};
 use crate::solver::rest::{LANES, Membrane};
+use crate::solver::scales::LEAST_MOBILITY;
 use crate::solver::settings::Fabric;
-
-/// Least mobility of a thread over what it would be if all corners moved as easily as the lightest (dimensionless). Where only
-/// a corner next to the line of the held ones can move, it would have to go far to change the length of a thread: half as much,
-/// and it is thrown as far again.
-const LEAST_MOBILITY: f32 = 1.0 / 16.0;
 
 /// Solves every triangle once in a substep of `h` `[s]`.
 pub(crate) fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mut [Vec4]) {
@@ -53,6 +49,7 @@ pub(crate) fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mu
         let (aa, ab, bb) = (weigh(&a, &a), weigh(&a, &b), weigh(&b, &b));
         let (mut f_warp, mut f_weft) = (d1 * a1 + d2 * a2, d1 * b1 + d2 * b2);
 
+        // What only a corner next to the line of the held ones can change is thrown as far again if it goes half as far.
         let lightest = w[0].max(w[1]).max(w[2]) * LEAST_MOBILITY;
         let least = |a: &[Vec4; 3]| lightest * (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
         let p = f_warp * stretch(f_warp.dot(f_warp), aa.max(least(&a)), warp * inverse_area, bound);

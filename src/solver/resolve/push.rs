@@ -12,8 +12,6 @@ use super::{ResolveSettings, Resolver, tracked};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::topology::NONE;
 
-/// A contour that ends inside a sheet is prolonged to the border over at most this fraction of its length.
-const PROLONG: f32 = 1.0;
 /// How far the motion of a region spreads into the rest of its sheet, as a multiple of its depth.
 const SPREAD: f32 = 8.0;
 
@@ -146,7 +144,8 @@ fn cut(graph: &ContourGraph, flood: &mut Flood, view: View<'_>, contour: usize, 
     c.loops.into_iter().for_each(|v| flood.cut_at(v));
     if c.kind == ContourKind::Bibi {
         let end = c.border_ends.into_iter().find(|&n| n != NONE && graph.side[n as usize] != side)?;
-        let most = (PROLONG * c.length / c.edge) as usize + 2;
+        // By no more than its own length.
+        let most = (c.length / c.edge) as usize + 2;
         flood.prolong(view.surface, view.crossings[end as usize].face, most)?;
     }
     Some(())

@@ -20,14 +20,11 @@ use super::{FREE, LEVEL};
 use crate::solver::body::{Friction, Plane};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
-use crate::solver::scales::TOUCHING;
+use crate::solver::scales::{LEAST_MOBILITY, TOUCHING};
 
 /// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1
 /// leaves a pile of three on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
 const SUPPORT: f32 = 0.02;
-/// In a pass no particle goes farther than so many times the push of its pair (dimensionless): one that hardly bears on it
-/// would have to go far to matter, where the others are held.
-const MOST_PUSHES: f32 = 4.0;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
 
@@ -175,9 +172,8 @@ impl Contact {
     fn mobility(&self, x: &[Vec4; 4]) -> f32 {
         let own: f32 = (0..4).map(|i| self.weights[i] * self.weights[i] * x[i].w).sum();
         let lightest = x.iter().map(|x| x.w).fold(0.0, f32::max);
-        // `|w| / max(w², 1/16) <= 4`. Momentum is kept whatever they are divided by; a push that is cut short goes on in the
-        // next substeps.
-        if own > 0.0 { own.max(lightest / (MOST_PUSHES * MOST_PUSHES)) } else { 0.0 }
+        // Momentum is kept whatever they are divided by; a push that is cut short goes on in the next substeps.
+        if own > 0.0 { own.max(lightest * LEAST_MOBILITY) } else { 0.0 }
     }
 
     /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only

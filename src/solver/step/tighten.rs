@@ -12,9 +12,6 @@ use crate::solver::state::ClothState;
 /// Sweeps for the strain limit in each substep of a taut cloth, and in each turn with contacts.
 const TAUT_SWEEPS: u32 = 2;
 
-/// The same for skinned cloth near bones that are finer than its mesh.
-const SKINNED_SWEEPS: u32 = 4;
-
 /// The same for a settling cloth, whose edges are shortened at the end of a frame only far beyond the limit.
 pub(super) const SETTLING_SWEEPS: u32 = 8;
 
@@ -37,11 +34,7 @@ impl Stepped<'_> {
         let Scratch { tight, springs, contacts, faces, coupling, provisional, .. } = scratch;
         let mut grounds = self.grounds(frame.span(), coupling);
         let on_bones = faces.candidates() > 0 && input.skinned.is_some();
-        let sweeps = match (frame.settling, on_bones) {
-            (true, _) => SETTLING_SWEEPS,
-            (false, true) => SKINNED_SWEEPS,
-            (false, false) => TAUT_SWEEPS,
-        };
+        let sweeps = if frame.settling { SETTLING_SWEEPS } else { TAUT_SWEEPS };
         for _ in 0..sweeps {
             if on_bones {
                 contacts.project_provisionally(&mut grounds, positions, provisional);
