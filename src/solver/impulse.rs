@@ -2,12 +2,15 @@
 
 use glam::{Vec3, Vec4};
 
+use super::settings::Stepping;
 use super::state::ClothState;
 
 /// Largest change of a velocity `[m/s]`.
 pub(crate) const FASTEST: f32 = 100.0;
-/// Substep of a cloth that was not stepped yet `[s]`.
-pub(crate) const SUBSTEP: f32 = 1.0 / 360.0;
+/// Substep of a cloth that was not stepped yet `[s]`: the default.
+pub(crate) fn first_substep() -> f32 {
+    Stepping::default().substep_rate.recip()
+}
 
 /// Gives `impulse` `[N·s]` to the particles within `radius` `[m]` of `point` `[m]`, as one piece: each gets the velocity
 /// `J f / Σ m f`, `f = (1 - d²/r²)²`. Returns how many particles took part.
@@ -45,7 +48,7 @@ fn falloff(distance_squared: f32, radius: f32) -> f32 {
 /// Adds to velocities `[m/s]`, at most [`FASTEST`] each.
 fn kick(state: &mut ClothState, velocity: impl Fn(Vec4) -> Vec3) -> u32 {
     if !(state.substep > 0.0) {
-        state.substep = SUBSTEP;
+        state.substep = first_substep();
     }
     let mut count = 0;
     for (&x, old) in state.positions.iter().zip(&mut state.previous) {

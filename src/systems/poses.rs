@@ -7,7 +7,7 @@ use crate::components::{Cloth, ClothReset};
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, ClothPose, ClothRest, ClothScratch, FIRST_FRAMES};
-use crate::solver::impulse::{FASTEST, SUBSTEP};
+use crate::solver::impulse::{FASTEST, first_substep};
 use crate::solver::step::Scratch;
 
 /// Farthest from the origin of its frame that a particle is put `[m]`: farther, a coordinate of 32 bits is not within 0.1 mm.
@@ -115,7 +115,7 @@ fn put(ClothPose { positions, velocities }: &ClothPose, particles: &mut ClothPar
     let origin = particles.origin;
     let state = particles.state_mut();
     if state.substep <= 0.0 {
-        state.substep = SUBSTEP;
+        state.substep = first_substep();
     }
     let all = state.positions.iter_mut().zip(&mut state.previous);
     for ((x, old), (to, velocity)) in all.zip(positions.iter().zip(velocities)).filter(|((x, _), _)| x.w > 0.0) {

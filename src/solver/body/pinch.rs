@@ -7,8 +7,8 @@ use glam::{Vec3, Vec3A, Vec4};
 use parry3d::bounding_volume::BoundingVolume;
 
 use super::geometry::for_each_geometry;
-use super::squeeze::OPPOSED;
 use super::{Body, motion};
+use crate::solver::scales::ALIGNED;
 
 /// Gap between two bones below which cloth is pinched, and below which it stays so, in distances that are kept from a bone
 /// (dimensionless).
@@ -64,7 +64,7 @@ impl Pinches {
                     let most = if before.binary_search(&i).is_ok() { RELEASED } else { PINCHED };
                     let distance = sample.distance + body.inset(i, keep);
                     let gap = distance + nearest.w;
-                    if gap < most * keep && normal.dot(nearest.truncate()) < OPPOSED {
+                    if gap < most * keep && normal.dot(nearest.truncate()) < -ALIGNED {
                         particles.push(i);
                     }
                     if distance < nearest.w {

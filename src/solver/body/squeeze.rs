@@ -9,10 +9,7 @@
 use glam::{Vec3, Vec3A};
 
 use super::respond::Projection;
-use crate::solver::scales::TOUCHING;
-
-/// Cosine of two normals beyond which something is between the two parts (dimensionless).
-pub(super) const OPPOSED: f32 = -0.5;
+use crate::solver::scales::{ALIGNED, TOUCHING};
 
 /// What something is close to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +60,7 @@ impl Squeezes {
             return other.kept;
         }
         let is_other = other.substep > 0 && other.part != part && self.substep - other.substep <= 1;
-        let between = is_other && normal.dot(other.normal.into()) < OPPOSED;
+        let between = is_other && normal.dot(other.normal.into()) < -ALIGNED;
         let keep = if between { (0.5 * (distance + other.distance)).clamp(TOUCHING * keep, keep) } else { keep };
         if self.projection == Projection::First {
             *close = Close { substep: self.substep, part, normal: normal.into(), distance: distance.max(keep), kept: keep };

@@ -47,9 +47,7 @@ use undo::Undo;
 /// Rings of neighbours around a tangle over which a held shape passes into the live one.
 const RINGS: usize = 3;
 
-/// Looks after which the rest of a tangle that came up within a frame is not rolled back any more.
-const MOST_ROLLBACKS: usize = 8;
-/// Rounds in which one cloth after the other stays where it was.
+/// Rounds of each way to roll back what came up within a frame: after them the rest is untangled.
 const MOST_ROUNDS: usize = 8;
 
 /// How far ahead pairs are looked for at most `[s]`: in a longer frame all are looked for again. Boxes swept farther meet half

@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{Island, MOST_ROLLBACKS, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
+use super::{Island, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::rollback::Rollback;
@@ -191,10 +191,10 @@ impl Island {
         if !self.rollback.begin(&self.surface, crossings, &self.positions, &self.previous, &self.takes_part, self.count) {
             return;
         }
-        self.put_back(MOST_ROLLBACKS, Rollback::restore_relative);
+        self.put_back(MOST_ROUNDS, Rollback::restore_relative);
         // What touched before may cross by rounding.
-        self.put_back(MOST_ROLLBACKS, Rollback::restore_exactly);
-        self.put_back(MOST_ROLLBACKS, Rollback::follow_pins);
+        self.put_back(MOST_ROUNDS, Rollback::restore_exactly);
+        self.put_back(MOST_ROUNDS, Rollback::follow_pins);
     }
 
     /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is
@@ -227,7 +227,7 @@ impl Island {
             return false;
         }
         self.look();
-        let there = self.put_back(MOST_ROLLBACKS, Rollback::restore_exactly);
+        let there = self.put_back(MOST_ROUNDS, Rollback::restore_exactly);
         // A cloth that stays may be met by one that went on.
         let whole = self.put_back(self.surface.parts.len().min(MOST_ROUNDS), Rollback::restore_cloths);
         there || whole

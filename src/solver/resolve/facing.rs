@@ -10,10 +10,6 @@ use super::view::View;
 /// normals within 80° of it: all around a tube it is none, and what brings one flank of it in drives the other one out.
 pub(super) const ONE_WAY: f32 = 0.7;
 
-/// Smallest cosine between normals that face the same way (dimensionless): of layers that lie on each other, and on the mean,
-/// as [`agreement`], of sides that go apart each along the normals of the other.
-pub(super) const AGREE: f32 = 0.5;
-
 /// Where a side faces at each crossing of some contours.
 pub(super) fn facing_at<'a>(
     view: View<'a>,

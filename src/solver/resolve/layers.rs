@@ -13,11 +13,11 @@
 
 use glam::{Vec3, Vec4};
 
-use super::facing::AGREE;
 use super::plan::Plans;
 use super::separation::Stray;
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
+use crate::solver::scales::ALIGNED;
 use crate::solver::topology::NONE;
 
 /// So many particles are looked at per iteration, and one in so many at least.
@@ -108,7 +108,7 @@ impl Layers {
                 if is_wrong {
                     let pair = if side == 0 { [part, other] } else { [other, part] };
                     // Projected along the normal of the face, the way may be a little longer.
-                    let near = share * reach / AGREE + surface.mean_edge;
+                    let near = share * reach / ALIGNED + surface.mean_edge;
                     self.strays.push((pair, Stray { side, particle: v, face, near }));
                 }
             }
@@ -146,7 +146,7 @@ fn normal(surface: &Surface, positions: &[Vec4], particle: u32) -> Vec3 {
 fn faces_as(surface: &Surface, positions: &[Vec4], face: u32, normal: Vec3) -> bool {
     let [a, b, c] = surface.topology.faces[face as usize].map(|v| positions[v as usize].truncate());
     let mine = (b - a).cross(c - a);
-    mine.dot(normal) >= AGREE * mine.length()
+    mine.dot(normal) >= ALIGNED * mine.length()
 }
 
 /// Where along `path` a face is met, as a fraction.

@@ -3,10 +3,11 @@
 use super::Resolver;
 use super::between::cloths;
 use super::contour::ContourGraph;
-use super::facing::{AGREE, ONE_WAY, agreement, facing_at, mean};
+use super::facing::{ONE_WAY, agreement, facing_at, mean};
 use super::layers::{Layers, Pair, ordered};
 use super::separation::{Course, Member, Stray};
 use super::view::View;
+use crate::solver::scales::ALIGNED;
 
 /// Which side of a contour the inner cloth is on: pairs are named the outer one first.
 const INNER: usize = 1;
@@ -25,7 +26,7 @@ fn outward(view: View<'_>, graph: &ContourGraph, set: &[Member], strays: &[Stray
     if mean.length() > ONE_WAY {
         return Some(Course::Along(mean.normalize_or_zero()));
     }
-    (agreement(view, graph, set) > -AGREE).then_some(Course::Facing([1.0, -1.0]))
+    (agreement(view, graph, set) > -ALIGNED).then_some(Course::Facing([1.0, -1.0]))
 }
 
 impl Resolver {

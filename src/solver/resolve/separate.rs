@@ -8,10 +8,11 @@ use glam::Vec3;
 
 use super::Resolver;
 use super::between::cloths;
-use super::facing::{AGREE, ONE_WAY, agreement, facing_at, mean};
+use super::facing::{ONE_WAY, agreement, facing_at, mean};
 use super::separation::{Course, Member};
 use super::tracked::Strategy;
 use super::view::View;
+use crate::solver::scales::ALIGNED;
 use crate::solver::verdict::Escalation;
 
 /// How much cheaper another direction must be than the one taken before.
@@ -61,7 +62,7 @@ impl Resolver {
         let more = more.filter(|_| *escalation >= Escalation::Candidates);
         let directions = [before.normalize_or_zero(), n, -n, m, -m].into_iter().chain(more).filter(|_| one_way);
         let agree = agreement(view, graph, set);
-        let signs = [1.0, -1.0].into_iter().filter(|_| !one_way && agree.abs() > AGREE);
+        let signs = [1.0, -1.0].into_iter().filter(|_| !one_way && agree.abs() > ALIGNED);
         let courses = directions.map(Course::Along).chain(signs.map(|sign| Course::Facing([sign, -sign * agree.signum()])));
         for (k, course) in courses.enumerate() {
             if course != Course::Along(Vec3::ZERO)

@@ -4,9 +4,7 @@ use glam::Vec3;
 
 use super::count::MOST_FOR_BODIES;
 use super::{Scratch, Stepped};
-
-/// Cosine of the angle to gravity within which what cloth gives a body is its own weight: 60°.
-const LIES: f32 = 0.5;
+use crate::solver::scales::ALIGNED;
 
 impl Stepped<'_> {
     /// Finds the factor of substeps for heavier bodies that lie on the cloth. A body that presses the cloth too far multiplies
@@ -28,7 +26,7 @@ impl Stepped<'_> {
                 for_heavy_body = for_heavy_body.max(scratch.for_heavy_body);
             }
             let given = body.rigid.map_or(Vec3::ZERO, |slot| scratch.coupling.given(slot).linear);
-            let lies_on_it = given.dot(self.input.gravity) > LIES * given.length() * self.input.gravity.length();
+            let lies_on_it = given.dot(self.input.gravity) > ALIGNED * given.length() * self.input.gravity.length();
             if push > bound * count && !lies_on_it {
                 for_heavy_body = for_heavy_body.max(heavier.sqrt().min(MOST_FOR_BODIES).ceil() as u32);
             }

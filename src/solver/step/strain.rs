@@ -7,9 +7,6 @@ use crate::solver::settings::Fabric;
 /// frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
-/// The same at the end of a frame of a settling cloth: what is shortened moves, and is shortened in the next frame again.
-const SETTLING_STRAINED: f32 = 2.5;
-
 /// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]. In the substeps of the next frame those of its
 /// springs that are close to the limit are also [swept](super::Stepped::tighten) for it alone.
 pub(super) const TAUT: f32 = 2.0;
@@ -45,7 +42,8 @@ impl Scratch {
 
     /// Whether the frame is to end with its overlong edges shortened.
     pub(super) fn is_overlong(&self, fabric: &Fabric) -> bool {
-        let limits = if self.is_settling() { SETTLING_STRAINED } else { STRAINED };
+        // In settling cloth what is shortened moves, and is shortened in the next frame again.
+        let limits = if self.is_settling() { TAUT } else { STRAINED };
         self.strain() > limits * fabric.strain_limit
     }
 

@@ -1,8 +1,7 @@
 //! Axis-aligned boxes, of points and of unit normals.
 
+use crate::solver::scales::ALIGNED;
 use glam::Vec3A;
-
-use super::FLAT;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +32,7 @@ impl Bounds {
     pub(super) fn are_flat(&self) -> bool {
         let axis = self.min + self.max;
         let least = (axis * self.min).min(axis * self.max).element_sum();
-        least > 0.0 && least * least > FLAT * FLAT * axis.length_squared()
+        least > 0.0 && least * least > ALIGNED * ALIGNED * axis.length_squared()
     }
 
     /// The smallest box around points.

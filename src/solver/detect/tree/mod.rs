@@ -52,8 +52,6 @@ pub(crate) use pack::lanes;
 pub(crate) const LEAF: usize = u8::BITS as usize;
 /// Set in [`Node::right`] of a leaf.
 const IS_LEAF: u32 = 1 << 31;
-/// Cosine of how far normals may lie from one direction for what they belong to to be flat: 60°. See the module.
-pub(crate) const FLAT: f32 = 0.5;
 /// Most edges at a particle that joins nodes.
 const HUB: usize = 64;
 /// [`Node::part`] of a node that holds more than one cloth.

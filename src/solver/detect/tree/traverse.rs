@@ -3,9 +3,10 @@
 use glam::Vec3A;
 
 use super::pack::lanes;
-use super::{Bounds, FLAT, IS_LEAF, Joint, LEAF, MIXED, Node, Tree};
+use super::{Bounds, IS_LEAF, Joint, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::effort::{Effort, Meter};
+use crate::solver::scales::ALIGNED;
 use crate::solver::topology::NONE;
 
 /// First of a pair on the stack whose second is a [`Joint`].
@@ -194,7 +195,7 @@ impl Tree {
     fn hardly_bend<const N: usize>(&self, leaves: [&Node; N]) -> bool {
         let normals = || leaves.into_iter().flat_map(|leaf| &self.normals[leaf.run()]);
         let axis: Vec3A = normals().sum();
-        let limit = FLAT * axis.length();
+        let limit = ALIGNED * axis.length();
         limit > 0.0 && !leaves.iter().any(|leaf| leaf.folded) && normals().all(|n| n.dot(axis) >= limit)
     }
 

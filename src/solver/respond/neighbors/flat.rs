@@ -3,7 +3,7 @@
 use glam::{Vec3A, Vec4};
 
 use crate::solver::detect::Surface;
-use crate::solver::detect::tree::FLAT;
+use crate::solver::scales::ALIGNED;
 use crate::solver::topology::NONE;
 
 /// Asked for more than one in this many particles, it is cheaper to find out about all.
@@ -71,7 +71,7 @@ impl Flatness {
             sums[c as usize] += *normal;
         }
         for (t, &normal) in surface.topology.faces.iter().zip(normals.iter()) {
-            let limit = FLAT * FLAT * normal.length_squared();
+            let limit = ALIGNED * ALIGNED * normal.length_squared();
             for &v in t {
                 let sum = sums[v as usize];
                 let along = normal.dot(sum);
@@ -95,6 +95,6 @@ fn is_flat(v: u32, surface: &Surface, at: impl Fn(u32) -> Vec3A) -> bool {
     let sum: Vec3A = faces().map(normal).sum();
     faces().map(normal).all(|normal| {
         let along = normal.dot(sum);
-        along > 0.0 && along * along > FLAT * FLAT * normal.length_squared() * sum.length_squared()
+        along > 0.0 && along * along > ALIGNED * ALIGNED * normal.length_squared() * sum.length_squared()
     })
 }

@@ -6,7 +6,7 @@ use crate::solver::body::Touch;
 use crate::solver::detect::{Proximity, ProximityKind, Surface};
 
 /// Pairs of one cloth are kept no farther apart than this share of their distance at rest (dimensionless). In folds of less
-/// than 60°, which are taken for [flat](crate::solver::detect::tree::FLAT), they may get to half of it. Yet 0.5 here took twice
+/// than 60°, which are taken for [flat](crate::solver::scales::ALIGNED), they may get to half of it. Yet 0.5 here took twice
 /// as long to untangle a garment of many layers **`[measured]`**.
 pub(super) const REST_SHARE: f32 = 0.7;
 
