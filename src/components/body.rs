@@ -13,7 +13,7 @@ use super::fitted::FittedBody;
 ///
 /// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They
 /// are made anew when the mesh, the skin or the layers change, and what was edited is lost. A change of this component writes
-/// margins and friction to them, and keeps shapes, places and contacts. Bodies with the same joints, settings and layers are
+/// margins and friction to them, and keeps shapes, places and contacts; change all bodies that are fitted together at once. Bodies with the same joints, settings and layers are
 /// fitted together: a character whose mesh is in pieces has one set of colliders. All go when this component is removed.
 ///
 /// A [`Cloth`](crate::Cloth) is no body: this belongs on what wears it.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 
+use super::body::ClothBody;
 use super::layers::ClothCollisionLayers;
 use crate::character::BoneCollider;
 use crate::solver::body::SharedShape;
@@ -70,6 +71,8 @@ pub(crate) struct FittedBody {
     pub made_of: MadeOf,
     /// Bodies that were fitted together, this one first. Empty where another one is first, or nothing is fitted.
     pub members: Vec<Entity>,
+    /// The settings that its colliders have, in range.
+    pub settings: ClothBody,
     /// What was fitted to them; keeps it for others with the same mesh.
     pub colliders: Option<Arc<[BoneCollider]>>,
 }

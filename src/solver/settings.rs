@@ -58,7 +58,7 @@ pub struct Fabric {
 impl Fabric {
     /// Values from which masses and factors of constraints are computed: density `[kg/m²]`, stiffness against stretch and shear
     /// `[N/m]` and against bending `[N·m]`, the ratios along the warp (dimensionless), its angle `[rad]`, and whether yarns rub
-    /// (0 or 1). While these and the pins stay, [`prepare`](super::step::prepare) changes nothing.
+    /// (0 or 1). While these and the pins stay, [`prepare`](super::step::prepare) need not be called.
     #[must_use]
     pub fn prepared(&self) -> [f32; 8] {
         let rubs = f32::from(u8::from(self.bend_hysteresis > 0.0));

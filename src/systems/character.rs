@@ -1,10 +1,11 @@
-//! Prepare: skinned bodies get colliders for their bones, again when their mesh, skin, settings or layers change.
+//! Prepare: skinned bodies get colliders for their bones, again when their mesh, skin or layers change.
 //!
 //! ```text
 //!   watch     what changed, and what is not there yet
 //!   group     bodies with the same joints and settings are fitted together; the first of them owns the colliders
 //!   fit       in the bind pose, once for all bodies that are alike
 //!   replace   old colliders go, new ones are children of their joints
+//!   tune      settings that change are written to the colliders that are there
 //! ```
 
 use std::sync::Arc;
@@ -99,11 +100,15 @@ pub(crate) fn bodies(
         if is_fitted && !first.settings.is_changed() {
             continue;
         }
+        let before = first.fitted.map(|state| state.settings);
         let mut checked = Checked::default();
         let settings = first.settings.checked(&mut checked);
         notices.clamped(first.entity, first.name, "body", &checked);
         if is_fitted {
-            tune(&mut commands, &first, settings);
+            if before != Some(settings) {
+                tune(&mut commands, &first, settings);
+            }
+            remember(&mut bodies, group[0], settings);
             continue;
         }
         let colliders = fit_together(&anatomy, &mut cache, &bodies, &group);
@@ -123,6 +128,7 @@ pub(crate) fn bodies(
         if let Ok(mut body) = bodies.get_mut(group[0])
             && let Some(state) = &mut body.fitted
         {
+            state.settings = settings;
             state.members = if stage == Stage::Made { group } else { Vec::new() };
             state.colliders = (stage == Stage::Made).then_some(colliders);
         }
@@ -151,8 +157,9 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
         let arrived = made_of.mesh.is_some_and(|mesh| {
             sources.modified.contains(&mesh) || (state.stage == Stage::Failed && sources.added.contains(&mesh))
         });
-        let is_changed = body.skin.as_ref().is_some_and(DetectChanges::is_changed);
-        is_stale |= body.settings.is_changed() && takes_part(state.stage);
+        let is_tuned = body.settings.is_changed();
+        let is_changed = body.skin.as_ref().is_some_and(DetectChanges::is_changed) || (is_tuned && !takes_part(state.stage));
+        is_stale |= is_tuned && takes_part(state.stage);
         let is_tried =
             arrived || is_changed || state.made_of != made_of || matches!(state.stage, Stage::New | Stage::Waiting { .. });
         if !is_tried {
@@ -249,7 +256,7 @@ fn fit_together(anatomy: &Anatomy, cache: &mut BodyCache, bodies: &Query<Body>, 
             parents: &parents,
             unit,
         };
-        // That of the settings is theirs to change.
+        // `margin_of` adds the margin of `ClothBody`, which may change without a fit.
         fit(&body, &FitSettings { margin: 0.0, ..FitSettings::default() })
     })
 }
@@ -365,7 +372,16 @@ fn replace(commands: &mut Commands, body: Entity, parts: Vec<Part>, layers: Opti
     });
 }
 
-/// Writes settings in range to the colliders of a body that are still there, under their joints.
+/// Remembers the settings that the colliders of a body have.
+fn remember(bodies: &mut Query<Body>, entity: Entity, settings: ClothBody) {
+    if let Ok(mut body) = bodies.get_mut(entity)
+        && let Some(state) = &mut body.fitted
+    {
+        state.settings = settings;
+    }
+}
+
+/// Writes settings in range to those colliders of a body that are still under their joints.
 fn tune(commands: &mut Commands, body: &BodyReadOnlyItem, settings: ClothBody) {
     let (Some(skin), Some(colliders)) = (&body.skin, body.fitted.and_then(|state| state.colliders.clone())) else { return };
     let (body, joints) = (body.entity, skin.joints.clone());
@@ -374,11 +390,9 @@ fn tune(commands: &mut Commands, body: &BodyReadOnlyItem, settings: ClothBody) {
         for entity in mine.iter().collect::<Vec<Entity>>() {
             let joint = world.get::<ChildOf>(entity).map(ChildOf::parent);
             let fitted = colliders.iter().find(|fitted| joint.is_some() && joints.get(fitted.joint).copied() == joint);
-            let Some(mut collider) = world.get_mut::<ClothCollider>(entity) else { continue };
-            let ClothBody { static_friction, dynamic_friction, .. } = settings;
-            let margin = fitted.map_or(collider.margin, |fitted| margin_of(fitted, &settings));
-            let tuned = ClothCollider { margin, static_friction, dynamic_friction, ..collider.clone() };
-            collider.set_if_neq(tuned);
+            let (Some(fitted), Some(mut collider)) = (fitted, world.get_mut::<ClothCollider>(entity)) else { continue };
+            collider.margin = margin_of(fitted, &settings);
+            (collider.static_friction, collider.dynamic_friction) = (settings.static_friction, settings.dynamic_friction);
         }
     });
 }

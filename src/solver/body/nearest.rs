@@ -64,13 +64,12 @@ impl Convex<'_> {
         (sample.normal != Vec3A::ZERO && sample.distance.is_finite()).then_some(Near { weights, point, sample })
     }
 
-    /// What GJK found, which stops early at round shapes, after projections in turn onto part and face: they approach the
-    /// closest points of any two convex sets.
+    /// What GJK found, which stops early at round shapes, or what is nearer after one projection onto the part and the face.
     fn refined(&self, face: &Face, weights: [f32; 3]) -> Option<Near> {
         let found = self.near(face, weights)?;
         let foot = found.point - found.sample.normal * found.sample.distance;
         let next = self.near(face, to_point(face, foot).0)?;
-        Some(if next.sample.distance < found.sample.distance { next } else { found })
+        Some(if next.sample.distance < 0.999 * found.sample.distance { next } else { found })
     }
 }
 

@@ -3,12 +3,13 @@
 //! parry's own constructors index out of bounds on bad indices and assert on flat or non-finite input, so everything is checked
 //! before.
 
-use crate::solver::scales::FARTHEST;
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose;
 use parry3d::shape::{Compound, ConvexPolyhedron, HeightField, SharedShape, TriMesh, TriMeshFlags, TypedShape};
 use parry3d::utils::Array2;
+
+use crate::solver::scales::FARTHEST;
 
 /// Coordinates of triangles that are nearer to zero are zero `[m]`: parry divides by how far apart their middles are, which
 /// overflows, and panics.

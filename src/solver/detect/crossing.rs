@@ -108,7 +108,7 @@ impl Detector {
 
     /// Finds all crossings at `positions` (`[m]`, `w` inverse mass), sorted by edge, then face.
     ///
-    /// A cloth with a particle that is not finite or farther out than [`FARTHEST`](crate::solver::scales::FARTHEST) takes no part.
+    /// A cloth with a particle that is not finite or farther out than 1e6 m takes no part.
     pub fn detect(&mut self, surface: &Surface, positions: &[Vec4]) -> &[Crossing] {
         if positions.len() == surface.len() {
             self.tree.refit(surface, positions, None);

@@ -85,8 +85,6 @@ fn lengths_squared(d: [Vec4; LANES]) -> Vec4 {
     m.x_axis * m.x_axis + m.y_axis * m.y_axis + m.z_axis * m.z_axis
 }
 
-/// Leaves out `w`, a mass: cheaper than a mask, with the same bits.
-
 /// Solves every spring once.
 pub(crate) fn solve(springs: &Springs, factors: &SpringFactors, strain_limit: f32, positions: &mut [Vec4]) {
     let ends = springs.a.iter().zip(&springs.b).zip(&springs.inverse_square);

@@ -15,8 +15,6 @@ const ISLANDS: usize = 8;
 /// Tethers per particle, to different groups of pins, shortest first.
 const PER_PARTICLE: usize = 2;
 
-/// Leaves out `w`, a mass: cheaper than a mask, with the same bits.
-
 /// Upper bounds on distances to pins, in batches of four with different free particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]

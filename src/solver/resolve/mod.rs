@@ -54,7 +54,6 @@ use crate::solver::effort::Effort;
 use crate::solver::verdict::{Escalation, Verdict};
 
 use between::Between;
-
 #[cfg(feature = "research")]
 use history::{History, Push};
 use layers::Layers;

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::patch::MOST_RINGS;
 use super::share::{load, shares};
 use super::shrink::saturate;
 use super::view::View;
@@ -10,6 +9,8 @@ use super::{ResolveSettings, Resolver};
 
 /// Passes of smoothing along the contour.
 const PASSES: usize = 16;
+/// Most rings that are moved.
+const MOST_RINGS: f32 = 8.0;
 
 impl Resolver {
     /// Like [`Self::shrink`], with the gradient summed over a stretch of the contour around each crossing: for curves on which
@@ -59,8 +60,8 @@ impl Resolver {
                 shift.add(v, share[1 - side] * w * t.s.as_vec3() * step, share[1 - side] * step);
             }
         }
-        let rings = (settings.spread * graph.contours[contour].length / graph.contours[contour].edge) as usize;
-        patch.grow(view.surface, rings.min(MOST_RINGS));
+        let rings = (settings.spread * graph.contours[contour].length / graph.contours[contour].edge).min(MOST_RINGS) as usize;
+        patch.grow(view.surface, rings);
         for (side, share) in share.into_iter().enumerate() {
             let ends = &patch.ring_end[side];
             let mut ring = 0;

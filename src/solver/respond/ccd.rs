@@ -16,7 +16,6 @@
 use glam::{Vec3, Vec4};
 
 use super::Contacts;
-use super::PASSES;
 use super::contact::Contact;
 use super::incidence::Incidence;
 use crate::solver::detect::ProximityKind;
@@ -25,13 +24,14 @@ use crate::solver::detect::proximity::{closest_edges, vertex_face};
 use crate::solver::effort::Effort;
 use crate::solver::scales::TOUCHING;
 
-/// Passes in all; in the first [`PASSES`] pairs keep their mean motion.
+/// Passes in which pairs keep their mean motion, and all.
+const MEAN_PASSES: u8 = 6;
 const MOST_PASSES: u8 = 30;
 /// In place of a pass: a particle moves with what is held, and nothing else moves it.
 const WITH_HELD: u8 = u8::MAX;
 
-/// Distance that is kept, as a share of that at the start, and at least [`TOUCHING`]: much closer, nobody could say which side
-/// is which.
+/// Distance that is kept, as a share of that at the start, and at least [`TOUCHING`] thicknesses: much closer, nobody could
+/// say which side is which.
 const KEPT: f32 = 0.2;
 
 impl Contacts {
@@ -67,15 +67,15 @@ impl Contacts {
         }
         while any && ways.pass < MOST_PASSES {
             any = false;
-            ways.pass = if effort.is_spent() { ways.pass.max(PASSES as u8) + 1 } else { ways.pass + 1 };
+            ways.pass = if effort.is_spent() { ways.pass.max(MEAN_PASSES) + 1 } else { ways.pass + 1 };
             incidence.turn();
-            if ways.pass == PASSES as u8 + 1 {
+            if ways.pass == MEAN_PASSES + 1 {
                 ways.shared = shared_motion(ways.start, ways.now);
                 ways.bounds.clear();
                 ways.bounds.resize(ways.now.len(), f32::NAN);
             }
             // Only what was cut since a pair was asked can change its answer, and what goes with what is held.
-            if ways.pass > PASSES as u8 {
+            if ways.pass > MEAN_PASSES {
                 ways.cut_in(WITH_HELD).for_each(|slot| incidence.ask_again(slot, None));
             }
             let mut next = 0;
@@ -180,7 +180,7 @@ impl Ways<'_> {
         let motion: [Vec3; 4] = std::array::from_fn(|i| to[i].truncate() - from[i].truncate());
         let held = [0, 1, 2, 3].map(|i| !(to[i].w > 0.0) || self.cut[pair.slots[i] as usize] == WITH_HELD);
         let any_held = held.contains(&true);
-        let at_last = self.pass > PASSES as u8;
+        let at_last = self.pass > MEAN_PASSES;
         let mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);

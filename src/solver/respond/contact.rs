@@ -213,7 +213,7 @@ pub(super) fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
 #[cfg(test)]
 impl Contact {
     /// A pair of the first four slots that has not touched yet, without friction, `thickness` `[m]` apart.
-    pub fn bare(kind: ProximityKind, thickness: f32) -> Self {
+    pub(crate) fn bare(kind: ProximityKind, thickness: f32) -> Self {
         Self {
             kind,
             faces: [0; 2],

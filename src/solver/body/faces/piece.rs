@@ -1,5 +1,7 @@
 //! Pieces of a face: edges are looked at by themselves, and so is what lies between them.
 
+use crate::solver::body::nearest::Face;
+
 /// Pieces of a face: its edges, and itself.
 pub(super) const PIECES: u32 = 4;
 /// Least weight of every corner of a face that is touched between its edges (dimensionless).
@@ -33,9 +35,16 @@ impl Piece {
         PIECES * face + if let Self::Edge(k) = self { u32::from(k) } else { PIECES - 1 }
     }
 
-    /// Whether a touch at these weights is for it to take: what is between edges takes none on them.
-    pub(super) fn takes(self, weights: &[f32; 3]) -> bool {
-        self != Self::Within || is_within(weights)
+    /// Whether a touch of `face` at these weights is for it to take, where all of it keeps a distance `[m]`: what is between
+    /// edges leaves to them what they reach.
+    pub(super) fn takes(self, weights: &[f32; 3], face: &Face, keep: f32) -> bool {
+        let area = (face[1] - face[0]).cross(face[2] - face[0]).length();
+        self != Self::Within
+            || (0..3).all(|i| {
+                let edge = (face[(i + 1) % 3] - face[(i + 2) % 3]).length();
+                // wᵢ times the height over an edge is the distance from it.
+                weights[i] > WITHIN || weights[i] * area > keep * edge
+            })
     }
 }
 

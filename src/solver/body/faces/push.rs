@@ -12,7 +12,7 @@ impl Setting<'_> {
     /// Pushes the nearest point of a face out, and shares that out by mass; whether anything could.
     pub(super) fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
         let State { candidate, positions, previous, rigid } = state;
-        if !candidate.piece.takes(&near.weights) {
+        if !candidate.piece.takes(&near.weights, &way.to, self.keep) {
             return false;
         }
         let w = near.weights;

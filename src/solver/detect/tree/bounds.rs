@@ -1,7 +1,8 @@
 //! Axis-aligned boxes, of points and of unit normals.
 
-use crate::solver::scales::ALIGNED;
 use glam::Vec3A;
+
+use crate::solver::scales::ALIGNED;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
