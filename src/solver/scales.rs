@@ -11,8 +11,7 @@ pub(crate) const TOUCHING: f32 = 0.02;
 pub(crate) const ALIGNED: f32 = 0.5;
 /// Least mobility of what a constraint pushes, as a share of that of its lightest particle (dimensionless). A point that hangs
 /// by a corner from two that are held would have to go far to matter. Pairs and triangles divide by no less, so that in a pair
-/// no particle goes farther than four times the push: `|w| / max(w², 1/16) <= 4`. A face on a body is not pushed at such a
-/// point.
+/// no particle goes farther than four times the push: `|w| / max(w², 1/16) <= 4`.
 pub(crate) const LEAST_MOBILITY: f32 = 1.0 / 16.0;
 /// Time over which cloth changes or is watched `[s]`. Within it changed fabrics, limits, anchors and skeletons are reached, and
 /// a tangle is drawn to a pose. Cloth that is slow for as long begins to settle, and as long after a rollback substeps are

@@ -18,6 +18,9 @@ use super::distance::Sample;
 use super::geometry::Geometry;
 use crate::solver::detect::proximity::{closest_edges, vertex_face};
 
+/// Projections in turn after GJK, at most.
+const PROJECTIONS: u32 = 3;
+
 /// Corners of a face in the part's own space `[m]`.
 pub(super) type Face = [Vec3A; 3];
 
@@ -64,12 +67,19 @@ impl Convex<'_> {
         (sample.normal != Vec3A::ZERO && sample.distance.is_finite()).then_some(Near { weights, point, sample })
     }
 
-    /// What GJK found, which stops early at round shapes, or what is nearer after one projection onto the part and the face.
+    /// What GJK found, which stops early at round shapes, after projections in turn onto part and face: they approach the
+    /// closest points of any two convex sets.
     fn refined(&self, face: &Face, weights: [f32; 3]) -> Option<Near> {
-        let found = self.near(face, weights)?;
-        let foot = found.point - found.sample.normal * found.sample.distance;
-        let next = self.near(face, to_point(face, foot).0)?;
-        Some(if next.sample.distance < 0.999 * found.sample.distance { next } else { found })
+        let mut best = self.near(face, weights)?;
+        for _ in 0..PROJECTIONS {
+            let foot = best.point - best.sample.normal * best.sample.distance;
+            let next = self.near(face, to_point(face, foot).0)?;
+            if next.sample.distance >= 0.999 * best.sample.distance {
+                break;
+            }
+            best = next;
+        }
+        Some(best)
     }
 }
 

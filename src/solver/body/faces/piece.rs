@@ -1,11 +1,15 @@
 //! Pieces of a face: edges are looked at by themselves, and so is what lies between them.
 
+use super::setting::Setting;
 use crate::solver::body::nearest::Face;
 
 /// Pieces of a face: its edges, and itself.
 pub(super) const PIECES: u32 = 4;
 /// Least weight of every corner of a face that is touched between its edges (dimensionless).
 const WITHIN: f32 = 0.02;
+/// How far from its edges a face is touched between them, at least, in distances that it keeps (dimensionless): they reach
+/// farther than that.
+const OWN: f32 = 0.5;
 
 /// What of a face is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,21 +38,23 @@ impl Piece {
     pub(super) fn place(self, face: u32) -> u32 {
         PIECES * face + if let Self::Edge(k) = self { u32::from(k) } else { PIECES - 1 }
     }
-
-    /// Whether a touch of `face` at these weights is for it to take, where all of it keeps a distance `[m]`: what is between
-    /// edges leaves to them what they reach.
-    pub(super) fn takes(self, weights: &[f32; 3], face: &Face, keep: f32) -> bool {
-        let area = (face[1] - face[0]).cross(face[2] - face[0]).length();
-        self != Self::Within
-            || (0..3).all(|i| {
-                let edge = (face[(i + 1) % 3] - face[(i + 2) % 3]).length();
-                // wᵢ times the height over an edge is the distance from it.
-                weights[i] > WITHIN || weights[i] * area > keep * edge
-            })
-    }
 }
 
 /// Whether a point of a face lies between its edges.
 pub(super) fn is_within(weights: &[f32; 3]) -> bool {
     weights.iter().all(|w| *w > WITHIN)
+}
+
+impl Setting<'_> {
+    /// Whether a touch is for a piece to take: of what is between edges, what is not as near to one of them as it reaches
+    /// itself.
+    pub(super) fn takes(&self, piece: Piece, weights: &[f32; 3], face: &Face) -> bool {
+        let area = (face[1] - face[0]).cross(face[2] - face[0]).length();
+        piece != Piece::Within
+            || (0..3).all(|i| {
+                let edge = (face[(i + 1) % 3] - face[(i + 2) % 3]).length();
+                // wᵢ times the height over an edge is the distance from it.
+                weights[i] > WITHIN || weights[i] * area > OWN * self.keep * edge
+            })
+    }
 }

@@ -6,13 +6,16 @@ use super::piece::Piece;
 use super::setting::{Setting, State, Way};
 use crate::solver::body::nearest::{Near, at};
 use crate::solver::body::respond::{Plane, push_out};
-use crate::solver::scales::LEAST_MOBILITY;
+
+/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that
+/// are held is not levered.
+const LEAST_MOBILITY: f32 = 0.05;
 
 impl Setting<'_> {
     /// Pushes the nearest point of a face out, and shares that out by mass; whether anything could.
     pub(super) fn push(&self, near: &Near, plane: Plane, way: &mut Way, state: &mut State<'_, '_>) -> bool {
         let State { candidate, positions, previous, rigid } = state;
-        if !candidate.piece.takes(&near.weights, &way.to, self.keep) {
+        if !self.takes(candidate.piece, &near.weights, &way.to) {
             return false;
         }
         let w = near.weights;

@@ -25,7 +25,7 @@ impl Setting<'_> {
         let mut touched = None;
         for _ in 0..SLIDES {
             let Some((face, near)) = first_touch(nearest, &start, &way.to, keep) else { return touched };
-            if !state.candidate.piece.takes(&near.weights, &face, self.keep) {
+            if !self.takes(state.candidate.piece, &near.weights, &face) {
                 return touched;
             }
             state.candidate.lies(&near, &face);
