@@ -212,7 +212,7 @@ fn settings_of_a_body_change_its_colliders_and_cloth_keeps_its_hold() {
     let (body, _) = body(&mut app, ());
     let cloth = spawn(&mut app, sheet(16), (ClothSleepDisabled, Transform::from_xyz(0.5, 0.2, 0.0)));
     run(&mut app, 600);
-    let (all, before) = (colliders(&mut app), positions(&mut app, cloth));
+    let (all, before) = (colliders(&mut app), positions(&app, cloth));
     let touching = report(&app, cloth).body_contacts;
     assert!(touching > 20, "{touching} contacts with the leg");
     for frame in 0..120_u32 {
@@ -226,7 +226,7 @@ fn settings_of_a_body_change_its_colliders_and_cloth_keeps_its_hold() {
     }
     let made = app.world().get::<ClothCollider>(all[0].1).expect("a collider");
     assert!((made.margin - 0.02).abs() < 1.0e-6 && made.static_friction == 1.0, "{made:?}");
-    let after = positions(&mut app, cloth);
+    let after = positions(&app, cloth);
     let farthest = before.iter().zip(&after).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!((0.003..0.02).contains(&farthest), "{farthest} m");
 }
