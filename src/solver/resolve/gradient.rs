@@ -36,7 +36,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Evaluates one crossing; `at` gives the positions `[m]`. `bound` is [`BOUND`] except where the exact derivative is wanted
+    /// Evaluates one crossing; `at` gives the positions `[m]`. `bound` is `BOUND` except where the exact derivative is wanted
     /// (0).
     #[must_use]
     pub fn new(topology: &Topology, crossing: &Crossing, bound: f64, at: impl Fn(u32) -> DVec3) -> Self {
