@@ -8,6 +8,7 @@ use bevy::prelude::*;
 
 use super::body::ClothBody;
 use super::layers::ClothCollisionLayers;
+use super::shape::ClothColliderShape;
 use crate::character::BoneCollider;
 use crate::solver::body::SharedShape;
 
@@ -16,6 +17,8 @@ use crate::solver::body::SharedShape;
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ColliderBody {
     pub stage: Stage,
+    /// What the collider was when its shape was made last: margin and friction need no other.
+    pub asked: ClothColliderShape,
     pub shape: Option<SharedShape>,
     pub unscaled: Option<SharedShape>,
     pub scale: Vec3,

@@ -36,9 +36,13 @@ pub(crate) fn shapes(
         let source = mesh.map(|m| sources.authored(&m.0)).filter(|_| needs_mesh(&collider.shape));
         let mesh_id = source.as_ref().map(Handle::id);
         let arrived = mesh_id.is_some_and(|id| sources.modified.contains(&id) || sources.added.contains(&id));
-        let changed = collider.is_changed() || body.mesh != mesh_id || arrived || body.stage == Stage::New;
+        let reshaped = collider.is_changed() && body.asked != collider.shape;
+        let changed = reshaped || body.mesh != mesh_id || arrived || body.stage == Stage::New;
         if changed || matches!(body.stage, Stage::Waiting { .. }) {
             body.mesh = mesh_id;
+            if changed {
+                body.asked.clone_from(&collider.shape);
+            }
             let (unscaled, stage) = match shape_of(&collider.shape, source.as_ref().and_then(|s| meshes.get(s))) {
                 Ok(shape) => (Some(shape), Stage::Made),
                 Err(ColliderError::NoMesh) => (None, waiting(body.stage, now)),
@@ -151,4 +155,35 @@ pub(crate) fn poses(
         });
     }
     bodies.sort_unstable_by_key(|body| body.entity);
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::system::RunSystemOnce;
+
+    use crate::solver::body::SharedShape;
+
+    use super::*;
+
+    #[test]
+    fn a_margin_makes_no_other_shape_and_a_radius_does() {
+        let mut world = World::new();
+        world.init_resource::<Assets<Mesh>>();
+        world.init_resource::<Sources>();
+        world.init_resource::<Notices>();
+        world.init_resource::<Time<Real>>();
+        let collider = world.spawn((ClothCollider::ball(0.5), GlobalTransform::default(), ColliderBody::default())).id();
+        let made = |world: &mut World| {
+            world.run_system_once(shapes).unwrap();
+            world.get::<ColliderBody>(collider).and_then(|body| body.shape.clone()).unwrap()
+        };
+        let first = made(&mut world);
+        world.get_mut::<ClothCollider>(collider).unwrap().margin = 0.1;
+        let with_margin = made(&mut world);
+        world.get_mut::<ClothCollider>(collider).unwrap().shape = ClothColliderShape::Ball { radius: 0.6 };
+        let larger = made(&mut world);
+        let same = |a: &SharedShape, b: &SharedShape| std::sync::Arc::ptr_eq(&a.0, &b.0);
+        assert!(same(&first, &with_margin) && !same(&first, &larger));
+        assert_eq!(larger.as_ball().map(|ball| ball.radius), Some(0.6));
+    }
 }
