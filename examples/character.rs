@@ -79,6 +79,9 @@ struct Arguments {
     /// What it does: Idle, Walk, Run, Turn, Jump, Fight, Dance, Sit, `LieDown`, `ArmsThrough`.
     #[arg(long, default_value = "Walk", value_parser = clap::builder::PossibleValuesParser::new(CLIPS))]
     clip: String,
+    /// Length below which edges of its clothes are not simulated [m].
+    #[arg(long, value_name = "LENGTH")]
+    decimation: Option<f32>,
     #[command(flatten)]
     stage: StageArgs,
 }
@@ -90,12 +93,16 @@ struct Hero {
     clip: usize,
 }
 
+/// How coarse its clothes are simulated.
+#[derive(Resource)]
+struct Coarse(Option<ClothDecimation>);
+
 /// A piece of clothing: its node.
 #[derive(Component)]
 struct Garment;
 
 fn main() -> AppExit {
-    let Arguments { outfit, clip, stage } = Arguments::parse();
+    let Arguments { outfit, clip, decimation, stage } = Arguments::parse();
     let clip = CLIPS.iter().position(|name| *name == clip).unwrap_or(0);
     let mut app = Stage::from_args("character", stage)
         .camera(OrbitCamera::around(Vec3::new(0.0, 0.9, 0.0), 3.6).from(0.6, 0.1))
@@ -108,6 +115,7 @@ fn main() -> AppExit {
         .build();
     app.add_plugins(ClothPlugin::default())
         .insert_resource(outfit)
+        .insert_resource(Coarse(decimation.map(ClothDecimation::new)))
         .add_systems(Startup, move |mut commands: Commands, assets: Res<AssetServer>| {
             commands.insert_resource(Hero { file: assets.load("character.glb"), clip });
         })
@@ -185,6 +193,7 @@ fn dress(
 fn wear(
     mut commands: Commands,
     outfit: Res<Outfit>,
+    coarse: Res<Coarse>,
     mut garments: Query<(&Name, &Children, &mut Visibility), With<Garment>>,
     new: Query<(), Added<Garment>>,
 ) {
@@ -196,7 +205,11 @@ fn wear(
         *visibility = if is_worn { Visibility::Inherited } else { Visibility::Hidden };
         for piece in pieces {
             if is_worn {
-                commands.entity(*piece).remove::<ClothDisabled>();
+                let mut piece = commands.entity(*piece);
+                piece.remove::<ClothDisabled>();
+                if let Coarse(Some(decimation)) = *coarse {
+                    piece.insert(decimation);
+                }
             } else {
                 commands.entity(*piece).insert(ClothDisabled);
             }

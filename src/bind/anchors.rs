@@ -83,6 +83,8 @@ pub(crate) fn resolve(
     let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
     let mut resolved = Resolved::default();
     for (s, set) in pins.sets.iter().enumerate().filter(|(s, _)| !released(*s)) {
+        // Vertices that went into another, with what they would hold.
+        let mut gone: Vec<(u32, f32)> = Vec::new();
         let mut hold = |vertex: u32, weight: f32| {
             let Some(&particle) = rest.particle_of_vertex.get(vertex as usize) else {
                 resolved.bad_pins.push(vertex);
@@ -90,6 +92,10 @@ pub(crate) fn resolve(
             };
             // A NaN stays one and holds nothing.
             let weight = (weight * set.weight).clamp(0.0, 1.0);
+            if rest.is_gone(vertex) {
+                gone.push((particle, weight));
+                return;
+            }
             let best = &mut held[particle as usize];
             if weight > best.0 && isolated.binary_search(&vertex).is_err() {
                 *best = (weight, s as u32);
@@ -104,6 +110,13 @@ pub(crate) fn resolve(
             ClothPinSelect::Color(channel) => (0..).zip(color(mesh, *channel).map_err(no_paint)?).for_each(|(v, w)| hold(v, w)),
             ClothPinSelect::Attribute(name) => {
                 (0..).zip(attribute(mesh, name).map_err(no_paint)?).for_each(|(v, w)| hold(v, w));
+            }
+        }
+        // They hold where nothing beside is held: what stands for a row of pins holds it.
+        for (particle, weight) in gone.into_iter().filter(|(_, weight)| *weight > 0.0) {
+            let beside = rest.topology.around(particle).iter().map(|(p, _)| *p);
+            if beside.chain([particle]).all(|p| held[p as usize].0 == 0.0) {
+                held[particle as usize] = (weight, s as u32);
             }
         }
     }

@@ -20,8 +20,32 @@ pub(crate) struct RestCache {
     tasks: HashMap<Key, Building>,
 }
 
-/// A mesh and its baked scale, by bits.
-type Key = (AssetId<Mesh>, [u32; 9]);
+/// Which rest shape: that of a mesh at a scale.
+#[derive(Clone, Copy)]
+pub(crate) struct RestOf {
+    pub source: AssetId<Mesh>,
+    /// The scale.
+    pub bake: Mat3,
+    /// Length below which edges are collapsed, in the space of the mesh `[m]`; 0: none.
+    pub shortest_edge: f32,
+}
+
+impl RestOf {
+    fn key(&self) -> Key {
+        // A zero has no sign: one that turns would be another scale in every frame.
+        (self.form(), self.bake.to_cols_array().map(|x| (x + 0.0).to_bits()))
+    }
+
+    fn form(&self) -> Form {
+        (self.source, self.shortest_edge.to_bits())
+    }
+}
+
+/// A mesh, and bits of the length below which its edges are collapsed.
+type Form = (AssetId<Mesh>, u32);
+
+/// The same with its baked scale, by bits.
+type Key = (Form, [u32; 9]);
 
 /// What building comes to.
 type Built = Result<(Arc<RestShape>, BuildReport), RestError>;
@@ -39,11 +63,11 @@ struct Building {
 }
 
 impl Building {
-    fn begin(pool: &AsyncComputeTaskPool, authored: Authored, bake: Mat3) -> Self {
+    fn begin(pool: &AsyncComputeTaskPool, authored: Authored, asked: RestOf) -> Self {
         let authored = Arc::new(authored);
         let of = Arc::clone(&authored);
         let task = pool.spawn(async move {
-            let built = build(&baked(&of, bake));
+            let built = build(&of, &asked);
             // An island would make it while everything waits.
             if let Ok((shape, _)) = &built {
                 shape.tree();
@@ -71,22 +95,22 @@ struct Known {
 
 impl RestCache {
     /// The shape of a mesh at a scale, built if no cloth has it yet.
-    pub(crate) fn get_or_build(&mut self, source: AssetId<Mesh>, bake: Mat3, authored: &Authored) -> Built {
+    pub(crate) fn get_or_build(&mut self, of: &RestOf, authored: &Authored) -> Built {
         // Nobody may have been told yet that the mesh is another.
         let vertices = authored.positions.len();
         let fits = |built: &Built| built.as_ref().map_or(true, |(shape, _)| shape.particle_of_vertex.len() == vertices);
-        if let Some(known) = self.get(source, bake).filter(fits) {
+        if let Some(known) = self.get(of).filter(fits) {
             return known;
         }
-        let built = build(&baked(authored, bake));
-        self.remember(key(source, bake), &built);
+        let built = build(authored, of);
+        self.remember(of.key(), &built);
         built
     }
 
     /// Whether the shape of a mesh at a scale is there, or will not be. Otherwise it is being built in the background, from now
     /// on if `begin` gives a mesh for it.
-    pub(crate) fn is_ready(&mut self, source: AssetId<Mesh>, bake: Mat3, begin: impl FnOnce() -> Option<Authored>) -> bool {
-        let key = key(source, bake);
+    pub(crate) fn is_ready(&mut self, of: &RestOf, begin: impl FnOnce() -> Option<Authored>) -> bool {
+        let (form, key) = (of.form(), of.key());
         if let Some(building) = self.tasks.get_mut(&key) {
             if building.ask().is_none() {
                 return false;
@@ -100,27 +124,27 @@ impl RestCache {
             };
             let fits = authored == *building.authored;
             if !fits {
-                *building = Building::begin(pool, authored, bake);
+                *building = Building::begin(pool, authored, *of);
             }
             return fits;
         }
-        if self.get(source, bake).is_some() {
+        if self.get(of).is_some() {
             return true;
         }
         // Of a scale that changes meanwhile, what is built will be a multiple of it, or it is built at once.
-        let mut others = self.tasks.iter_mut().filter(|((id, _), building)| *id == source && !building.written);
+        let mut others = self.tasks.iter_mut().filter(|((other, _), building)| *other == form && !building.written);
         if let Some(((_, bits), building)) = others.next() {
-            if multiple(&bake, &Mat3::from_cols_array(&bits.map(f32::from_bits))).is_none() {
+            if multiple(&of.bake, &Mat3::from_cols_array(&bits.map(f32::from_bits))).is_none() {
                 return true;
             }
-            let (other, built) = ((source, *bits), building.ask().cloned());
+            let (other, built) = ((form, *bits), building.ask().cloned());
             if let Some(built) = &built {
                 self.remember(other, built);
             }
             return built.is_some();
         }
         let Some((pool, authored)) = AsyncComputeTaskPool::try_get().zip(begin()) else { return true };
-        self.tasks.insert(key, Building::begin(pool, authored, bake));
+        self.tasks.insert(key, Building::begin(pool, authored, *of));
         false
     }
 
@@ -130,8 +154,8 @@ impl RestCache {
     }
 
     /// The shape of a mesh at a scale, if a cloth has it, or if it is a multiple of one that a cloth has.
-    fn get(&mut self, source: AssetId<Mesh>, bake: Mat3) -> Option<Built> {
-        let key = key(source, bake);
+    fn get(&mut self, of: &RestOf) -> Option<Built> {
+        let key = of.key();
         if let Some(known) = self.shapes.get(&key)
             && let Some(shape) = known.shape.upgrade()
         {
@@ -142,7 +166,7 @@ impl RestCache {
             self.remember(key, &built);
             return Some(built);
         }
-        let (shape, known) = self.scale_another(source, bake)?;
+        let (shape, known) = self.scale_another(of)?;
         let report = known.report;
         self.keep(key, known);
         Some(Ok((shape, report)))
@@ -157,13 +181,13 @@ impl RestCache {
 
     /// The shape of a mesh at a scale that is a multiple of another's, made of what was built: a scale that breathes builds
     /// nothing.
-    fn scale_another(&self, source: AssetId<Mesh>, bake: Mat3) -> Option<(Arc<RestShape>, Known)> {
-        let of_mesh = self.shapes.iter().filter(|((id, _), _)| *id == source);
+    fn scale_another(&self, asked: &RestOf) -> Option<(Arc<RestShape>, Known)> {
+        let of_mesh = self.shapes.iter().filter(|((form, _), _)| *form == asked.form());
         let (_, times, of, report) = of_mesh
             .filter_map(|((_, bits), known)| {
                 let built = || Some((known.shape.upgrade()?, Mat3::from_cols_array(&bits.map(f32::from_bits))));
                 let of = known.of.clone().or_else(built)?;
-                Some((*bits, multiple(&bake, &of.1)?, of, known.report))
+                Some((*bits, multiple(&asked.bake, &of.1)?, of, known.report))
             })
             // Not the one that is found first: that depends on hashes.
             .min_by_key(|(bits, ..)| *bits)?;
@@ -180,20 +204,15 @@ impl RestCache {
     /// Forgets the shapes of a mesh that was written. What is built of it goes on: writing a mesh need not change it, and one
     /// that is written in every frame would never be built.
     pub(crate) fn forget_shapes(&mut self, source: AssetId<Mesh>) {
-        self.shapes.retain(|(id, _), _| *id != source);
-        self.tasks.iter_mut().filter(|((id, _), _)| *id == source).for_each(|(_, building)| building.written = true);
+        self.shapes.retain(|((id, _), _), _| *id != source);
+        self.tasks.iter_mut().filter(|(((id, _), _), _)| *id == source).for_each(|(_, building)| building.written = true);
     }
 
     /// Forgets a mesh that is gone.
     pub(crate) fn forget(&mut self, source: AssetId<Mesh>) {
-        self.shapes.retain(|(id, _), _| *id != source);
-        self.tasks.retain(|(id, _), _| *id != source);
+        self.shapes.retain(|((id, _), _), _| *id != source);
+        self.tasks.retain(|((id, _), _), _| *id != source);
     }
-}
-
-fn key(source: AssetId<Mesh>, bake: Mat3) -> Key {
-    // A zero has no sign: one that turns would be another scale in every frame.
-    (source, bake.to_cols_array().map(|x| (x + 0.0).to_bits()))
 }
 
 /// A mesh at a scale.
@@ -206,8 +225,14 @@ fn baked(authored: &Authored, bake: Mat3) -> SourceMesh {
     }
 }
 
-fn build(mesh: &SourceMesh) -> Built {
-    RestShape::build(mesh).map(|(shape, report)| (Arc::new(shape), report))
+fn build(authored: &Authored, of: &RestOf) -> Built {
+    let mesh = baked(authored, of.bake);
+    let built = if of.shortest_edge > 0.0 {
+        RestShape::build_decimated(&mesh, &authored.positions, of.shortest_edge)
+    } else {
+        RestShape::build(&mesh)
+    };
+    built.map(|(shape, report)| (Arc::new(shape), report))
 }
 
 /// Which meshes are ours, and which of the others changed.

@@ -127,7 +127,8 @@ fn normals(mesh: &Mesh, rest: &RestShape, bake: &Mat3) -> Vec<Vec3> {
     let turn = bake.inverse().transpose();
     match mesh.try_attribute(Mesh::ATTRIBUTE_NORMAL) {
         Ok(VertexAttributeValues::Float32x3(authored)) => {
-            for (&particle, normal) in rest.particle_of_vertex.iter().zip(authored) {
+            let pairs = (0..).zip(&rest.particle_of_vertex).zip(authored).filter(|((v, _), _)| !rest.is_gone(*v));
+            for ((_, &particle), normal) in pairs {
                 let normal = (turn * Vec3::from(*normal)).normalize_or_zero();
                 normals[particle as usize] += normal;
             }

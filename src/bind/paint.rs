@@ -90,7 +90,10 @@ pub(crate) fn spread(map: &ClothMap, mesh: &Mesh, rest: &RestShape, (least, most
     };
     let painted = painted(paint, mesh)?;
     let mut values = vec![low; rest.positions.len()];
-    for (&particle, paint) in rest.particle_of_vertex.iter().zip(painted).rev() {
+    for (v, (&particle, paint)) in rest.particle_of_vertex.iter().zip(painted).enumerate().rev() {
+        if rest.is_gone(v as u32) {
+            continue;
+        }
         let paint = if paint.is_nan() { 0.0 } else { paint.clamp(0.0, 1.0) };
         values[particle as usize] = low + (high - low) * paint;
     }

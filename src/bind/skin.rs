@@ -54,14 +54,14 @@ impl Skin {
             carriers: Vec::new(),
             center: Vec3::ZERO,
         };
-        // Backwards, so that of welded vertices the first one counts; isolated ones never do.
+        // Backwards, so that of welded vertices the first one counts; isolated ones, and those that went into another, never do.
         let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
         for (v, &particle) in rest.particle_of_vertex.iter().enumerate().rev() {
             let (Some(&index), Some(&amount), Some(&point)) = (indices.get(v), amounts.get(v), authored.positions.get(v))
             else {
                 continue;
             };
-            if isolated.binary_search(&(v as u32)).is_ok() {
+            if isolated.binary_search(&(v as u32)).is_ok() || rest.is_gone(v as u32) {
                 continue;
             }
             let sum: f32 = amount.iter().sum();

@@ -1,6 +1,6 @@
 //! How the vertices that are drawn hang on the particles that are simulated.
 
-use bevy::math::Vec2;
+use bevy::math::{Vec2, Vec4};
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 
@@ -42,4 +42,12 @@ impl Surface {
         surface.axes = authored.triangles.iter().filter_map(axis).collect();
         surface
     }
+}
+
+/// Attributes of the mesh, in its own space.
+#[derive(Default)]
+pub(crate) struct VertexBuffers {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
+    pub tangents: Vec<Vec4>,
 }

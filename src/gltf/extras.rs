@@ -49,6 +49,8 @@ pub(crate) struct ClothExtras {
     pub blend: Option<f32>,
     /// Longest edge that is left `[m]`.
     pub subdivision: Option<f32>,
+    /// Shortest edge that is simulated `[m]`.
+    pub decimation: Option<f32>,
 }
 
 /// The `cloth.material` key.
@@ -183,6 +185,10 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.subdivision = number(value).filter(|longest| *longest > 0.0);
                 cloth.subdivision.is_none().then_some("a number of metres, of more than 0")
             }
+            "decimation" => {
+                cloth.decimation = number(value).filter(|shortest| *shortest > 0.0 && shortest.is_finite());
+                cloth.decimation.is_none().then_some("a number of metres, of more than 0")
+            }
             "self_collision" => {
                 cloth.self_collision = boolean(value);
                 cloth.self_collision.is_none().then_some("true or false")
@@ -200,7 +206,7 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.substep_rate.is_none().then_some("a number of hertz")
             }
             _ => {
-                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, subdivision, proxy";
+                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, subdivision, decimation, proxy";
                 problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }
@@ -436,6 +442,7 @@ mod tests {
             inertia: None,
             blend: None,
             subdivision: None,
+            decimation: None,
         };
         assert_eq!(node.cloth, Some(expected));
         assert_eq!(node.collider, Some(ColliderExtras { fit: ColliderFit::Mesh(ClothMeshFit::Capsule), friction: Some(0.1) }));
@@ -483,6 +490,9 @@ mod tests {
         let subdivision = |value: &str| read(&format!(r#"{{"cloth": {{"subdivision": {value}}}}}"#));
         assert_eq!(subdivision("0.03").0.cloth.and_then(|cloth| cloth.subdivision), Some(0.03));
         assert!(["0", "-1", "true"].iter().all(|value| subdivision(value).1.len() == 1));
+        let decimation = |value: &str| read(&format!(r#"{{"cloth": {{"decimation": {value}}}}}"#));
+        assert_eq!(decimation("0.03").0.cloth.and_then(|cloth| cloth.decimation), Some(0.03));
+        assert!(["0", "-1", "true"].iter().all(|value| decimation(value).1.len() == 1));
     }
 
     #[test]

@@ -18,6 +18,7 @@
 //! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
 //! | `cloth.inertia` | share of the motion of its character that it feels; or `"character"`, `"world"`; or `{"linear": …, "angular": …, "max_speed": …, "max_turn": …}`: [`ClothInertia`](crate::ClothInertia) |
 //! | `cloth.blend` | how much of it is simulated, 0 to 1: [`ClothBlend`] |
+//! | `cloth.decimation` | metres in the space of the mesh: shorter edges are not simulated, and drawn as authored: [`ClothDecimation`] |
 //! | `cloth.subdivision` | metres in the space of the mesh: longer edges are split; for meshes of one material: [`ClothSubdivision`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
@@ -66,8 +67,9 @@ use bevy::prelude::*;
 use bevy::world_serialization::WorldAssetRoot;
 
 use crate::components::{
-    Cloth, ClothBlend, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDrive, ClothGlobalWind, ClothGravity,
-    ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh, ClothSolver, ClothSubdivision,
+    Cloth, ClothBlend, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDecimation, ClothDrive,
+    ClothGlobalWind, ClothGravity, ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh,
+    ClothSolver, ClothSubdivision,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
@@ -351,6 +353,9 @@ fn make_cloth(
     }
     if let Some(longest_edge) = extras.subdivision {
         entity.try_insert(ClothSubdivision { longest_edge });
+    }
+    if let Some(shortest_edge) = extras.decimation {
+        entity.try_insert(ClothDecimation { shortest_edge });
     }
     if let Some(weight) = extras.blend {
         entity.try_insert(ClothBlend { weight, ..default() });

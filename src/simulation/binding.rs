@@ -26,6 +26,8 @@ pub(crate) struct Binding {
     pub instance: Option<Handle<Mesh>>,
     /// Scale and shear that the rest shape has baked in.
     pub bake: Mat3,
+    /// Length below which edges were collapsed, in the space of the mesh `[m]`; 0: none.
+    pub shortest_edge: f32,
     /// Whether the entity had `NoAutoAabb` before.
     pub own_bounds: bool,
     /// What changed and could not be bound yet.

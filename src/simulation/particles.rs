@@ -44,7 +44,8 @@ impl ClothParticles {
     }
 
     /// Simulated positions in the world `[m]`, one per particle: not in the order of the mesh's vertices, whose particles are
-    /// [`RestShape::particle_of_vertex`](crate::solver::rest::RestShape::particle_of_vertex).
+    /// [`RestShape::particle_of_vertex`](crate::solver::rest::RestShape::particle_of_vertex); with a
+    /// [`ClothDecimation`](crate::ClothDecimation) that may be another vertex nearby.
     pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
     }

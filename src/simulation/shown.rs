@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, DVec3, Vec4};
 use bevy::prelude::*;
 
-use crate::bind::Surface;
+use crate::bind::{FineMesh, Surface, VertexBuffers};
 
 /// Shown: what the mesh gets.
 #[derive(Component, Default)]
@@ -11,6 +11,8 @@ use crate::bind::Surface;
 pub(crate) struct ClothShown {
     /// How vertices hang on particles.
     pub surface: Surface,
+    /// The vertices, where they are finer than the cloth.
+    pub fine: Option<FineMesh>,
     /// Shown positions of the particles `[m]`, in the frame of simulation.
     pub particles: Vec<Vec3>,
     /// Normals of the particles.
@@ -45,12 +47,4 @@ impl ClothShown {
         buffers.tangents.clear();
         buffers.tangents.extend(handedness.iter().map(|&w| Vec4::new(1.0, 0.0, 0.0, w)));
     }
-}
-
-/// Attributes of the mesh, in its own space.
-#[derive(Default)]
-pub(crate) struct VertexBuffers {
-    pub positions: Vec<[f32; 3]>,
-    pub normals: Vec<[f32; 3]>,
-    pub tangents: Vec<Vec4>,
 }

@@ -17,14 +17,17 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::PointQuery;
 
 use super::raycast::closest_weights;
-use super::rest::RestShape;
 
 /// Most triangles that a vertex follows: those whose points are within an edge of a point of a regular mesh are six to
 /// thirteen, of which the far ones have next to no weight.
 const MOST: usize = 8;
+/// Faces at a vertex from which on it is the hub of a fan, whose faces are no neighbours of each other: all pairs of ten
+/// thousand would take a hundred million steps.
+pub(super) const HUB: usize = 64;
 
 /// Which triangles of a coarse mesh each vertex of a fine one follows.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Embedding {
     /// Where the list of each vertex begins, and at last where the last ends; as many as vertices, and one more.
     starts: Vec<u32>,
@@ -35,13 +38,12 @@ pub(crate) struct Embedding {
 }
 
 impl Embedding {
-    /// Hangs vertices at `points` `[m]`, in the frame of the shape at rest, on its triangles. `normals` are as many as points,
-    /// or none; where cloth lies in layers, a vertex follows the one that faces as it does. None if no triangle has an area or
-    /// a point is not finite.
+    /// Hangs vertices at `points` `[m]` on the triangles `faces` of a shape at rest at `positions` `[m]`, whose edges are about
+    /// `edge` `[m]` long. `normals` are as many as points, or none; where cloth lies in layers, a vertex follows the one that
+    /// faces as it does. None if no triangle has an area or a point is not finite.
     #[must_use]
-    pub(crate) fn new(rest: &RestShape, points: &[Vec3], normals: &[Vec3]) -> Option<Self> {
-        let faces = &rest.topology.faces;
-        let corners = |face: u32| faces[face as usize].map(|p| rest.positions[p as usize]);
+    pub(crate) fn new(faces: &[[u32; 3]], positions: &[Vec3], edge: f32, points: &[Vec3], normals: &[Vec3]) -> Option<Self> {
+        let corners = |face: u32| faces[face as usize].map(|p| positions[p as usize]);
         let normal = |face: u32| {
             let [a, b, c] = corners(face);
             (b - a).cross(c - a)
@@ -53,18 +55,14 @@ impl Embedding {
         };
         let tree = Bvh::from_iter(BvhBuildStrategy::Ploc, solid.map(|face| (face as usize, bounds(face))));
         let all = tree.root_aabb();
-        let reach = rest.mean_edge;
+        let reach = edge;
         let mut embedding = Self { starts: vec![0], ..Self::default() };
         let (mut near, mut patch) = (Vec::new(), Vec::new());
         for (v, &point) in points.iter().enumerate() {
             if !point.is_finite() {
                 return None;
             }
-            let distance = |face: u32| {
-                let [a, b, c] = corners(face);
-                let w = closest_weights(point, [a, b, c]);
-                (a * w.x + b * w.y + c * w.z).distance(point)
-            };
+            let distance = |face: u32| distance(point, corners(face));
             // Nothing is farther than the far corner of the box of all.
             let most = point.distance(all.center()) + all.half_extents().length();
             let place = |face: u32, _| (normal(face) != Vec3::ZERO).then(|| distance(face));
@@ -76,22 +74,68 @@ impl Embedding {
             let faces_as = |face: u32| normals.get(v).is_none_or(|n| n.dot(normal(face)) > 0.0);
             let seed = near.iter().position(|(face, _)| faces_as(*face)).unwrap_or(0);
             let nearest = near.get(seed)?.1;
-            embedding.farthest = embedding.farthest.max(nearest);
             grow(&mut near, seed, &mut patch, faces);
-            // The nearest of what is left out has no weight, and so none jumps in as a vertex lies elsewhere.
-            let weight = |d: f32| (1.0 - ((d - nearest).max(0.0) / reach).powi(2)).max(0.0).powi(3);
-            let base = patch.get(MOST).map_or(0.0, |(_, d)| weight(*d));
-            let first = embedding.influences.len();
-            let some = patch.iter().take(MOST).map(|&(face, d)| (face, weight(d) - base));
-            embedding.influences.extend(some.filter(|(_, w)| *w > 0.0));
-            if embedding.influences.len() == first {
-                embedding.influences.push((patch.first()?.0, 1.0));
-            }
-            let sum: f32 = embedding.influences[first..].iter().map(|(_, w)| w).sum();
-            embedding.influences[first..].iter_mut().for_each(|(_, w)| *w /= sum);
-            embedding.starts.push(embedding.influences.len() as u32);
+            embedding.hang(&patch, nearest, reach);
         }
         Some(embedding)
+    }
+
+    /// The same where it is known with which particle each of the `points` goes: it follows triangles around that and around
+    /// their corners, whatever else is near.
+    #[must_use]
+    pub(crate) fn along(faces: &[[u32; 3]], positions: &[Vec3], edge: f32, points: &[Vec3], particles: &[u32]) -> Option<Self> {
+        let mut around: Vec<Vec<u32>> = vec![Vec::new(); positions.len()];
+        for (face, corners) in (0..).zip(faces) {
+            corners.iter().for_each(|p| around[*p as usize].push(face));
+        }
+        let corners = |face: u32| faces[face as usize].map(|p| positions[p as usize]);
+        let has_area = |face: &u32| {
+            let [a, b, c] = corners(*face);
+            (b - a).cross(c - a).try_normalize().is_some()
+        };
+        let mut embedding = Self { starts: vec![0], ..Self::default() };
+        let (mut ring, mut near) = (Vec::new(), Vec::new());
+        for (&point, &particle) in points.iter().zip(particles) {
+            let own = &around[particle as usize];
+            let beside = own.iter().flat_map(|face| faces[*face as usize]).map(|p| &around[p as usize]);
+            ring.clear();
+            ring.extend(own.iter().chain(beside.filter(|faces| faces.len() <= HUB).flatten()).copied().filter(has_area));
+            ring.sort_unstable();
+            ring.dedup();
+            near.clear();
+            near.extend(ring.iter().map(|face| (*face, distance(point, corners(*face)))));
+            near.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+            let nearest = near.first().filter(|(_, d)| d.is_finite()).map_or(0.0, |(_, d)| *d);
+            if near.is_empty() {
+                // It stays with a face that goes nowhere.
+                near.push((*own.first()?, 0.0));
+            }
+            embedding.hang(&near, nearest, edge);
+        }
+        Some(embedding)
+    }
+
+    /// Memory held `[B]`.
+    #[must_use]
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.starts[..]) + size_of_val(&self.influences[..])
+    }
+
+    /// Hangs the next vertex on triangles at these distances `[m]`, in ascending order; that by which others count is `nearest`.
+    fn hang(&mut self, patch: &[(u32, f32)], nearest: f32, reach: f32) {
+        self.farthest = self.farthest.max(nearest);
+        // The nearest of what is left out has no weight, and so none jumps in as a vertex lies elsewhere.
+        let weight = |d: f32| (1.0 - ((d - nearest).max(0.0) / reach).powi(2)).max(0.0).powi(3);
+        let base = patch.get(MOST).map_or(0.0, |(_, d)| weight(*d));
+        let first = self.influences.len();
+        let some = patch.iter().take(MOST).map(|&(face, d)| (face, weight(d) - base));
+        self.influences.extend(some.filter(|(_, w)| *w > 0.0));
+        if self.influences.len() == first {
+            self.influences.extend(patch.first().map(|(face, _)| (*face, 1.0)));
+        }
+        let sum: f32 = self.influences[first..].iter().map(|(_, w)| w).sum();
+        self.influences[first..].iter_mut().for_each(|(_, w)| *w /= sum);
+        self.starts.push(self.influences.len() as u32);
     }
 
     /// Distance of the farthest vertex from the coarse mesh at rest `[m]`.
@@ -112,6 +156,12 @@ impl Embedding {
             sum
         })
     }
+}
+
+/// Distance of a point from a triangle `[m]`.
+pub(super) fn distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+    let w = closest_weights(point, [a, b, c]);
+    (a * w.x + b * w.y + c * w.z).distance(point)
 }
 
 /// Gathers what hangs together with the triangle at `seed` among those `near` into `patch`, nearest first.
@@ -145,12 +195,12 @@ pub(crate) struct Triangles {
 impl Triangles {
     /// Those of a shape at rest.
     #[must_use]
-    pub(crate) fn new(rest: &RestShape) -> Self {
+    pub(crate) fn new(faces: &[[u32; 3]], positions: &[Vec3]) -> Self {
         let inverse = |face: &[u32; 3]| {
-            let frame = frame(face.map(|p| rest.positions[p as usize]));
+            let frame = frame(face.map(|p| positions[p as usize]));
             if frame.matrix3.determinant() == 0.0 { Affine3A::ZERO } else { frame.inverse() }
         };
-        Self { rest: rest.topology.faces.iter().map(inverse).collect(), moved: Vec::new() }
+        Self { rest: faces.iter().map(inverse).collect(), moved: Vec::new() }
     }
 
     /// Finds how they moved, from positions `[m]` of the particles, and where `place` takes that.
@@ -180,11 +230,15 @@ mod tests {
     use glam::{Quat, Vec3Swizzles, vec3};
 
     use super::*;
-    use crate::solver::rest::SourceMesh;
+    use crate::solver::rest::{RestShape, SourceMesh};
     use crate::solver::scene::grid;
 
     fn shape(n: u32, at: impl Fn(f32, f32) -> Vec3) -> RestShape {
         RestShape::build(&grid(n, n, at)).expect("a grid").0
+    }
+
+    fn hung(rest: &RestShape, points: &[Vec3], normals: &[Vec3]) -> Option<Embedding> {
+        Embedding::new(&rest.topology.faces, &rest.positions, rest.mean_edge, points, normals)
     }
 
     fn flat(u: f32, v: f32) -> Vec3 {
@@ -195,8 +249,8 @@ mod tests {
     fn drawn(n: u32, height: f32, to: impl Fn(Vec3) -> Vec3) -> (Vec<Vec3>, Vec<Vec3>) {
         let rest = shape(n, flat);
         let points: Vec<Vec3> = grid(40, 40, |u, v| flat(u, v) + Vec3::Y * height).positions;
-        let embedding = Embedding::new(&rest, &points, &[]).expect("a mesh");
-        let mut triangles = Triangles::new(&rest);
+        let embedding = hung(&rest, &points, &[]).expect("a mesh");
+        let mut triangles = Triangles::new(&rest.topology.faces, &rest.positions);
         let now: Vec<Vec3> = rest.positions.iter().map(|p| to(*p)).collect();
         triangles.find(&rest.topology.faces, &now, &Affine3A::IDENTITY);
         let placed = embedding.blend(&triangles.moved).zip(&points).map(|(moved, p)| moved.transform_point3(*p)).collect();
@@ -249,7 +303,7 @@ mod tests {
             let lower = up(0);
             let faces_up = if lower.0 { 0.0 } else { 0.02 };
             let wanted = if normal.y > 0.0 { faces_up } else { 0.02 - faces_up };
-            let embedding = Embedding::new(&rest, &[vec3(0.5, 0.02 - wanted, 0.5)], &[normal]).expect("a mesh");
+            let embedding = hung(&rest, &[vec3(0.5, 0.02 - wanted, 0.5)], &[normal]).expect("a mesh");
             for (face, _) in &embedding.influences {
                 assert_eq!(up(*face).1, wanted, "faces {normal}");
             }
@@ -257,11 +311,44 @@ mod tests {
     }
 
     #[test]
+    fn each_layer_of_a_garment_follows_itself_however_near_the_other_is() {
+        // Nearer than a coarse sheet is to a fine one.
+        let gap = 1.0e-3;
+        let wave = |u: f32, v: f32| vec3(u, 0.02 * (20.0 * u).sin() * (15.0 * v).sin(), v);
+        let [one, other] = [0.0, gap].map(|up| grid(100, 100, |u, v| wave(u, v) + Vec3::Y * up));
+        let count = one.positions.len();
+        let both = SourceMesh {
+            positions: [one.positions, other.positions].concat(),
+            triangles: one
+                .triangles
+                .iter()
+                .copied()
+                .chain(other.triangles.iter().map(|t| t.map(|v| v + count as u32)))
+                .collect(),
+            ..SourceMesh::default()
+        };
+        let rest = RestShape::build_decimated(&both, &both.positions, 0.05).expect("two sheets").0;
+        assert!(rest.positions.len() < count / 10);
+        let fine = rest.fine.as_ref().expect("it is coarser");
+        // The second layer is drawn away.
+        let mut second = vec![false; rest.positions.len()];
+        rest.particle_of_vertex[count..].iter().for_each(|p| second[*p as usize] = true);
+        let away = |second: bool| if second { Vec3::Y } else { Vec3::ZERO };
+        let now: Vec<Vec3> = rest.positions.iter().zip(&second).map(|(x, second)| *x + away(*second)).collect();
+        let mut triangles = Triangles::new(&rest.topology.faces, &rest.positions);
+        triangles.find(&rest.topology.faces, &now, &Affine3A::IDENTITY);
+        for (v, moved) in fine.embedding.blend(&triangles.moved).enumerate() {
+            let to = both.positions[v] + away(v >= count);
+            assert!(moved.transform_point3(both.positions[v]).distance(to) < 1.0e-4, "vertex {v}");
+        }
+    }
+
+    #[test]
     fn what_is_far_or_no_number_is_told() {
         let rest = shape(4, flat);
-        let far = Embedding::new(&rest, &[vec3(50.0, 30.0, 0.0)], &[]).expect("a mesh");
+        let far = hung(&rest, &[vec3(50.0, 30.0, 0.0)], &[]).expect("a mesh");
         assert!(far.farthest() > 50.0 && far.influences.len() <= MOST, "{far:?}");
-        assert_eq!(Embedding::new(&rest, &[Vec3::NAN], &[]), None);
-        assert_eq!(Embedding::new(&rest, &[], &[]).map(|none| none.starts), Some(vec![0]));
+        assert_eq!(hung(&rest, &[Vec3::NAN], &[]), None);
+        assert_eq!(hung(&rest, &[], &[]).map(|none| none.starts), Some(vec![0]));
     }
 }

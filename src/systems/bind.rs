@@ -13,13 +13,14 @@ use bevy::prelude::*;
 
 use super::release::take_apart;
 use crate::bind::{
-    AnchorSet, AnchorSets, Asked, Authored, Continuing, Crossfade, Followed, Placement, Resolved, RestCache, Skin, Sources,
-    Surface, Transforms, bounds_between, corners, instance_of, read, resolve, skinning_matrices, uniform_scale, unreadable,
+    AnchorSet, AnchorSets, Asked, Authored, Continuing, Crossfade, FineMesh, Followed, Placement, Resolved, RestCache, RestOf,
+    Skin, Sources, Surface, Transforms, Vertices, bounds_between, corners, instance_of, read, resolve, skinning_matrices,
+    uniform_scale, unreadable,
 };
 use crate::components::{
-    Cloth, ClothBuildReport, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits, ClothLoading,
-    ClothMaterial, ClothPiece, ClothPinSet, ClothPins, ClothRenderMesh, ClothReport, ClothReset, ClothSolver, ClothStatus,
-    WaitingFor,
+    Cloth, ClothBuildReport, ClothDecimation, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothLimits,
+    ClothLoading, ClothMaterial, ClothPiece, ClothPinSet, ClothPins, ClothRenderMesh, ClothReport, ClothReset, ClothSolver,
+    ClothStatus, WaitingFor,
 };
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{
@@ -50,6 +51,7 @@ pub(crate) struct Bindable {
     reset: Has<ClothReset>,
     solver: Ref<'static, ClothSolver>,
     waiting: Option<&'static mut WaitingSince>,
+    decimation: Option<&'static ClothDecimation>,
     skinned: Option<&'static SkinnedMesh>,
     skinned_bounds: Has<DynamicSkinnedMeshBounds>,
     own_bounds: Has<NoAutoAabb>,
@@ -118,6 +120,8 @@ pub(crate) fn bind(
 struct Wanted {
     source: Handle<Mesh>,
     placement: Placement,
+    /// Length below which edges are collapsed, in the space of the mesh `[m]`; 0: none.
+    shortest_edge: f32,
     /// Only when something changed.
     skinned: Option<SkinnedMesh>,
     change: Change,
@@ -140,6 +144,7 @@ struct Made {
     /// What of the skin could not be used, and why.
     unfollowed: Vec<(&'static str, String)>,
     surface: Surface,
+    fine: Option<FineMesh>,
     instance: Option<(Mesh, Option<(Vec3, Vec3)>)>,
     origin: DVec3,
     /// Whether the state goes on.
@@ -156,6 +161,7 @@ fn bind_one(
         // It is drawn as it was authored.
         return Ok(());
     }
+    tell_of_decimation(notices, cloth);
     let wanted = want(assembly, cloth)?;
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
@@ -198,6 +204,19 @@ fn tell_of_skin(notices: &mut Notices, cloth: &BindableItem, unfollowed: &[(&'st
     }
 }
 
+/// Warns of a length that cannot be used: the cloth is as fine as its mesh.
+fn tell_of_decimation(notices: &mut Notices, cloth: &BindableItem) {
+    if let Some(ClothDecimation { shortest_edge }) = cloth.decimation
+        && ClothDecimation::usable(cloth.decimation) == 0.0
+        && notices.first(cloth.entity, "decimation.shortest_edge")
+    {
+        warn!(
+            "cloth {} has a `decimation.shortest_edge` of {shortest_edge}: set a length of more than 0 [m]; it is as fine as its mesh",
+            label(cloth.entity, cloth.name)
+        );
+    }
+}
+
 /// Compares what is there with what was bound. A change is remembered before anything is waited for.
 fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacle> {
     let news = news(assembly, cloth);
@@ -224,13 +243,15 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
         },
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Scale))?,
     };
+    let shortest_edge = ClothDecimation::usable(cloth.decimation);
+    let is_of = |b: &Binding| b.source.id() == source.id() && b.shortest_edge == shortest_edge;
     let change = match bound {
-        Some(b) if b.source.id() == source.id() && placement.fits(&b.bake) => b.pending,
-        Some(b) if b.source.id() == source.id() && cloth.error.is_none() => b.pending.max(Change::Scale),
+        Some(b) if is_of(b) && placement.fits(&b.bake) => b.pending,
+        Some(b) if is_of(b) && cloth.error.is_none() => b.pending.max(Change::Scale),
         _ => Change::Mesh,
     };
     let skinned = skinned.filter(|_| change > Change::None);
-    Ok(Wanted { source, placement, skinned, change })
+    Ok(Wanted { source, placement, shortest_edge, skinned, change })
 }
 
 /// What changed in this frame, apart from scale and handle, which can be seen at any time.
@@ -254,7 +275,8 @@ fn news(assembly: &Assembly, cloth: &BindableItem) -> Change {
 
 /// Reads, builds and resolves; fails or waits without having written anything.
 fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Result<Made, Obstacle> {
-    let Wanted { source, placement, skinned, change } = wanted;
+    let Wanted { source, placement, shortest_edge, skinned, change } = wanted;
+    let shape_at = |bake| RestOf { source: source.id(), bake, shortest_edge: *shortest_edge };
     if let Some(server) = &assembly.server
         && let Some(LoadState::Failed(error)) = server.get_load_state(source.id())
         && !assembly.meshes.contains(source)
@@ -267,7 +289,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
     // One that was simulated, or failed, is not to stand still.
     let is_new = cloth.inputs.is_none() && cloth.error.is_none();
     let is_large = is_new && *change == Change::Mesh && vertices >= assembly.loading.in_background_from as usize;
-    if is_large && !assembly.cache.is_ready(source.id(), placement.bake, || read(mesh).ok()) {
+    if is_large && !assembly.cache.is_ready(&shape_at(placement.bake), || read(mesh).ok()) {
         return Err(Obstacle::Wait(WaitingFor::Build));
     }
     let authored = read(mesh)?;
@@ -275,7 +297,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         kind: ClothErrorKind::BadMesh,
         detail: format!("{error}: check the mesh in the program it was made with"),
     };
-    let (mut rest, built) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(bad_mesh)?;
+    let (mut rest, built) = assembly.cache.get_or_build(&shape_at(placement.bake), &authored).map_err(bad_mesh)?;
     let frozen = cloth.particles.as_ref().is_none_or(|p| p.recovery.is_frozen());
     let continues = cloth.error.is_none() && !frozen && cloth.rest.is_some_and(|old| same_topology(&old.0, &rest));
     let old = cloth.inputs.as_ref().filter(|_| continues);
@@ -310,10 +332,11 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         let bake = placement.bake;
         placement = skin.placement(&assembly.transforms).unwrap_or(placement);
         if !placement.fits(&bake) {
-            (rest, _) = assembly.cache.get_or_build(source.id(), placement.bake, &authored).map_err(bad_mesh)?;
+            (rest, _) = assembly.cache.get_or_build(&shape_at(placement.bake), &authored).map_err(bad_mesh)?;
         }
     }
     let surface = Surface::new(mesh, &authored);
+    let fine = rest.fine.is_some().then(|| FineMesh::new(Vertices::of(mesh, &Affine3A::from_mat3(placement.bake)), &rest));
     let instance = if *change == Change::Mesh {
         let usage = if assembly.is_drawn_by_others(cloth.entity) {
             RenderAssetUsages::MAIN_WORLD
@@ -339,6 +362,7 @@ fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wanted) -> Resul
         followed,
         unfollowed,
         surface,
+        fine,
         instance,
         origin,
         continues,
@@ -360,6 +384,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         followed,
         unfollowed: _,
         surface,
+        fine,
         instance,
         origin,
         continues,
@@ -390,7 +415,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         inputs.pins.clone_from(&cloth.pins);
         (inputs.followed, inputs.skinned.radius, inputs.center) = (followed, radius, center);
         (inputs.radius, inputs.stale, inputs.active) = (radius, true, !cloth.disabled && !binding.on_skin);
-        shown.surface = surface;
+        (shown.surface, shown.fine) = (surface, fine);
         shown.fit(vertices);
         shown.forced = true;
         (binding.bake, binding.pending) = (placement.bake, Change::None);
@@ -406,7 +431,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         inputs.followed.advance(0.0, &mut inputs.skinned);
         inputs.settle(&rest, origin);
         let particles = start(&rest, &inputs, origin);
-        let mut shown = ClothShown { surface, forced: true, ..ClothShown::default() };
+        let mut shown = ClothShown { surface, fine, forced: true, ..ClothShown::default() };
         shown.fit(vertices);
         entity.try_insert((ClothRest(rest), particles, inputs, shown, ClothScratch::default()));
         *cloth.report = ClothReport::default();
@@ -449,6 +474,7 @@ fn give_instance(
         source: wanted.source,
         instance: Some(handle),
         bake,
+        shortest_edge: wanted.shortest_edge,
         own_bounds,
         pending: Change::None,
         on_skin: false,
@@ -626,7 +652,16 @@ fn fail(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem
         None => cloth.global.and_then(|g| Placement::of(&g.affine())).map_or(Mat3::IDENTITY, |p| p.bake),
     };
     let own_bounds = cloth.own_bounds && cloth.binding.is_none();
-    entity.try_insert(Binding { source, instance: None, bake, own_bounds, pending: Change::None, on_skin: false });
+    let shortest_edge = ClothDecimation::usable(cloth.decimation);
+    entity.try_insert(Binding {
+        source,
+        instance: None,
+        bake,
+        shortest_edge,
+        own_bounds,
+        pending: Change::None,
+        on_skin: false,
+    });
     entity.try_remove::<WaitingSince>();
     *cloth.status = ClothStatus::Failed;
     if notices.first(cloth.entity, error.kind.name()) {

@@ -3,19 +3,18 @@
 use std::sync::Arc;
 
 use bevy::camera::primitives::Aabb;
-use bevy::math::{Affine3A, Mat3, Vec4};
-use bevy::mesh::VertexAttributeValues;
+use bevy::math::{Affine3A, Mat3};
 use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
 
 use super::drawn::{Drawn, Exchange, Released, on_remove, vertices_of};
 use super::sync::hand_over;
-use crate::bind::{bounds_between, is_near, seen_from};
+use crate::bind::{FineMesh, VertexBuffers, Vertices, bounds_between, is_near, seen_from};
 use crate::components::{Cloth, ClothLoading, ClothRenderMesh};
 use crate::notices::label;
-use crate::simulation::{Binding, ClothInputs, ClothRest, ClothShown, PieceBinding, VertexBuffers};
-use crate::solver::embed::{Embedding, Triangles, cofactors};
+use crate::simulation::{Binding, ClothInputs, ClothRest, ClothShown, PieceBinding};
+use crate::solver::embed::Embedding;
 use crate::solver::rest::RestShape;
 
 /// What each vertex of a render mesh follows, and where that takes it.
@@ -27,53 +26,14 @@ pub(crate) struct Hanging {
     /// As authored, in the space of the cloth's mesh.
     authored: Vertices,
     /// The same with the scale that `rest` has baked in.
-    baked: Vertices,
+    fine: FineMesh,
     making: Option<Task<Option<Embedding>>>,
     embedding: Option<Embedding>,
-    triangles: Triangles,
     vertices: VertexBuffers,
     bounds: (Vec3, Vec3),
     /// What was shaped last: the cloth, its [`ClothShown::writes`], and where the entity was.
     shaped: Option<(Entity, u32, Affine3A)>,
     fresh: bool,
-}
-
-/// Vertices, as far as a mesh has them.
-#[derive(Clone, Default)]
-struct Vertices {
-    /// `[m]`.
-    positions: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    /// With the handedness in `w`.
-    tangents: Vec<Vec4>,
-}
-
-impl Vertices {
-    fn of(mesh: &Mesh, place: &Affine3A) -> Self {
-        let vectors = |attribute| match mesh.try_attribute(attribute) {
-            Ok(VertexAttributeValues::Float32x3(values)) => values.iter().map(|&v| Vec3::from(v)).collect(),
-            _ => Vec::new(),
-        };
-        let positions: Vec<Vec3> = vectors(Mesh::ATTRIBUTE_POSITION);
-        let mut normals: Vec<Vec3> = vectors(Mesh::ATTRIBUTE_NORMAL);
-        normals.resize(if normals.len() == positions.len() { positions.len() } else { 0 }, Vec3::ZERO);
-        let mut tangents: Vec<Vec4> = match mesh.try_attribute(Mesh::ATTRIBUTE_TANGENT) {
-            Ok(VertexAttributeValues::Float32x4(values)) => values.iter().map(|&v| Vec4::from(v)).collect(),
-            _ => Vec::new(),
-        };
-        // A tangent is across the normal.
-        tangents.resize(if tangents.len() == normals.len() { tangents.len() } else { 0 }, Vec4::ZERO);
-        Self { positions, normals, tangents }.moved(place)
-    }
-
-    fn moved(&self, by: &Affine3A) -> Self {
-        let turn = cofactors(&by.matrix3);
-        Self {
-            positions: self.positions.iter().map(|p| by.transform_point3(*p)).collect(),
-            normals: self.normals.iter().map(|n| turn * *n).collect(),
-            tangents: self.tangents.iter().map(|t| by.transform_vector3(t.truncate()).extend(t.w)).collect(),
-        }
-    }
 }
 
 impl Hanging {
@@ -87,22 +47,24 @@ impl Hanging {
     ) -> Self {
         let authored = Vertices::of(mesh, place);
         let baked = authored.moved(&Affine3A::from_mat3(bake));
+        let hang = |rest: &RestShape, Vertices { positions, normals, .. }: &Vertices| {
+            Embedding::new(&rest.topology.faces, &rest.positions, rest.mean_edge, positions, normals)
+        };
         let pool = AsyncComputeTaskPool::try_get().filter(|_| is_large);
         let (making, embedding) = match pool {
             Some(pool) => {
-                let (rest, Vertices { positions, normals, .. }) = (Arc::clone(rest), baked.clone());
-                (Some(pool.spawn(async move { Embedding::new(&rest, &positions, &normals) })), None)
+                let (rest, baked) = (Arc::clone(rest), baked.clone());
+                (Some(pool.spawn(async move { hang(&rest, &baked) })), None)
             }
-            None => (None, Embedding::new(rest, &baked.positions, &baked.normals)),
+            None => (None, hang(rest, &baked)),
         };
         Self {
             source,
             rest: Arc::clone(rest),
             authored,
-            baked,
+            fine: FineMesh::new(baked, rest),
             making,
             embedding,
-            triangles: Triangles::new(rest),
             vertices: VertexBuffers::default(),
             bounds: (Vec3::ZERO, Vec3::ZERO),
             shaped: None,
@@ -127,27 +89,8 @@ impl Hanging {
     /// Moves the vertices to where the cloth takes them, seen from an entity at `inverse`, the inverse of its transform in the
     /// frame of `shown`.
     fn shape(&mut self, particles: &[Vec3], inverse: &Affine3A) {
-        let Self { rest, baked, embedding: Some(embedding), triangles, vertices, bounds, .. } = self else { return };
-        triangles.find(&rest.topology.faces, particles, inverse);
-        let VertexBuffers { positions, normals, tangents } = vertices;
-        positions.resize(baked.positions.len(), [0.0; 3]);
-        normals.resize(baked.normals.len(), [0.0; 3]);
-        tangents.resize(baked.tangents.len(), Vec4::ZERO);
-        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for (v, moved) in embedding.blend(&triangles.moved).enumerate() {
-            let at = moved.transform_point3(baked.positions[v]);
-            (low, high) = (low.min(at), high.max(at));
-            positions[v] = at.to_array();
-            let Some(normal) = baked.normals.get(v) else { continue };
-            // What is pressed flat keeps the normal it had.
-            let normal = (cofactors(&moved.matrix3) * *normal).normalize_or(Vec3::from(normals[v]).normalize_or(Vec3::Y));
-            normals[v] = normal.to_array();
-            let Some(tangent) = baked.tangents.get(v) else { continue };
-            let along = moved.transform_vector3(tangent.truncate());
-            let across = along - normal * normal.dot(along);
-            tangents[v] = across.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector()).extend(tangent.w);
-        }
-        *bounds = (low, high);
+        let Self { rest, fine, embedding: Some(embedding), vertices, bounds, .. } = self else { return };
+        *bounds = fine.shape(&rest.topology.faces, embedding, particles, inverse, vertices);
     }
 }
 
@@ -231,8 +174,7 @@ pub(crate) fn shape(
                 return;
             }
             hanging.rest = Arc::clone(&rest.0);
-            hanging.triangles = Triangles::new(&rest.0);
-            hanging.baked = hanging.authored.moved(&Affine3A::from_mat3(binding.bake));
+            hanging.fine = FineMesh::new(hanging.authored.moved(&Affine3A::from_mat3(binding.bake)), &rest.0);
         }
         hanging.shape(&shown.particles, &seen_from(&affine, shown.origin).inverse());
         (hanging.shaped, hanging.fresh) = (now, true);

@@ -8,10 +8,10 @@ use bevy::prelude::*;
 use bevy::time::Fixed;
 
 use super::stopwatch;
-use crate::bind::{bounds_between, is_near, seen_from};
+use crate::bind::{VertexBuffers, bounds_between, is_near, seen_from};
 use crate::components::{Cloth, ClothReport};
 use crate::schedule::ClothClock;
-use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown, VertexBuffers};
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothRest, ClothShown};
 use crate::solver::rest::RestShape;
 use crate::solver::surface;
 
@@ -94,10 +94,18 @@ fn show_vertices(
     shown: &mut ClothShown,
 ) {
     let inverse = seen_from(affine, origin).inverse();
-    let ClothShown { surface, particles, normals, sums, vertices, bounds, .. } = shown;
+    let ClothShown { surface, fine, particles, normals, sums, vertices, bounds, .. } = shown;
     let turn = Mat3::from_quat(inputs.placement.rotation);
     let local = Mat3::from(inverse.matrix3);
     let transpose = Mat3::from(affine.matrix3).transpose();
+    let padded = |(low, high): (Vec3, Vec3)| {
+        let pad = Vec3::splat(thickness * surface_scale(&local)).max(0.01 * (high - low));
+        (low - pad, high + pad)
+    };
+    if let (Some(fine), Some(shape)) = (fine, &rest.fine) {
+        *bounds = padded(fine.shape(&rest.topology.faces, &shape.embedding, particles, &inverse, vertices));
+        return;
+    }
 
     for (out, &p) in vertices.positions.iter_mut().zip(&rest.particle_of_vertex) {
         *out = inverse.transform_point3(particles[p as usize]).to_array();
@@ -109,9 +117,7 @@ fn show_vertices(
         *out = inverse.transform_point3(particles[p as usize] + turn * offset).to_array();
     }
     let fold = |(low, high): (Vec3, Vec3), p: &[f32; 3]| (low.min(Vec3::from(*p)), high.max(Vec3::from(*p)));
-    let (low, high) = vertices.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold);
-    let pad = Vec3::splat(thickness * surface_scale(&local)).max(0.01 * (high - low));
-    *bounds = (low - pad, high + pad);
+    *bounds = padded(vertices.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), fold));
 
     if !surface.normals && surface.handedness.is_empty() {
         return;

@@ -13,6 +13,7 @@ mod character;
 mod contact;
 mod crowd;
 mod debug;
+mod decimation;
 mod diagnostics;
 mod frame;
 #[cfg(feature = "gltf")]

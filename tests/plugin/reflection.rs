@@ -224,7 +224,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             ClothCollisionLayers::new(0b110, 0b011),
             ClothUntangling { iterations: 11, ..default() }.with_method(ClothUntanglingMethod::LocalGradient),
             ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 7 }, ..default() },
-            (ClothWind::new(Vec3::new(1.0, 0.0, -2.0)), ClothSubdivision::new(0.03)),
+            (ClothWind::new(Vec3::new(1.0, 0.0, -2.0)), ClothSubdivision::new(0.03), ClothDecimation::new(0.02)),
             ClothPresetHandle(server.load("fabric.cloth.ron")),
             ClothStatus::Waiting(WaitingFor::Asset),
             ClothError { kind: ClothErrorKind::NoPositions, detail: "a \"quoted\" word".into() },

@@ -3,6 +3,7 @@
 
 mod batch;
 mod bends;
+mod decimate;
 pub mod geodesic;
 mod membrane;
 mod coarse;
@@ -22,11 +23,13 @@ pub use springs::Springs;
 
 use std::sync::{Arc, OnceLock};
 
+use decimate::{Decimated, decimate};
 use glam::Vec3;
 
 use crate::solver::buffer::Buffer;
 use crate::solver::detect::tree::Tree;
 use crate::solver::detect::{PartRef, Surface};
+use crate::solver::embed::Embedding;
 use crate::solver::topology::{NONE, Topology};
 
 /// Faces below this fraction of the mesh's squared diagonal have no area (dimensionless).
@@ -42,7 +45,7 @@ pub struct RestShape {
     pub positions: Vec<Vec3>,
     /// Third of the area of the faces around each particle `[m²]`.
     pub areas: Vec<f32>,
-    /// Particle of each render vertex.
+    /// Particle of each render vertex: at its place, or the one that it went into where the shape is coarser than its mesh.
     pub particle_of_vertex: Vec<u32>,
     /// Isolated render vertices: `(vertex, offset from its particle at rest [m])`.
     pub isolated: Vec<(u32, Vec3)>,
@@ -58,6 +61,18 @@ pub struct RestShape {
     tree: Buffer<OnceLock<Arc<Tree>>>,
     /// Mean rest length of the edges `[m]`.
     pub mean_edge: f32,
+    /// How the render vertices follow, where the shape is coarser than its mesh.
+    pub(crate) fine: Option<Arc<Fine>>,
+}
+
+/// Render vertices of a shape that is coarser than its mesh.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Fine {
+    /// Those that went into another, in ascending order: their particle is that of another vertex.
+    pub(crate) gone: Vec<u32>,
+    /// What each of all follows.
+    pub(crate) embedding: Embedding,
 }
 
 impl RestShape {
@@ -66,6 +81,19 @@ impl RestShape {
     /// # Errors
     /// [`RestError`] when nothing can be simulated.
     pub fn build(mesh: &SourceMesh) -> Result<(Self, BuildReport), RestError> {
+        Self::build_from(mesh, None)
+    }
+
+    /// The same of a mesh whose edges that are shorter than `shortest_edge` `[m]` are collapsed first, by lengths between
+    /// vertices that are `authored` `[m]`: those of the mesh before it was scaled.
+    ///
+    /// # Errors
+    /// [`RestError`] when nothing can be simulated.
+    pub fn build_decimated(mesh: &SourceMesh, authored: &[Vec3], shortest_edge: f32) -> Result<(Self, BuildReport), RestError> {
+        Self::build_from(mesh, Some((authored, shortest_edge)))
+    }
+
+    fn build_from(mesh: &SourceMesh, decimation: Option<(&[Vec3], f32)>) -> Result<(Self, BuildReport), RestError> {
         let vertices = mesh.positions.len();
         if vertices < 3 {
             return Err(RestError::TooFewVertices(vertices));
@@ -78,15 +106,27 @@ impl RestShape {
         }
         let (low, high) = bounds(&mesh.positions);
         let diagonal = low.distance(high);
-        let leader = weld::weld(&mesh.positions, weld::WELD_FRACTION * diagonal);
+        let mut leader = weld::weld(&mesh.positions, weld::WELD_FRACTION * diagonal);
         let mut report = BuildReport { vertices, ..BuildReport::default() };
-        let (triangles, threads) = clean(mesh, &leader, AREA_FRACTION * diagonal * diagonal, &mut report);
+        let (mut triangles, mut threads) = clean(mesh, &leader, AREA_FRACTION * diagonal * diagonal, &mut report);
         if triangles.is_empty() {
             return Err(RestError::NoTriangles {
                 given: mesh.triangles.len(),
                 out_of_range: report.out_of_range,
                 degenerate: report.degenerate,
             });
+        }
+
+        let mut drawn = None;
+        if let Some((authored, shortest_edge)) = decimation.filter(|(authored, _)| authored.len() == vertices) {
+            let Decimated { triangles: left, of, into } = decimate(authored, &triangles, shortest_edge);
+            let ends = |face: &[u32; 3]| face.map(|v| mesh.positions[v as usize]);
+            threads = of.iter().zip(&left).filter_map(|(of, face)| Some(threads.get(*of as usize)?.onto(ends(face)))).collect();
+            triangles = left;
+            let went = |v: &u32| into[leader[*v as usize] as usize] != leader[*v as usize];
+            let gone: Vec<u32> = (0..vertices as u32).filter(went).collect();
+            leader.iter_mut().for_each(|v| *v = into[*v as usize]);
+            drawn = Some(gone).filter(|gone| !gone.is_empty());
         }
 
         // Particles: the leaders that a face refers to, numbered for locality.
@@ -136,6 +176,11 @@ impl RestShape {
         shape.topology = topology;
         shape.positions = positions;
         shape.attach_isolated(mesh);
+        if let Some(gone) = drawn {
+            let Self { topology, positions, mean_edge, particle_of_vertex, .. } = &shape;
+            let embedding = Embedding::along(&topology.faces, positions, *mean_edge, &mesh.positions, particle_of_vertex);
+            shape.fine = embedding.map(|embedding| Arc::new(Fine { gone, embedding }));
+        }
         report.particles = shape.positions.len();
         report.faces = shape.topology.faces.len();
         report.isolated = shape.isolated.len();
@@ -199,6 +244,11 @@ impl RestShape {
         }
     }
 
+    /// Whether a render vertex went into another, where the shape is coarser than its mesh.
+    pub(crate) fn is_gone(&self, vertex: u32) -> bool {
+        self.fine.as_ref().is_some_and(|fine| fine.gone.binary_search(&vertex).is_ok())
+    }
+
     /// Distance constraints and bending elements solved per substep.
     #[must_use]
     pub fn constraints(&self) -> usize {
@@ -227,6 +277,7 @@ impl RestShape {
             + self.coarse.links.len() * (size_of::<[u32; 2]>() + size_of::<f32>())
             + self.membrane.bytes()
             + self.bends.bytes()
+            + self.fine.as_ref().map_or(0, |fine| size_of_val(&fine.gone[..]) + fine.embedding.bytes())
             + self.tree.get().map_or(0, |tree| tree.bytes())
     }
 }

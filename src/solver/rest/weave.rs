@@ -35,6 +35,14 @@ impl Threads {
         Some(Self { warp, weft })
     }
 
+    /// The same in the plane of another triangle at `x` `[m]` that lies nearly as its own; none where that is no direction.
+    pub(super) fn onto(self, x: [Vec3; 3]) -> Self {
+        let normal = (x[1] - x[0]).cross(x[2] - x[0]).normalize_or_zero();
+        let Some(warp) = self.warp.reject_from_normalized(normal).try_normalize() else { return Self::default() };
+        let across = normal.cross(warp);
+        Self { warp, weft: if across.dot(self.weft) < 0.0 { -across } else { across } }
+    }
+
     /// Itself, or directions along the edges `d1` and `d2` of a triangle `[m]` where nothing tells any.
     pub(super) fn or_along(self, d1: Vec3, d2: Vec3) -> Self {
         if self.warp != Vec3::ZERO {

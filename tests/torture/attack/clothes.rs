@@ -66,9 +66,14 @@ pub fn cloth(stage: &mut Stage, slot: usize, other: usize, wildly: bool, rng: &m
     if let Some(longest) = longest {
         stage.world().entity_mut(entity).insert(ClothSubdivision::new(longest));
     }
+    let shortest = once_in(rng, 8).then(|| number(rng).abs());
+    if let Some(shortest) = shortest {
+        stage.world().entity_mut(entity).insert(ClothDecimation::new(shortest));
+    }
     let more = more(stage, entity, other, rng);
     let split = longest.map_or_else(String::new, |longest| format!(" ClothSubdivision {longest}"));
-    format!("{told}{split}{more}")
+    let merged = shortest.map_or_else(String::new, |shortest| format!(" ClothDecimation {shortest}"));
+    format!("{told}{split}{merged}{more}")
 }
 
 /// Two sheets through each other.

@@ -53,13 +53,17 @@ pub fn swap(stage: &mut Stage, slot: usize, other: usize, rng: &mut Rng) -> Stri
             format!("{slot}: its asset is now {what}")
         }
         (6, ..) => {
-            stage.world().entity_mut(entity).remove::<ClothSubdivision>();
-            format!("{slot}: no subdivision")
+            stage.world().entity_mut(entity).remove::<(ClothSubdivision, ClothDecimation)>();
+            format!("{slot}: neither subdivision nor decimation")
         }
         (7, Some(handle), _) => {
             let mesh = stage.app.world().resource::<Assets<Mesh>>().get(&handle);
             let size = mesh.and_then(MeshAabb::compute_aabb).map_or(1.0, |bounds| bounds.half_extents.length());
             let longest = if once_in(rng, 4) { number(rng).max(0.1 * size) } else { one_of(rng, &[0.1, 0.3]) * size };
+            if rng.bool() {
+                stage.world().entity_mut(entity).insert(ClothDecimation::new(longest));
+                return format!("{slot}: ClothDecimation {longest}");
+            }
             stage.world().entity_mut(entity).insert(ClothSubdivision::new(longest));
             format!("{slot}: ClothSubdivision {longest}")
         }

@@ -33,7 +33,7 @@ pub fn kinds(world: &World) -> Vec<Kind> {
                 return None;
             }
             // Any length of a mesh of any size: that comes in with the mesh.
-            if name == "ClothSubdivision" {
+            if ["ClothSubdivision", "ClothDecimation"].contains(&name.as_str()) {
                 return None;
             }
             let component = r.data::<ReflectComponent>()?.clone();
