@@ -31,7 +31,8 @@ pub(super) fn longest_way(from: &Face, to: &Face) -> f32 {
 /// point.
 #[inline]
 fn share_above(level: f32, near: &Near, from: &Face, to: &Face) -> f32 {
-    let height = |x: Vec3A| near.sample.normal.dot(x - near.point) + near.sample.distance - level;
+    let floor = near.sample.normal.dot(near.point) - near.sample.distance + level;
+    let height = |x: Vec3A| near.sample.normal.dot(x) - floor;
     from.iter().zip(to).fold(1.0, |share, (from, to)| {
         let (before, after) = (height(*from), height(*to));
         if after < 0.0 { share.min(before.max(0.0) / (before.max(0.0) - after)) } else { share }
