@@ -24,7 +24,7 @@ const SAG: f32 = 1.0 / 8.0;
 /// Longest edge that is made, in units of the length asked for (dimensionless): two edges that are just too short, in one.
 const LONGEST: f32 = 2.0;
 /// Least quality of a face that is made where the faces before were better (dimensionless): 1 is equilateral, 0.87 half a
-/// square, 0.4 a third as high over its base as that is long, or less.
+/// square, 0.4 isosceles and 0.18 times as high as its base is long.
 const QUALITY: f32 = 0.4;
 
 /// What collapsing comes to.
@@ -76,10 +76,10 @@ struct Collapsing {
 impl Collapsing {
     fn new(positions: &[Vec3], triangles: &[[u32; 3]], shortest: f32) -> Self {
         // Far away positions have no digits left for squares of distances.
-        let middle = positions.first().copied().unwrap_or_default();
+        let origin = positions.first().copied().unwrap_or_default();
         let n = positions.len();
         let mut mesh = Self {
-            points: positions.iter().map(|x| *x - middle).collect(),
+            points: positions.iter().map(|x| *x - origin).collect(),
             faces: triangles.to_vec(),
             alive: vec![true; triangles.len()],
             around: vec![Vec::new(); n],
@@ -181,11 +181,11 @@ impl Collapsing {
         let (mut least, mut before) = (f32::INFINITY, f32::INFINITY);
         for was in self.at(u).filter(|face| !face.contains(&v)) {
             let is = was.map(|w| if w == u { v } else { w });
-            let ([[a, b, c], [d, e, f]], square) = ([was, is].map(|face| self.corners(face)), LONGEST * self.shortest);
+            let [[a, b, c], [d, e, f]] = [was, is].map(|face| self.corners(face));
             let (old, new) = ((b - a).cross(c - a), (e - d).cross(f - d));
             let is_turned = old.dot(new) < ALIGNED * old.length() * new.length();
             let longest = d.distance(e).max(e.distance(f)).max(f.distance(d));
-            if is_turned || longest > square || self.at(v).any(|known| is.iter().all(|w| known.contains(w))) {
+            if is_turned || longest > LONGEST * self.shortest || self.at(v).any(|known| is.iter().all(|w| known.contains(w))) {
                 return None;
             }
             (before, least) = (before.min(quality([a, b, c])), least.min(quality([d, e, f])));
