@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::rest::RestShape;
-use drape_scenes::{Scene, SceneCloth, fabric, funnel, grid, needles, untangled};
+use drape_scenes::{Scene, SceneCloth, fabric, funnel, grid, needles, tablecloth, untangled};
 use glam::{DVec3, Quat, Vec3, vec3};
 
 const FRAME: f32 = 1.0 / 60.0;
@@ -135,6 +135,27 @@ fn a_sheet_over_the_corners_of_a_box_is_not_drawn_out() {
         scene.step(FRAME);
         let edge = scene.cloths[0].report.worst_edge;
         assert!(edge < if frame < 60 { 1.25 } else { 1.15 }, "frame {frame}: an edge is {edge} of its length at rest");
+    }
+}
+
+/// The CCD of cloth took its mean motion into the table again, and one push out made room for the next.
+#[test]
+fn no_edge_of_a_table_cloth_that_is_pulled_away_is_drawn_through_the_table() {
+    let half = tablecloth::TABLE.as_dvec3();
+    for n in [30, 36, 40] {
+        for seed in 1..=2 {
+            let mut scene = untangled(tablecloth(n).jittered(seed), true);
+            let mut worst = 0.0f32;
+            for frame in 1..=150 {
+                scene.step(FRAME);
+                worst = worst.max(scene.cloths[0].report.worst_edge);
+                let deep = deepest(&scene, |p| (half - (p + DVec3::Y * half.y).abs()).min_element());
+                assert!(deep < f64::from(DEEPEST), "{n}², start {seed}, frame {frame}: {deep} m in the table");
+            }
+            assert!(worst < 3.0, "{n}², start {seed}: worst edge {worst}");
+            let lowest = scene.cloths[0].lowest();
+            assert!(lowest < -0.5, "{n}², start {seed}: lowest particle at {lowest} m");
+        }
     }
 }
 

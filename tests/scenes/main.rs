@@ -58,7 +58,7 @@ fn a_skirt_walks() {
 /// as long.
 #[test]
 fn a_cloth_is_pulled_off_a_table() {
-    shows_no_crossing("tablecloth", 180, 2.5, || scenes::tablecloth(30));
+    shows_no_crossing("tablecloth", 180, 1.4, || scenes::tablecloth(30));
 }
 
 #[test]

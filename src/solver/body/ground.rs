@@ -68,6 +68,16 @@ impl Ground {
         self.to_body = [self.motion.rotation0.transpose(), self.motion.rotation1.transpose()];
     }
 
+    /// The way of the part's origin in the substep `[m]`.
+    pub(super) fn way(&self) -> Vec3A {
+        self.motion.translation1 - self.motion.translation0
+    }
+
+    /// The unit normal of a plane in the space of the part, at the end of the substep.
+    pub(super) fn normal(&self, plane: Plane) -> Vec3A {
+        self.motion.rotation1 * plane.normal
+    }
+
     /// A way `[m]` in the space of the part at the end of the substep.
     pub(super) fn to_part_space(&self, way: Vec3A) -> Vec3 {
         (self.to_body[1] * way).into()

@@ -55,7 +55,7 @@ pub(crate) enum Projection {
     /// Takes loads into their means, and recovers overlaps from before the substep.
     #[default]
     First,
-    /// Adds to loads: of surfaces for particles, and for faces of all that they could pass unseen.
+    /// Adds to loads: of surfaces, for particles.
     Relax,
 }
 

@@ -74,7 +74,8 @@ impl Island {
             for (part, m) in cloths.iter_mut().enumerate() {
                 m.cloth.project(m.state, m.scratch);
                 let first = self.surface.parts[part].particles.start;
-                m.scratch.grounded().for_each(|p| self.contacts.touch_ground(first + p));
+                let contacts = &mut self.contacts;
+                m.cloth.each_on_body(m.scratch, |p, normal, way| contacts.touch_ground(first + p, normal, way));
             }
             self.apply_friction(cloths);
             self.apply_restitution(cloths);

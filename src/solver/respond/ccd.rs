@@ -9,14 +9,18 @@
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair
 //! would pass. The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in
 //! a plastic impact. Pairs share particles, so passes are repeated until none cuts anything. Pairs that still pass are bounded:
-//! relative to the mean motion of free particles, each moves at most half of the gap that may close (Offset Geometric Contact,
-//! section 3.5), so that two that are bound do not meet. Momentum is not kept there. What is held cannot be cut: what meets it
+//! relative to the mean motion of free particles, or of the bodies that some lie on, each moves at most half of the gap that may
+//! close (Offset Geometric Contact, section 3.5), so that two that are bound do not meet. Momentum is not kept there.
+//!
+//! Bodies bear what lies on them: the mean motion of a pair takes none of its particles farther into a body than where that put
+//! it, and what would go there at last stays, and is held. What is held cannot be cut: what meets it
 //! moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 use super::Contacts;
 use super::contact::Contact;
+use super::ground::Ground;
 use super::incidence::Incidence;
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::four::Four;
@@ -43,7 +47,7 @@ impl Contacts {
 
     /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
     pub(crate) fn clamp_motion_except(&mut self, effort: &mut Effort, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
-        let Self { pairs, start, now, cut, bounds, dividers, particles, incidence, .. } = self;
+        let Self { pairs, start, now, cut, bounds, dividers, particles, incidence, ground, .. } = self;
         let start: &[Vec4] = start;
         let is_free = |pair: &Contact| {
             let ids = pair.slots.map(|s| particles[s as usize]);
@@ -52,7 +56,7 @@ impl Contacts {
         cut.clear();
         cut.resize(now.len(), 0);
         let (mut any, mut inverted) = (false, false);
-        let mut ways = Ways { start, now, cut, bounds, shared: Vec3::ZERO, pass: 1 };
+        let mut ways = Ways { start, now, cut, bounds, ground, shared: Vec3::ZERO, pass: 1 };
         dividers.clear();
         let mut gaps = Gaps { pairs, start, dividers, is_free };
         for (i, pair) in pairs.iter().enumerate() {
@@ -70,7 +74,8 @@ impl Contacts {
             ways.pass = if effort.is_spent() { ways.pass.max(MEAN_PASSES) + 1 } else { ways.pass + 1 };
             incidence.turn();
             if ways.pass == MEAN_PASSES + 1 {
-                ways.shared = shared_motion(ways.start, ways.now);
+                // What lies on bodies can only stay with them.
+                ways.shared = ways.ground.mean_way().unwrap_or_else(|| shared_motion(ways.start, ways.now));
                 ways.bounds.clear();
                 ways.bounds.resize(ways.now.len(), f32::NAN);
             }
@@ -133,6 +138,8 @@ struct Ways<'a> {
     /// Farthest way of each particle relative to the mean motion of all `[m]`, or not a number where nobody asked; and that
     /// motion `[m]`.
     bounds: &'a mut Vec<f32>,
+    /// What lies on bodies.
+    ground: &'a Ground,
     shared: Vec3,
     pass: u8,
 }
@@ -181,7 +188,10 @@ impl Ways<'_> {
         let held = [0, 1, 2, 3].map(|i| !(to[i].w > 0.0) || self.cut[pair.slots[i] as usize] == WITH_HELD);
         let any_held = held.contains(&true);
         let at_last = self.pass > MEAN_PASSES;
-        let mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
+        let mut mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
+        if !any_held && !at_last {
+            mean = self.onto_ground(mean, &pair.slots, &motion);
+        }
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
         let share = closable(gap, pair.thickness) / closing;
@@ -206,6 +216,13 @@ impl Ways<'_> {
                 own * share
             };
             let end = from[k].truncate() + mean + own;
+            let into_body = |n: Vec3A| Vec3::from(n).dot(end - to[k].truncate()) < -TOUCHING * pair.thickness;
+            if at_last && self.cut[slot] != WITH_HELD && self.ground.of(pair.slots[k]).any(into_body) {
+                // A body holds it where it is.
+                self.cut[slot] = WITH_HELD;
+                any = true;
+                continue;
+            }
             let is_cut = end != to[k].truncate() && (!at_last || own != motion[k] - mean);
             if goes_along || is_cut {
                 self.now[slot] = end.extend(to[k].w);
@@ -214,6 +231,21 @@ impl Ways<'_> {
             }
         }
         any
+    }
+}
+
+impl Ways<'_> {
+    /// A `mean` motion that takes no particle of a pair, which moves by `motion` `[m]`, farther into a body that it lies on.
+    fn onto_ground(&self, mut mean: Vec3, slots: &[u32; 4], motion: &[Vec3; 4]) -> Vec3 {
+        // There and back, as normals of a corner differ.
+        for _ in 0..2 {
+            for (&slot, motion) in slots.iter().zip(motion) {
+                for n in self.ground.of(slot).map(Vec3::from) {
+                    mean += n * n.dot(*motion - mean).max(0.0);
+                }
+            }
+        }
+        mean
     }
 }
 

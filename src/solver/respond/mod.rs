@@ -18,6 +18,7 @@
 mod constraint;
 mod contact;
 mod neighbors;
+mod ground;
 mod ccd;
 mod incidence;
 mod loads;
@@ -32,6 +33,7 @@ use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::topology::NONE;
 use constraint::Constraint;
 use contact::{Contact, Particles};
+use ground::Ground;
 use incidence::Incidence;
 use loads::{Load, Loads};
 pub(crate) use neighbors::{Moment, NeighborList};
@@ -68,6 +70,8 @@ pub(crate) struct Contacts {
     /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them
     /// touched the body; or [`FREE`].
     levels: Vec<u8>,
+    /// What bodies bear in the substep.
+    ground: Buffer<Ground>,
     /// Pairs that were kept at the last look since they are on the wrong side.
     inverted: Vec<(u8, [u32; 4])>,
     /// What pairs bore that the last look forgot.
@@ -113,6 +117,7 @@ impl Contacts {
         self.close.clear();
         self.constraints.clear();
         self.impacts.clear();
+        self.ground.begin(0);
     }
 
     /// Forgets all pairs but those on the wrong side, which would take it for the right one.
@@ -247,10 +252,14 @@ impl Contacts {
         }
     }
 
-    /// Says that a particle lies on a body: cloth on top of it gives way.
-    pub(crate) fn touch_ground(&mut self, particle: u32) {
+    /// Says that a particle lies on a body with this unit `normal`, which went `way` `[m]` in the substep: cloth on top of it gives
+    /// way, and the CCD does not move it into the body again.
+    pub(crate) fn touch_ground(&mut self, particle: u32, normal: Vec3A, way: Vec3A) {
         if let Some(level) = self.levels.get_mut(particle as usize) {
             *level = 0;
+        }
+        if let Some(&slot) = self.slots.get(particle as usize).filter(|slot| **slot != NONE) {
+            self.ground.add(slot, normal, way);
         }
     }
 
@@ -272,6 +281,7 @@ impl Contacts {
         self.velocities.clear();
         self.velocities.resize(self.particles.len(), Vec3A::ZERO);
         // For the CCD, which mostly needs none of them.
+        self.ground.begin(self.particles.len());
         self.bounds.clear();
         self.bounds.reserve(self.particles.len());
         self.dividers.clear();

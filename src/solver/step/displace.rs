@@ -30,7 +30,7 @@ pub fn displace(
     let slip = Touch::frictionless(fabric);
     let mut grounds = Grounds { bodies, span: (1.0, 1.0), touch: slip, coupling };
     contacts.project(&mut grounds, x, before, &[], Projection::First);
-    faces.project(&mut grounds, x, before, Projection::First);
+    faces.project(&mut grounds, x, before);
     let mut stopped = false;
     for ((x, old), displaced) in x.iter().zip(&mut state.previous).zip(displaced) {
         if x != displaced {

@@ -1,6 +1,6 @@
 //! The second half of a substep: bodies, limits of the skin, and how far tethers give way to them.
 
-use glam::Vec4;
+use glam::{Vec3A, Vec4};
 
 use super::frame::Frame;
 use super::{Scratch, Stepped};
@@ -37,6 +37,7 @@ impl Stepped<'_> {
             self.push_out(span, Projection::Relax, state, scratch);
         }
         self.apply_friction(span, state, scratch);
+        scratch.faces.stop_again(&mut self.grounds(span, &mut scratch.coupling), &mut state.positions, &mut state.previous);
         if let Some(skinned) = self.input.skinned {
             let (x, old) = (&mut state.positions, &mut state.previous);
             skinned.limit(&scratch.tangled_limits, [span.0, span.1], x, old);
@@ -51,6 +52,16 @@ impl Stepped<'_> {
         }
     }
 
+    /// Calls `lies` for particles that touched a body in the substep, with the unit normal of what they touched and the
+    /// way of that in the substep `[m]`.
+    pub(crate) fn each_on_body(&self, scratch: &mut Scratch, mut lies: impl FnMut(u32, Vec3A, Vec3A)) {
+        let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
+        let Scratch { contacts, faces, coupling, .. } = scratch;
+        let mut grounds = self.grounds(span, coupling);
+        contacts.each_touch(&mut grounds, &mut lies);
+        faces.each_touch(&mut grounds, &mut lies);
+    }
+
     /// Bodies at the end of the substep, as the cloth touches them. `span`: shares of the frame at which it begins and ends.
     pub(super) fn grounds<'b>(&'b self, span: (f32, f32), coupling: &'b mut Coupling) -> Grounds<'b> {
         Grounds { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), coupling }
@@ -61,7 +72,11 @@ impl Stepped<'_> {
         let (x, old) = (&mut state.positions, &mut state.previous);
         let Scratch { contacts, faces, inbound, coupling, .. } = scratch;
         let mut grounds = self.grounds(span, coupling);
-        contacts.project(&mut grounds, x, old, inbound, projection) + faces.project(&mut grounds, x, old, projection)
+        let touches = contacts.project(&mut grounds, x, old, inbound, projection);
+        if projection == Projection::Relax {
+            return touches;
+        }
+        touches + faces.project(&mut grounds, x, old)
     }
 
     /// Holds what slips on bodies.

@@ -46,7 +46,7 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
     let slip = Touch::frictionless(fabric);
     let mut grounds = Grounds { bodies, span: (1.0, 1.0), touch: slip, coupling: &mut scratch.coupling };
     scratch.contacts.project(&mut grounds, x, before, &[], Projection::First);
-    scratch.faces.project(&mut grounds, x, before, Projection::First);
+    scratch.faces.project(&mut grounds, x, before);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }

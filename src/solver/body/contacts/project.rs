@@ -33,6 +33,18 @@ impl BodyContacts {
         }
     }
 
+    /// Calls `touches` for every particle that touched a body when last projected, with the unit normal of what it touched and the
+    /// way of that `[m]`.
+    pub(crate) fn each_touch(&self, grounds: &mut Grounds<'_>, mut touches: impl FnMut(u32, Vec3A, Vec3A)) {
+        for part in &self.parts {
+            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
+            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
+                touches(candidate.particle, ground.normal(candidate.plane), ground.way());
+            }
+        }
+    }
+
     /// Pushes particles of this substep's contacts out to their planes again. Two-way bodies take the reaction.
     pub(crate) fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
         let Self { parts, candidates, dt, .. } = self;

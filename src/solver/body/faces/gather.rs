@@ -50,9 +50,9 @@ impl FaceContacts {
                 let reach = way + off + keep + bulge;
                 let first = self.candidates.len() as u32;
                 let is_convex = shape.as_support_map().is_some();
-                let wide = is_convex && has_wide_edges(shape, sheet.longest_edge);
                 if is_convex {
-                    self.list(sheet, (!wide).then_some(0), swept.mins - reach, swept.maxs + reach);
+                    let is_round = matches!(shape.as_typed_shape(), TypedShape::Ball(_) | TypedShape::Capsule(_));
+                    self.list(sheet, is_round.then_some(0), swept.mins - reach, swept.maxs + reach);
                 } else {
                     self.list_feature_edges(sheet, (&body.shape, [b, index], shape), (&from, &to), reach, keep);
                 }
@@ -81,7 +81,7 @@ impl FaceContacts {
                 }
                 let planes = (first_plane, self.planes.len() as u32);
                 let pierces = smallest_radius(shape) < sheet.longest_edge;
-                self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces, wide });
+                self.parts.push(Part { body: b, index, local, planes, candidates, radius, pierces });
             });
         }
         self.squeezes.begin(self.parts.len(), PIECES as usize * sheet.topology.faces.len());
@@ -98,13 +98,6 @@ fn smallest_radius(shape: &dyn Shape) -> f32 {
         _ if shape.as_support_map().is_some() => 0.0,
         _ => f32::INFINITY,
     }
-}
-
-/// Whether a convex shape has edges or corners, and is wider than an edge of cloth `[m]` in every direction: what is not
-/// pierces faces.
-fn has_wide_edges(shape: &dyn Shape, edge: f32) -> bool {
-    let is_round = matches!(shape.as_typed_shape(), TypedShape::Ball(_) | TypedShape::Capsule(_));
-    !is_round && shape.compute_local_aabb().half_extents().min_element() > 0.5 * edge
 }
 
 /// Whether particles alone would let a shape of that radius through a mesh with edges of `edge` `[m]` that is kept `keep` `[m]`

@@ -12,8 +12,7 @@
 //! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from
 //! one of them to the other. So the edges of faces are looked at by themselves, and their nearest points pushed; faces then
 //! only where they are touched between their edges. Two sheets over a box come to rest with it, and shook without
-//! **`[measured]`**. Balls, capsules and feature edges meet whole faces, where it is no better, and so does what is thinner
-//! than an edge of cloth: it might slip between them **`[measured: needles did]`**.
+//! **`[measured]`**. Balls, capsules and feature edges meet whole faces, where it is no better.
 //!
 //! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`]
 //! of the distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by
@@ -21,7 +20,9 @@
 //! never met it.
 //!
 //! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed
-//! ([`first_touch`](super::advance::first_touch)); it starts each substep outside, hence stays there. *A side is kept.* Where
+//! ([`first_touch`](super::advance::first_touch)); it starts each substep outside, hence stays there. Faces share particles, so
+//! what the push of one led into a part is stopped again, and at last kept in front of the plane that divided face and part when
+//! the substep began. *A side is kept.* Where
 //! other causes moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken apart), the normal it last had
 //! tells where it belongs: it is brought back along that, at the speed of particles that start inside. The shortest way out of
 //! a needle is sideways, and cloth with a needle in it cannot go there.
@@ -136,8 +137,6 @@ struct Part {
     radius: f32,
     /// Whether it could go through a face, being smaller.
     pierces: bool,
-    /// Whether it is convex, with edges or corners, and wider than a face: nothing passes it unseen.
-    wide: bool,
 }
 
 /// Faces of one cloth near bodies that are finer than its mesh. Buffers are reused: nothing is allocated once they are warm.

@@ -5,7 +5,7 @@ use glam::Vec3A;
 use super::piece::Piece;
 use super::setting::{Setting, State, Way};
 use crate::solver::body::nearest::{Near, at};
-use crate::solver::body::respond::{Plane, push_out};
+use crate::solver::body::respond::{Plane, mean_load, push_out};
 
 /// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that
 /// are held is not levered.
@@ -35,7 +35,7 @@ impl Setting<'_> {
             (by, silent) = rigid.split(mobility, place(pushed.end), by, silent);
             rigid.give_now();
         }
-        candidate.load = self.projection.load(candidate.load, pushed.push);
+        candidate.load = mean_load(candidate.load, pushed.push);
         (candidate.plane, candidate.weights, candidate.floor) = (plane, w, plane.gap(pushed.end).min(0.0));
         let mut most = 0.0;
         for (i, &p) in candidate.particles.iter().enumerate() {

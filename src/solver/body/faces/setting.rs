@@ -7,7 +7,6 @@ use crate::solver::body::feature_edges::FeatureEdge;
 use crate::solver::body::geometry::Geometry;
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::{Convex, Face};
-use crate::solver::body::respond::Projection;
 use crate::solver::scales::FARTHEST;
 
 /// Corners at both ends of the substep, in the part's own space `[m]`, and inverse masses `[1/kg]`.
@@ -27,8 +26,6 @@ pub(super) struct Setting<'a> {
     pub(super) number: u32,
     /// Distance kept `[m]`.
     pub(super) keep: f32,
-    /// Which projection of the substep it is.
-    pub(super) projection: Projection,
     /// Way that an overlap is recovered in the substep `[m]`.
     pub(super) recovery: f32,
 }

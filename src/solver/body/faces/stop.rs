@@ -2,8 +2,11 @@
 
 use glam::Vec3A;
 
+use super::pass::Pass;
+use super::project::{PUTS, STOPS};
 use super::setting::{Setting, State, Way};
 use crate::solver::body::advance::first_touch;
+use crate::solver::body::distance::Sample;
 use crate::solver::body::nearest::{Face, Near, at};
 use crate::solver::body::respond::Plane;
 use crate::solver::body::sweep::{SLIDES, plane_at};
@@ -32,25 +35,61 @@ impl Setting<'_> {
             touched = Some(self.push(&near, plane_at(near.point, near.sample, keep), way, state));
             start = face;
         }
-        if self.pierces && first_touch(nearest, &start, &way.to, keep).is_some() {
-            // Wedged: it stays at the last place known to be outside. What is rounder than that gets no farther than particles
-            // let it.
-            for (i, &p) in state.candidate.piece.of(&state.candidate.particles).iter().enumerate() {
-                if way.masses[i] > 0.0
-                    && let Some(x) = state.positions.get_mut(p as usize)
-                {
-                    let by = self.motion.rotation1 * (start[i] - way.to[i]);
-                    *x += by.extend(0.0);
-                    if let Some(rigid) = &mut *state.rigid {
-                        rigid.react(Vec3A::from_vec4(*x), by / way.masses[i]);
-                    }
+        touched
+    }
+
+    /// Stops a face again that still goes into the part, or has gone through it. After [`STOPS`] turns its corners are kept in front
+    /// of the plane that divided them from the part when the substep began, and in the last are put back to where they were then.
+    /// Whether it did.
+    pub(super) fn stop_again(&self, turn: u32, state: &mut State<'_, '_>) -> bool {
+        let Some(way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
+        let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
+            Pass::By(..) => return false,
+            Pass::Near(near) => (Some(near), near.sample.normal),
+            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
+        };
+        let nearest = |face: &Face| self.part.nearest(face, towards);
+        let outside = |near: &Near| near.sample.distance > 0.0;
+        let never_met = end.filter(outside).is_some_and(|near| {
+            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
+            !self.pierces || way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
+        });
+        if never_met || !nearest(&way.from).as_ref().is_some_and(outside) {
+            return false;
+        }
+        let mut way = way;
+        if turn < STOPS {
+            return self.stop(&nearest, self.keep, &mut way, state).is_some();
+        }
+        let Some(near) = nearest(&way.from) else { return false };
+        let is_own = |(face, near): &(Face, Near)| self.takes(state.candidate.piece, &near.weights, face);
+        let goes_in = first_touch(&nearest, &way.from, &way.to, 0.5 * self.keep).as_ref().is_some_and(is_own);
+        if goes_in {
+            let Sample { distance, normal } = near.sample;
+            let floor = normal.dot(near.point) - distance + distance.min(0.5 * self.keep);
+            let to =
+                if turn == STOPS + PUTS - 1 { way.from } else { way.to.map(|x| x + normal * (floor - normal.dot(x)).max(0.0)) };
+            self.put(&to, &way, state);
+        }
+        goes_in
+    }
+
+    /// Puts the corners of a face at `to`.
+    fn put(&self, to: &Face, way: &Way, state: &mut State<'_, '_>) {
+        for (i, &p) in state.candidate.piece.of(&state.candidate.particles).iter().enumerate() {
+            if way.masses[i] > 0.0
+                && let Some(x) = state.positions.get_mut(p as usize)
+            {
+                let by = self.motion.rotation1 * (to[i] - way.to[i]);
+                *x += by.extend(0.0);
+                if let Some(rigid) = &mut *state.rigid {
+                    rigid.react(Vec3A::from_vec4(*x), by / way.masses[i]);
                 }
             }
-            if let Some(rigid) = &mut *state.rigid {
-                rigid.give_now();
-            }
         }
-        touched
+        if let Some(rigid) = &mut *state.rigid {
+            rigid.give_now();
+        }
     }
 
     /// Brings a face back to the side that it was on, from wherever something moved it to.

@@ -1,0 +1,56 @@
+//! Which particles of pairs lie on bodies in a substep, and on which side of them.
+
+use glam::{Vec3, Vec3A};
+
+use crate::solver::topology::NONE;
+
+/// Cosine of the angle within which two normals are one.
+const SAME: f32 = 0.999;
+
+/// Unit normals of the bodies that particles lie on, by slot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Ground {
+    /// Last normal of each slot, or [`NONE`].
+    last: Vec<u32>,
+    /// Each with the one of its slot before it, or [`NONE`].
+    normals: Vec<(Vec3A, u32)>,
+    /// Sum of the ways of what they lie on in the substep `[m]`.
+    ways: Vec3A,
+}
+
+impl Ground {
+    /// Nothing lies on anything, among so many `slots`.
+    pub(super) fn begin(&mut self, slots: usize) {
+        self.ways = Vec3A::ZERO;
+        self.normals.clear();
+        self.last.clear();
+        self.last.resize(slots, NONE);
+        // Corners of boxes have three, and what lies flat has one.
+        self.normals.reserve(2 * slots);
+    }
+
+    /// A body that went `way` `[m]` pushes `slot` along `normal`.
+    pub(super) fn add(&mut self, slot: u32, normal: Vec3A, way: Vec3A) {
+        if self.of(slot).any(|known| known.dot(normal) > SAME) {
+            return;
+        }
+        if let Some(last) = self.last.get_mut(slot as usize) {
+            self.normals.push((normal, *last));
+            self.ways += way;
+            *last = self.normals.len() as u32 - 1;
+        }
+    }
+
+    /// Mean way of what particles lie on `[m]`; `None` where nothing does.
+    pub(super) fn mean_way(&self) -> Option<Vec3> {
+        let mean = self.ways / self.normals.len() as f32;
+        mean.is_finite().then_some(mean.into())
+    }
+
+    /// The normals of a slot.
+    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = Vec3A> + '_ {
+        let known = |at: u32| self.normals.get(at as usize);
+        let last = self.last.get(slot as usize).and_then(|&at| known(at));
+        core::iter::successors(last, move |(_, before)| known(*before)).map(|(normal, _)| *normal)
+    }
+}
