@@ -31,7 +31,8 @@ impl Ground {
 
     /// A body that went `way` `[m]` pushes `slot` along `normal`.
     pub(super) fn add(&mut self, slot: u32, normal: Vec3A, way: Vec3A) {
-        if self.of(slot).any(|known| known.dot(normal) > SAME) {
+        // What gives way takes its share of the motion instead.
+        if normal == Vec3A::ZERO || self.of(slot).any(|known| known.dot(normal) > SAME) {
             return;
         }
         if let Some(last) = self.last.get_mut(slot as usize) {

@@ -33,14 +33,15 @@ impl BodyContacts {
         }
     }
 
-    /// Calls `touches` for every particle that touched a body when last projected, with the unit normal of what it touched and the
-    /// way of that `[m]`.
+    /// Calls `touches` for every particle that touched a body when last projected, with the unit normal of what it touched, zero
+    /// where that gives way, and the way of that `[m]`.
     pub(crate) fn each_touch(&self, grounds: &mut Grounds<'_>, mut touches: impl FnMut(u32, Vec3A, Vec3A)) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
+            let yields = grounds.bodies.get(part.body as usize).is_some_and(|body| body.rigid.is_some());
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
-                touches(candidate.particle, ground.normal(candidate.plane), ground.way());
+                touches(candidate.particle, if yields { Vec3A::ZERO } else { ground.normal(candidate.plane) }, ground.way());
             }
         }
     }

@@ -48,9 +48,10 @@ impl FaceContacts {
     pub(crate) fn each_touch(&mut self, grounds: &mut Grounds<'_>, mut touches: impl FnMut(u32, Vec3A, Vec3A)) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
+            let yields = grounds.bodies.get(part.body as usize).is_some_and(|body| body.rigid.is_some());
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
-                let normal = ground.normal(candidate.plane);
+                let normal = if yields { Vec3A::ZERO } else { ground.normal(candidate.plane) };
                 candidate.particles.iter().for_each(|&p| touches(p, normal, ground.way()));
             }
         }
