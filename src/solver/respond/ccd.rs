@@ -237,7 +237,7 @@ impl Ways<'_> {
 impl Ways<'_> {
     /// A `mean` motion that takes no particle of a pair, which moves by `motion` `[m]`, farther into a body that it lies on.
     fn onto_ground(&self, mut mean: Vec3, slots: &[u32; 4], motion: &[Vec3; 4]) -> Vec3 {
-        // There and back, as normals of a corner differ.
+        // Twice, as normals at a corner differ.
         for _ in 0..2 {
             for (&slot, motion) in slots.iter().zip(motion) {
                 for n in self.ground.of(slot).map(Vec3::from) {
