@@ -33,7 +33,8 @@ impl Grounds<'_> {
         let body = self.bodies.get(body as usize)?;
         let motion = Motion::so_far(body, local, radius, self.span, self.coupling);
         let to_body = [motion.rotation0.transpose(), motion.rotation1.transpose()];
-        Some(Ground { motion, to_body, radius, friction: self.touch.friction(body), keep: self.touch.kept(body) })
+        let (friction, gives_way, keep) = (self.touch.friction(body), body.rigid.is_some(), self.touch.kept(body));
+        Some(Ground { motion, to_body, radius, friction, gives_way, keep })
     }
 
     /// Body `body`, if it is one of `coupling` and time passes, shared by so many `contacts` in a frame of `dt` `[s]`.
@@ -49,6 +50,16 @@ impl Grounds<'_> {
     }
 }
 
+/// A body that bears a particle at the end of a substep, whatever pushes that.
+pub(crate) struct Bearing {
+    /// Where it put the particle `[m]`.
+    pub at: Vec3A,
+    /// Unit normal of its surface there.
+    pub normal: Vec3A,
+    /// Way of its surface there in the substep `[m]`.
+    pub way: Vec3A,
+}
+
 /// A part of a body that cloth lies on.
 pub(super) struct Ground {
     motion: Motion,
@@ -57,6 +68,8 @@ pub(super) struct Ground {
     /// Farthest point of the part `[m]`.
     radius: f32,
     friction: Friction,
+    /// Whether cloth moves the body.
+    gives_way: bool,
     /// Distance kept from it `[m]`.
     pub keep: f32,
 }
@@ -68,14 +81,14 @@ impl Ground {
         self.to_body = [self.motion.rotation0.transpose(), self.motion.rotation1.transpose()];
     }
 
-    /// The way of the part's origin in the substep `[m]`.
-    pub(super) fn way(&self) -> Vec3A {
-        self.motion.translation1 - self.motion.translation0
-    }
-
-    /// The unit normal of a plane in the space of the part, at the end of the substep.
-    pub(super) fn normal(&self, plane: Plane) -> Vec3A {
-        self.motion.rotation1 * plane.normal
+    /// How the part bears a particle that it put `at` `[m]`, on a `plane` in its space; `None` if it gives way.
+    pub(super) fn bearing(&self, plane: Plane, at: Vec3A) -> Option<Bearing> {
+        if self.gives_way {
+            return None;
+        }
+        let local = self.to_body[1] * (at - self.motion.translation1);
+        let way = at - (self.motion.rotation0 * local + self.motion.translation0);
+        Some(Bearing { at, normal: self.motion.rotation1 * plane.normal, way })
     }
 
     /// A way `[m]` in the space of the part at the end of the substep.

@@ -75,7 +75,8 @@ impl Island {
                 m.cloth.project(m.state, m.scratch);
                 let first = self.surface.parts[part].particles.start;
                 let contacts = &mut self.contacts;
-                m.cloth.each_on_body(m.scratch, |p, normal, way| contacts.touch_ground(first + p, normal, way));
+                let offset = m.offset.into();
+                m.cloth.each_on_body(m.state, m.scratch, |p, bearing| contacts.touch_ground(first + p, bearing, offset));
             }
             self.apply_friction(cloths);
             self.apply_restitution(cloths);

@@ -12,9 +12,10 @@
 //! relative to the mean motion of free particles, or of the bodies that some lie on, each moves at most half of the gap that may
 //! close (Offset Geometric Contact, section 3.5), so that two that are bound do not meet. Momentum is not kept there.
 //!
-//! Bodies bear what lies on them: the mean motion of a pair takes none of its particles farther into a body than where that put
-//! it, and what would go there at last stays, and is held. What is held cannot be cut: what meets it
-//! moves as it does, and is as held for what it meets in turn. Between two that are held and close, cloth has nowhere to go.
+//! Bodies bear what lies on them: the mean motion of a pair takes none of its particles farther into a body than the body put it.
+//!
+//! What is held cannot be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are
+//! held and close, cloth has nowhere to go.
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -190,7 +191,7 @@ impl Ways<'_> {
         let at_last = self.pass > MEAN_PASSES;
         let mut mean = if any_held || !at_last { mean_motion(&motion, to, held) } else { self.shared };
         if !any_held && !at_last {
-            mean = self.onto_ground(mean, &pair.slots, &motion);
+            mean = self.onto_ground(mean, &pair.slots);
         }
         let way = motion.map(|m| n.dot(m - mean));
         let closing = way[..first].iter().map(|w| -w).fold(0.0, f32::max) + way[first..].iter().copied().fold(0.0, f32::max);
@@ -216,13 +217,6 @@ impl Ways<'_> {
                 own * share
             };
             let end = from[k].truncate() + mean + own;
-            let into_body = |n: Vec3A| Vec3::from(n).dot(end - to[k].truncate()) < -TOUCHING * pair.thickness;
-            if at_last && self.cut[slot] != WITH_HELD && self.ground.of(pair.slots[k]).any(into_body) {
-                // A body holds it where it is.
-                self.cut[slot] = WITH_HELD;
-                any = true;
-                continue;
-            }
             let is_cut = end != to[k].truncate() && (!at_last || own != motion[k] - mean);
             if goes_along || is_cut {
                 self.now[slot] = end.extend(to[k].w);
@@ -232,17 +226,14 @@ impl Ways<'_> {
         }
         any
     }
-}
 
-impl Ways<'_> {
-    /// A `mean` motion that takes no particle of a pair, which moves by `motion` `[m]`, farther into a body that it lies on.
-    fn onto_ground(&self, mut mean: Vec3, slots: &[u32; 4], motion: &[Vec3; 4]) -> Vec3 {
+    /// A `mean` motion `[m]` that takes no particle of a pair farther into a body than that put it.
+    fn onto_ground(&self, mut mean: Vec3, slots: &[u32; 4]) -> Vec3 {
         // Twice, as normals at a corner differ.
         for _ in 0..2 {
-            for (&slot, motion) in slots.iter().zip(motion) {
-                for n in self.ground.of(slot).map(Vec3::from) {
-                    mean += n * n.dot(*motion - mean).max(0.0);
-                }
+            for (normal, floor) in slots.iter().flat_map(|&slot| self.ground.of(slot)) {
+                let normal = Vec3::from(normal);
+                mean += normal * (floor - normal.dot(mean)).max(0.0);
             }
         }
         mean

@@ -12,8 +12,8 @@ const SAME: f32 = 0.999;
 pub(super) struct Ground {
     /// Last normal of each slot, or [`NONE`].
     last: Vec<u32>,
-    /// Each with the one of its slot before it, or [`NONE`].
-    normals: Vec<(Vec3A, u32)>,
+    /// Each with how far along it the body put the particle in the substep `[m]`, and the one of its slot before it, or [`NONE`].
+    normals: Vec<(Vec3A, f32, u32)>,
     /// Sum of the ways of what they lie on in the substep `[m]`.
     ways: Vec3A,
 }
@@ -29,14 +29,14 @@ impl Ground {
         self.normals.reserve(2 * slots);
     }
 
-    /// A body that went `way` `[m]` pushes `slot` along `normal`.
-    pub(super) fn add(&mut self, slot: u32, normal: Vec3A, way: Vec3A) {
-        // What gives way takes its share of the motion instead.
-        if normal == Vec3A::ZERO || self.of(slot).any(|known| known.dot(normal) > SAME) {
+    /// A body that went `way` `[m]` pushes `slot` along `normal`, and has put it so far from where it was `[m]`.
+    pub(super) fn add(&mut self, slot: u32, normal: Vec3A, way: Vec3A, put: Vec3A) {
+        let floor = normal.dot(put);
+        if self.of(slot).any(|(known, above)| known.dot(normal) > SAME && above >= floor) {
             return;
         }
         if let Some(last) = self.last.get_mut(slot as usize) {
-            self.normals.push((normal, *last));
+            self.normals.push((normal, floor, *last));
             self.ways += way;
             *last = self.normals.len() as u32 - 1;
         }
@@ -48,10 +48,10 @@ impl Ground {
         mean.is_finite().then_some(mean.into())
     }
 
-    /// The normals of a slot.
-    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = Vec3A> + '_ {
+    /// The normals of a slot, and how far along them bodies put it in the substep `[m]`.
+    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = (Vec3A, f32)> + '_ {
         let known = |at: u32| self.normals.get(at as usize);
         let last = self.last.get(slot as usize).and_then(|&at| known(at));
-        core::iter::successors(last, move |(_, before)| known(*before)).map(|(normal, _)| *normal)
+        core::iter::successors(last, move |(.., before)| known(*before)).map(|(normal, floor, _)| (*normal, *floor))
     }
 }

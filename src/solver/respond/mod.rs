@@ -27,7 +27,7 @@ mod touching;
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use crate::solver::body::Touch;
+use crate::solver::body::{Bearing, Touch};
 use crate::solver::buffer::Buffer;
 use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::topology::NONE;
@@ -252,14 +252,17 @@ impl Contacts {
         }
     }
 
-    /// Says that a particle lies on a body with this unit `normal`, which went `way` `[m]` in the substep: cloth on top of it gives
-    /// way, and the CCD does not move it into the body again.
-    pub(crate) fn touch_ground(&mut self, particle: u32, normal: Vec3A, way: Vec3A) {
+    /// Says that a particle lies on a body: cloth on top of it gives way, and the CCD moves it no farther into what is `bearing`
+    /// it, which is `offset` `[m]` from there.
+    pub(crate) fn touch_ground(&mut self, particle: u32, bearing: Option<Bearing>, offset: Vec3A) {
         if let Some(level) = self.levels.get_mut(particle as usize) {
             *level = 0;
         }
-        if let Some(&slot) = self.slots.get(particle as usize).filter(|slot| **slot != NONE) {
-            self.ground.add(slot, normal, way);
+        let slot = self.slots.get(particle as usize).filter(|slot| **slot != NONE);
+        if let Some((&slot, Bearing { at, normal, way })) = slot.zip(bearing)
+            && let Some(start) = self.start.get(slot as usize)
+        {
+            self.ground.add(slot, normal, way, at + offset - Vec3A::from_vec4(*start));
         }
     }
 

@@ -1,10 +1,10 @@
 //! The second half of a substep: bodies, limits of the skin, and how far tethers give way to them.
 
-use glam::{Vec3A, Vec4};
+use glam::Vec4;
 
 use super::frame::Frame;
 use super::{Scratch, Stepped};
-use crate::solver::body::{Grounds, Projection, Touch};
+use crate::solver::body::{Bearing, Grounds, Projection, Touch};
 use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
@@ -52,14 +52,13 @@ impl Stepped<'_> {
         }
     }
 
-    /// Calls `lies` for particles that touched a body in the substep, with the unit normal of what they touched and the
-    /// way of that in the substep `[m]`.
-    pub(crate) fn each_on_body(&self, scratch: &mut Scratch, mut lies: impl FnMut(u32, Vec3A, Vec3A)) {
+    /// Calls `lies` for particles that touched a body in the substep, with how that bears them.
+    pub(crate) fn each_on_body(&self, state: &ClothState, scratch: &mut Scratch, mut lies: impl FnMut(u32, Option<Bearing>)) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, .. } = scratch;
         let mut grounds = self.grounds(span, coupling);
-        contacts.each_touch(&mut grounds, &mut lies);
-        faces.each_touch(&mut grounds, &mut lies);
+        contacts.each_touch(&mut grounds, &state.positions, &mut lies);
+        faces.each_touch(&mut grounds, &state.positions, &mut lies);
     }
 
     /// Bodies at the end of the substep, as the cloth touches them. `span`: shares of the frame at which it begins and ends.

@@ -4,12 +4,12 @@ use glam::{Vec3A, Vec4};
 
 use super::part::{Particles, Setting};
 use super::{BodyContacts, Candidate};
-use crate::solver::body::Grounds;
 use crate::solver::body::distance;
 use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::provisional::Provisional;
 use crate::solver::body::respond::{IMPACT_SPEED, Projection};
+use crate::solver::body::{Bearing, Grounds};
 
 impl BodyContacts {
     /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing.
@@ -33,15 +33,19 @@ impl BodyContacts {
         }
     }
 
-    /// Calls `touches` for every particle that touched a body when last projected, with the unit normal of what it touched, zero
-    /// where that gives way, and the way of that `[m]`.
-    pub(crate) fn each_touch(&self, grounds: &mut Grounds<'_>, mut touches: impl FnMut(u32, Vec3A, Vec3A)) {
+    /// Calls `touches` for every particle that touched a body when last projected, with how that bears it.
+    pub(crate) fn each_touch(
+        &self,
+        grounds: &mut Grounds<'_>,
+        positions: &[Vec4],
+        mut touches: impl FnMut(u32, Option<Bearing>),
+    ) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
-            let yields = grounds.bodies.get(part.body as usize).is_some_and(|body| body.rigid.is_some());
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
-                touches(candidate.particle, if yields { Vec3A::ZERO } else { ground.normal(candidate.plane) }, ground.way());
+                let Some(&x) = positions.get(candidate.particle as usize) else { continue };
+                touches(candidate.particle, ground.bearing(candidate.plane, Vec3A::from_vec4(x)));
             }
         }
     }

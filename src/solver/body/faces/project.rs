@@ -6,13 +6,13 @@ use glam::{Vec3A, Vec4};
 use super::push::mobility;
 use super::setting::{Setting, State};
 use super::{FaceContacts, Part, SHARE, point};
-use crate::solver::body::Grounds;
 use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::nearest::Convex;
 use crate::solver::body::provisional::Provisional;
 use crate::solver::body::respond::Projection;
 use crate::solver::body::squeeze::Squeezes;
+use crate::solver::body::{Bearing, Grounds};
 
 /// Turns in which faces are stopped again, and in which they are kept in front of where the substep began, at most. A table cloth
 /// of 36² that is pulled away at 3 m/s jams without turns of the first kind, and goes through the table without those of the
@@ -45,14 +45,20 @@ impl FaceContacts {
     }
 
     /// The same for the corners of faces as [`BodyContacts::each_touch`](crate::solver::body::BodyContacts::each_touch).
-    pub(crate) fn each_touch(&mut self, grounds: &mut Grounds<'_>, mut touches: impl FnMut(u32, Vec3A, Vec3A)) {
+    pub(crate) fn each_touch(
+        &mut self,
+        grounds: &mut Grounds<'_>,
+        positions: &[Vec4],
+        mut touches: impl FnMut(u32, Option<Bearing>),
+    ) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
-            let yields = grounds.bodies.get(part.body as usize).is_some_and(|body| body.rigid.is_some());
             let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
             for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
-                let normal = if yields { Vec3A::ZERO } else { ground.normal(candidate.plane) };
-                candidate.particles.iter().for_each(|&p| touches(p, normal, ground.way()));
+                for &p in &candidate.particles {
+                    let Some(&x) = positions.get(p as usize) else { continue };
+                    touches(p, ground.bearing(candidate.plane, Vec3A::from_vec4(x)));
+                }
             }
         }
     }

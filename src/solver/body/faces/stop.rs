@@ -54,14 +54,14 @@ impl Setting<'_> {
             let foot = near.sample.normal.dot(near.point) - near.sample.distance;
             !self.pierces || way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
         });
-        if never_met || !nearest(&way.from).as_ref().is_some_and(outside) {
+        if never_met {
             return false;
         }
+        let Some(near) = nearest(&way.from).filter(outside) else { return false };
         let mut way = way;
         if turn < STOPS {
             return self.stop(&nearest, self.keep, &mut way, state).is_some();
         }
-        let Some(near) = nearest(&way.from) else { return false };
         let is_own = |(face, near): &(Face, Near)| self.takes(state.candidate.piece, &near.weights, face);
         let goes_in = first_touch(&nearest, &way.from, &way.to, 0.5 * self.keep).as_ref().is_some_and(is_own);
         if goes_in {
