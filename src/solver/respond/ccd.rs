@@ -17,7 +17,7 @@
 //! What is held cannot be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are
 //! held and close, cloth has nowhere to go.
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Vec3, Vec4};
 
 use super::Contacts;
 use super::contact::Contact;
@@ -355,7 +355,7 @@ fn shared_motion(start: &[Vec4], now: &[Vec4]) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use glam::vec3;
+    use glam::{Vec3A, vec3};
 
     use super::*;
     use crate::solver::buffer::Buffer;
@@ -413,6 +413,28 @@ mod tests {
         for (below, above) in [(0..3, 9..10), (3..6, 0..3), (6..9, 3..6)] {
             let (highest, lowest) = (below.map(height).fold(f32::MIN, f32::max), above.map(height).fold(f32::MAX, f32::min));
             assert!(highest < lowest, "{highest} is not below {lowest}");
+        }
+    }
+
+    #[test]
+    fn what_falls_on_cloth_that_lies_on_a_body_does_not_push_it_in() {
+        let face = [vec3(-1.0, 0.0, -1.0), vec3(1.0, 0.0, -1.0), vec3(0.0, 0.0, 1.0)];
+        let start: Vec<Vec4> = [vec3(0.0, 0.1, 0.0)].iter().chain(&face).map(|x| x.extend(1.0)).collect();
+        for lies in [false, true] {
+            let mut now = start.clone();
+            now[0].y -= 2.0;
+            let pairs = vec![Contact::bare(ProximityKind::VertexFace, 0.01)];
+            let (from, to) = (Buffer(start.clone()), Buffer(now));
+            let mut contacts = Contacts { pairs, particles: vec![0, 1, 2, 3], start: from, now: to, ..Contacts::default() };
+            contacts.ground.begin(4);
+            if lies {
+                (1..4).for_each(|slot| contacts.ground.add(slot, Vec3A::Y, Vec3A::ZERO, Vec3A::ZERO));
+            }
+            assert!(contacts.clamp_motion(&mut effort()));
+            let height = |i: usize| contacts.now[i].y;
+            let (lowest, highest) = (1..4).map(height).fold((f32::MAX, f32::MIN), |(a, b), y| (a.min(y), b.max(y)));
+            assert!(height(0) > highest, "{} is not above {highest}", height(0));
+            assert_eq!(lowest < -0.1, !lies, "{lowest}");
         }
     }
 
