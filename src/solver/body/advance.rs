@@ -51,7 +51,7 @@ pub(super) fn first_touch(nearest: &impl Fn(&Face) -> Option<Near>, from: &Face,
     let mut last = None;
     for _ in 0..STEPS {
         let face = between(from, to, travelled / length);
-        let Some(near) = nearest(&face).filter(|near| near.sample.distance > 0.0) else { break };
+        let Some(near) = nearest(&face).filter(Near::is_outside) else { break };
         let gap = near.sample.distance - keep;
         let deeper = near.sample.normal.dot(at(to, &near.weights) - near.point);
         last = Some((face, near));

@@ -35,6 +35,13 @@ pub(super) struct Near {
     pub(super) sample: Sample,
 }
 
+impl Near {
+    /// Whether it lies outside the part.
+    pub(super) fn is_outside(&self) -> bool {
+        self.sample.distance > 0.0
+    }
+}
+
 /// `Σ wᵢ xᵢ`.
 #[inline]
 pub(super) fn at(face: &Face, weights: &[f32; 3]) -> Vec3A {
@@ -188,7 +195,7 @@ mod tests {
                 }
                 let deep = matches!(name, "ball" | "capsule");
                 match found {
-                    Some(near) if near.sample.distance > 0.0 || deep => {
+                    Some(near) if near.is_outside() || deep => {
                         apart += 1;
                         let found = near.sample.distance;
                         assert!(found < least + 0.02 * least.abs() + 2.0e-4, "{name} {n}: found {found}, sampled {least}");

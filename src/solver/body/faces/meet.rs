@@ -4,7 +4,7 @@ use glam::Vec3A;
 
 use super::Candidate;
 use super::memory::normal;
-use super::pass::Pass;
+use super::pass::Look;
 use super::setting::{Setting, State};
 use crate::solver::body::geometry::Geometry;
 use crate::solver::body::nearest::{Face, Near};
@@ -15,26 +15,15 @@ use crate::solver::scales::TOUCHING;
 impl Setting<'_> {
     /// Whether the face touched.
     pub(super) fn meet(&self, state: &mut State<'_, '_>, squeezes: &mut Squeezes) -> bool {
-        let Some(mut way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
-        let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
-            Pass::By(normal, height) => {
-                state.candidate.pass_by(normal, height - self.keep, &way.to);
-                return false;
-            }
-            Pass::Near(near) => (Some(near), near.sample.normal),
-            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
-        };
+        let Some(look) = self.look(state) else { return false };
+        let clear = look.is_clear();
+        let Look { mut way, end, towards } = look;
         let nearest = |face: &Face| self.part.nearest(face, towards);
-        let outside = |near: &Near| near.sample.distance > 0.0;
-        let clear = end.filter(outside).is_some_and(|near| {
-            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
-            way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
-        });
         let keep = end.map_or(self.keep, |Near { sample, .. }| {
             let normal = self.motion.rotation1 * sample.normal;
             squeezes.keep(state.candidate.piece.place(state.candidate.face), self.number, normal, sample.distance, self.keep)
         });
-        if !clear && nearest(&way.from).as_ref().is_some_and(outside) {
+        if !clear && nearest(&way.from).as_ref().is_some_and(Near::is_outside) {
             if let Some(touched) = self.stop(&nearest, keep, &mut way, state) {
                 return touched;
             }
@@ -51,7 +40,7 @@ impl Setting<'_> {
             }
         }
         let Some(near) = end else { return false };
-        if near.sample.distance > 0.0 {
+        if near.is_outside() {
             state.candidate.lies(&near, &way.to);
         }
         let gap = near.sample.distance - keep;

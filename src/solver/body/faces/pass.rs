@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-use super::setting::{Setting, Way};
+use super::setting::{Setting, State, Way};
 use crate::solver::body::advance::longest_way;
 use crate::solver::body::distance::Sample;
 use crate::solver::body::nearest::{Face, Near, at, to_point};
@@ -14,7 +14,7 @@ const PLANES: u32 = 4;
 const EXACT: f32 = 0.02;
 
 /// What tangent planes tell of a face.
-pub(super) enum Pass {
+enum Pass {
     /// It never met the part; a normal there, and its least height over the plane `[m]`.
     By(Vec3A, f32),
     /// Its nearest point at the end.
@@ -23,11 +23,45 @@ pub(super) enum Pass {
     Unsure(Vec3A),
 }
 
+/// A face that may meet the part in the substep.
+pub(super) struct Look {
+    pub(super) way: Way,
+    /// Its nearest point at the end.
+    pub(super) end: Option<Near>,
+    /// A normal of the part about where the face lies.
+    pub(super) towards: Vec3A,
+}
+
+impl Look {
+    /// Whether the face ends in front of a tangent plane of the part that it began in front of.
+    pub(super) fn is_clear(&self) -> bool {
+        self.end.filter(Near::is_outside).is_some_and(|near| {
+            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
+            self.way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
+        })
+    }
+}
+
 impl Setting<'_> {
+    /// Looks at a face, and notes it if it can not meet the part.
+    #[inline]
+    pub(super) fn look(&self, state: &mut State<'_, '_>) -> Option<Look> {
+        let way = self.way(state.candidate.particles, state.positions, state.previous)?;
+        let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
+            Pass::By(normal, height) => {
+                state.candidate.pass_by(normal, height - self.keep, &way.to);
+                return None;
+            }
+            Pass::Near(near) => (Some(near), near.sample.normal),
+            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
+        };
+        Some(Look { way, end, towards })
+    }
+
     /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at
     /// where the face is nearest to what was nearest to that, and so on.
     #[inline]
-    pub(super) fn pass(&self, way: &Way, mut weights: [f32; 3]) -> Pass {
+    fn pass(&self, way: &Way, mut weights: [f32; 3]) -> Pass {
         let Way { from, to, .. } = way;
         let middle = at(to, &weights);
         let reach = longest_way(to, &[middle; 3]) + longest_way(from, to) + self.keep;

@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-use super::pass::Pass;
+use super::pass::Look;
 use super::project::{PUTS, STOPS};
 use super::setting::{Setting, State, Way};
 use crate::solver::body::advance::first_touch;
@@ -42,23 +42,14 @@ impl Setting<'_> {
     /// of the plane that divided them from the part when the substep began, and in the last are put back to where they were then.
     /// Whether it did.
     pub(super) fn stop_again(&self, turn: u32, state: &mut State<'_, '_>) -> bool {
-        let Some(way) = self.way(state.candidate.particles, state.positions, state.previous) else { return false };
-        let (end, towards) = match self.pass(&way, state.candidate.piece.middle()) {
-            Pass::By(..) => return false,
-            Pass::Near(near) => (Some(near), near.sample.normal),
-            Pass::Unsure(towards) => (self.part.nearest(&way.to, towards), towards),
-        };
-        let nearest = |face: &Face| self.part.nearest(face, towards);
-        let outside = |near: &Near| near.sample.distance > 0.0;
-        let never_met = end.filter(outside).is_some_and(|near| {
-            let foot = near.sample.normal.dot(near.point) - near.sample.distance;
-            !self.pierces || way.from.iter().all(|x| near.sample.normal.dot(*x) > foot)
-        });
-        if never_met {
+        let Some(look) = self.look(state) else { return false };
+        // What can not go through it lies outside wherever it ends outside.
+        if look.is_clear() || (!self.pierces && look.end.as_ref().is_some_and(Near::is_outside)) {
             return false;
         }
-        let Some(near) = nearest(&way.from).filter(outside) else { return false };
-        let mut way = way;
+        let Look { mut way, towards, .. } = look;
+        let nearest = |face: &Face| self.part.nearest(face, towards);
+        let Some(near) = nearest(&way.from).filter(Near::is_outside) else { return false };
         if turn < STOPS {
             return self.stop(&nearest, self.keep, &mut way, state).is_some();
         }
@@ -103,7 +94,7 @@ impl Setting<'_> {
         let mut off = 2.0 * self.keep;
         for _ in 0..DOUBLINGS {
             let before = way.to.map(|x| x + side * off);
-            if nearest(&before).is_some_and(|near| near.sample.distance > 0.0 && near.sample.normal.dot(side) > 0.0) {
+            if nearest(&before).is_some_and(|near| near.is_outside() && near.sample.normal.dot(side) > 0.0) {
                 return first_touch(nearest, &before, &way.to, self.keep).is_some_and(|(face, near)| {
                     let mut way = Way { ..*way };
                     // Back the way it came, not off the surface: it may be steep.
