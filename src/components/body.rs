@@ -9,12 +9,14 @@ use super::fitted::FittedBody;
 ///
 /// Each part of the body gets a capsule, or a convex hull where it is flat: an entity of its own, with a
 /// [`ClothCollider`](crate::ClothCollider) and a name such as `thigh_l collider`, as a child of its joint. It moves with the
-/// joint. You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of this entity.
+/// joint. You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of its joint, or
+/// of the nearest joint above that has some, or of this entity: so a skirt can let hands through.
 ///
 /// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They
 /// are made anew when the mesh, the skin or the layers change, and what was edited is lost. A change of this component writes
-/// margins and friction to them, and keeps shapes, places and contacts; change all bodies that are fitted together at once. Bodies with the same joints, settings and layers are
-/// fitted together: a character whose mesh is in pieces has one set of colliders. All go when this component is removed.
+/// margins and friction to them, and keeps shapes, places and contacts; change all bodies that are fitted together at once.
+/// Bodies with the same joints, settings and layers are fitted together: a character whose mesh is in pieces has one set of
+/// colliders. All go when this component is removed.
 ///
 /// A [`Cloth`](crate::Cloth) is no body: this belongs on what wears it.
 ///

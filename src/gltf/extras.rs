@@ -5,7 +5,8 @@ use serde_json::{Map, Value};
 
 use super::maps::{self, BackstopExtras};
 use crate::components::{
-    ClothColorChannel, ClothDrive, ClothInertia, ClothMap, ClothMaterial, ClothMeshFit, ClothPaint, ClothPinSelect,
+    ClothCollisionLayers, ClothColorChannel, ClothDrive, ClothInertia, ClothMap, ClothMaterial, ClothMeshFit, ClothPaint,
+    ClothPinSelect,
 };
 use crate::notices::shortened;
 
@@ -29,6 +30,7 @@ pub(crate) struct NodeExtras {
     /// The object that is simulated in place of this one.
     pub proxy: Option<String>,
     pub collider: Option<ColliderExtras>,
+    pub layers: Option<ClothCollisionLayers>,
 }
 
 /// The `cloth` key.
@@ -129,7 +131,29 @@ pub(crate) fn node(text: &str, problems: &mut Vec<Problem>) -> NodeExtras {
         cloth: is_cloth.then(|| cloth(&keys, problems)),
         proxy,
         collider: extras.get("collider").and_then(|value| collider(value, problems)),
+        layers: layers(&extras, problems),
     }
+}
+
+/// Reads the keys `collision_memberships` and `collision_filters`: the number of a layer, or a list of them.
+fn layers(extras: &Map<String, Value>, problems: &mut Vec<Problem>) -> Option<ClothCollisionLayers> {
+    let mut bits = |key: &str| {
+        let value = extras.get(key)?;
+        let bit = |value: &Value| value.as_u64().filter(|layer| *layer < 32).map(|layer| 1_u32 << layer);
+        let bits = match value {
+            Value::Array(layers) => layers.iter().map(bit).try_fold(0, |all, bit| Some(all | bit?)),
+            layer => bit(layer),
+        };
+        if bits.is_none() {
+            let what = format!("is {}: it must be the number of a layer, 0 to 31, or a list of such", given(value));
+            problems.push(Problem::new(key, what));
+        }
+        bits
+    };
+    let (memberships, filters) = (bits("collision_memberships"), bits("collision_filters"));
+    let ClothCollisionLayers { memberships: member, filters: all } = ClothCollisionLayers::DEFAULT;
+    (memberships.is_some() || filters.is_some())
+        .then(|| ClothCollisionLayers::new(memberships.unwrap_or(member), filters.unwrap_or(all)))
 }
 
 /// Reads the extras of a scene.
@@ -420,6 +444,22 @@ mod tests {
         assert_eq!((node.cloth, node.collider, problems), (Some(ClothExtras::default()), None, vec![]));
         assert_eq!(read(r#"{"cloth": false}"#).0, NodeExtras::default());
         assert_eq!(read("[1, 2"), (NodeExtras::default(), vec![]));
+    }
+
+    #[test]
+    fn layers_are_numbers_and_lists_of_them_on_any_node() {
+        let layers = |text: &str| {
+            let (node, problems) = read(text);
+            (node.layers, problems)
+        };
+        let some = |memberships, filters| Some(ClothCollisionLayers::new(memberships, filters));
+        assert_eq!(layers(r#"{"collision_memberships": 1}"#), (some(0b10, u32::MAX), vec![]));
+        assert_eq!(layers(r#"{"cloth": true, "collision_filters": [0, 2]}"#), (some(1, 0b101), vec![]));
+        assert_eq!(layers(r#"{"collision_memberships": [], "collision_filters": 31}"#), (some(0, 1 << 31), vec![]));
+        for bad in ["32", "-1", "0.5", "\"hand\"", "[0, true]", "null"] {
+            let (layers, problems) = layers(&format!(r#"{{"collision_filters": {bad}}}"#));
+            assert_eq!((layers, problems), (None, vec![String::from("collision_filters")]), "{bad}");
+        }
     }
 
     #[test]

@@ -22,6 +22,8 @@
 //! | `cloth.subdivision` | metres in the space of the mesh: longer edges are split; for meshes of one material: [`ClothSubdivision`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
+//! | `collision_memberships` | layers that the cloth, the collider or, on a joint, the colliders of a body there belong to: a number from 0 to 31, or a list: [`ClothCollisionLayers`](crate::ClothCollisionLayers); without it layer 0 |
+//! | `collision_filters` | layers that it touches, as above; without it all |
 //!
 //! | scene extras | value |
 //! |---|---|
@@ -73,7 +75,7 @@ use crate::components::{
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
-use extras::{ClothExtras, ColliderExtras, ColliderFit, MaterialExtras, Problem};
+use extras::{ClothExtras, ColliderExtras, ColliderFit, MaterialExtras, NodeExtras, Problem};
 use join::Joined;
 use maps::BackstopExtras;
 pub(crate) use order::{VerticesOfFile, keep};
@@ -147,7 +149,7 @@ pub(crate) fn nodes(
     for (entity, extras, name, children) in &added {
         let mut problems = Vec::new();
         let node = extras::node(&extras.value, &mut problems);
-        if node.cloth.is_none() && node.proxy.is_none() && node.collider.is_none() && problems.is_empty() {
+        if node == NodeExtras::default() && problems.is_empty() {
             continue;
         }
         let file = file_of(entity, &nodes.parents, &nodes.roots);
@@ -224,6 +226,12 @@ pub(crate) fn nodes(
                         commands.entity(primitive).try_remove::<(Mesh3d, SkinnedMesh)>();
                     }
                 }
+            }
+        }
+        if let Some(layers) = node.layers {
+            // A joint hands them on to what is fitted to it.
+            for bearer in core::iter::once(entity).chain(primitives.iter().copied()) {
+                commands.entity(bearer).try_insert(layers);
             }
         }
         match node.collider {

@@ -59,6 +59,7 @@ pub(crate) struct Anatomy<'w, 's> {
     bind_poses: Option<Res<'w, Assets<SkinnedMeshInverseBindposes>>>,
     sources: Res<'w, Sources>,
     joints: Query<'w, 's, (Option<&'static GlobalTransform>, Option<&'static ChildOf>, Option<&'static Name>), Allow<Disabled>>,
+    layers: Query<'w, 's, Ref<'static, ClothCollisionLayers>, Allow<Disabled>>,
 }
 
 /// What keeps a body from being fitted.
@@ -74,12 +75,14 @@ pub(crate) fn bodies(
     mut cache: ResMut<BodyCache>,
     mut notices: ResMut<Notices>,
     time: Res<Time<Real>>,
+    mut removed: RemovedComponents<ClothCollisionLayers>,
     mut bodies: Query<Body>,
 ) {
     if !anatomy.sources.modified.is_empty() {
         cache.forget(&anatomy.sources.modified);
     }
-    if !watch(&mut commands, &anatomy, &mut notices, time.elapsed_secs_f64(), &mut bodies) {
+    let removed: Vec<Entity> = removed.read().collect();
+    if !watch(&mut commands, &anatomy, &removed, &mut notices, time.elapsed_secs_f64(), &mut bodies) {
         return;
     }
     let groups = groups(&anatomy, &bodies);
@@ -89,7 +92,7 @@ pub(crate) fn bodies(
             && !(is_first || state.members.is_empty())
         {
             (state.members, state.colliders) = (Vec::new(), None);
-            replace(&mut commands, body.entity, Vec::new(), None);
+            replace(&mut commands, body.entity, Vec::new());
         }
     }
     for group in groups {
@@ -116,8 +119,9 @@ pub(crate) fn bodies(
         if stage == Stage::Failed {
             tell(&mut notices, first.entity, first.name, &BodyError::NothingFits);
         }
-        let parts = first.skin.as_ref().map_or_else(Vec::new, |skin| anatomy.parts(&skin.joints, &colliders, &settings));
-        replace(&mut commands, first.entity, parts, first.layers.copied());
+        let own = first.layers.copied();
+        let parts = first.skin.as_ref().map_or_else(Vec::new, |skin| anatomy.parts(&skin.joints, &colliders, &settings, own));
+        replace(&mut commands, first.entity, parts);
         for &member in &group {
             if let Ok(mut body) = bodies.get_mut(member)
                 && let Some(state) = &mut body.fitted
@@ -137,8 +141,20 @@ pub(crate) fn bodies(
 
 /// Marks bodies that are to be fitted as new. Whether there are any, or fitted ones that no longer can be or have other
 /// settings.
-fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now: f64, bodies: &mut Query<Body>) -> bool {
+fn watch(
+    commands: &mut Commands,
+    anatomy: &Anatomy,
+    removed: &[Entity],
+    notices: &mut Notices,
+    now: f64,
+    bodies: &mut Query<Body>,
+) -> bool {
     let takes_part = |stage: Stage| matches!(stage, Stage::New | Stage::Made);
+    // Of all layers first: most frames change none, and a crowd has thousands of joints.
+    let layers_changed = !removed.is_empty() || anatomy.layers.iter().any(|layers| layers.is_changed());
+    let is_layered_anew = |joint: Entity| {
+        layers_changed && (removed.contains(&joint) || anatomy.layers.get(joint).is_ok_and(|layers| layers.is_changed()))
+    };
     let mut is_stale = false;
     for mut body in bodies {
         let shows_cloth = body.shows_cloth();
@@ -158,7 +174,9 @@ fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now:
             sources.modified.contains(&mesh) || (state.stage == Stage::Failed && sources.added.contains(&mesh))
         });
         let is_tuned = body.settings.is_changed();
-        let is_changed = body.skin.as_ref().is_some_and(DetectChanges::is_changed) || (is_tuned && !takes_part(state.stage));
+        let is_changed = body.skin.as_ref().is_some_and(DetectChanges::is_changed)
+            || (is_tuned && !takes_part(state.stage))
+            || body.skin.as_ref().is_some_and(|skin| skin.joints.iter().any(|joint| is_layered_anew(*joint)));
         is_stale |= is_tuned && takes_part(state.stage);
         let is_tried =
             arrived || is_changed || state.made_of != made_of || matches!(state.stage, Stage::New | Stage::Waiting { .. });
@@ -333,13 +351,22 @@ impl Anatomy<'_, '_> {
     }
 
     /// Colliders as they are spawned.
-    fn parts(&self, joints: &[Entity], colliders: &[BoneCollider], settings: &ClothBody) -> Vec<Part> {
+    fn parts(
+        &self,
+        joints: &[Entity],
+        colliders: &[BoneCollider],
+        settings: &ClothBody,
+        layers: Option<ClothCollisionLayers>,
+    ) -> Vec<Part> {
+        let parents = self.parents(joints);
         let part = |fitted: &BoneCollider| {
             let joint = *joints.get(fitted.joint)?;
             let name = self.joints.get(joint).ok()?.2;
             let name = name.map_or_else(|| format!("joint {} collider", fitted.joint), |name| format!("{name} collider"));
             let (collider, place) = collider_of(fitted, settings);
-            Some(Part { joint, name: Name::new(name), collider, place })
+            let above = std::iter::successors(Some(fitted.joint), |&joint| parents[joint]).take(joints.len());
+            let own = above.filter_map(|joint| self.layers.get(joints[joint]).ok()).next();
+            Some(Part { joint, name: Name::new(name), collider, place, layers: own.map(|own| *own).or(layers) })
         };
         colliders.iter().filter_map(part).collect()
     }
@@ -351,16 +378,17 @@ struct Part {
     name: Name,
     collider: ClothCollider,
     place: Transform,
+    layers: Option<ClothCollisionLayers>,
 }
 
 /// Despawns the colliders of a body and spawns others under their joints, as far as these are still there.
-fn replace(commands: &mut Commands, body: Entity, parts: Vec<Part>, layers: Option<ClothCollisionLayers>) {
+fn replace(commands: &mut Commands, body: Entity, parts: Vec<Part>) {
     commands.queue(move |world: &mut World| {
         despawn_colliders(world, body);
         if !world.get_entity(body).is_ok_and(|body| body.contains::<ClothBody>()) {
             return;
         }
-        for Part { joint, name, collider, place } in parts {
+        for Part { joint, name, collider, place, layers } in parts {
             let Some(&global) = world.get::<GlobalTransform>(joint) else { continue };
             // Transforms were propagated before, and what stands at the origin for a frame would sweep through the cloth.
             let bundle = (name, collider, place, global.mul_transform(place), ChildOf(joint), FittedTo(body));

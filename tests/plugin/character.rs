@@ -110,6 +110,29 @@ fn each_part_of_a_body_gets_a_collider_under_its_joint() {
 }
 
 #[test]
+fn colliders_have_the_layers_of_their_joint_or_one_above_or_those_of_the_body() {
+    let mut app = app();
+    let [own, of_calf, of_thigh] = [1, 2, 3].map(|layer| ClothCollisionLayers::new(1 << layer, u32::MAX));
+    let (_, joints) = body(&mut app, own);
+    let [thigh, calf] = [joints[0], joints[1]];
+    let layers = |app: &mut App| {
+        run(app, 2);
+        let all = colliders(app);
+        assert_eq!(all.len(), 2, "{all:?}");
+        [1, 0].map(|k| app.world().get::<ClothCollisionLayers>(all[k].1).copied())
+    };
+    assert_eq!(layers(&mut app), [Some(own); 2]);
+    app.world_mut().entity_mut(calf).insert(of_calf);
+    assert_eq!(layers(&mut app), [Some(own), Some(of_calf)]);
+    app.world_mut().entity_mut(thigh).insert(of_thigh);
+    assert_eq!(layers(&mut app), [Some(of_thigh), Some(of_calf)]);
+    app.world_mut().entity_mut(calf).remove::<ClothCollisionLayers>();
+    assert_eq!(layers(&mut app), [Some(of_thigh); 2]);
+    app.world_mut().entity_mut(thigh).remove::<ClothCollisionLayers>();
+    assert_eq!(layers(&mut app), [Some(own); 2]);
+}
+
+#[test]
 fn a_collider_goes_where_its_joint_turns_and_pushes_the_cloth() {
     let mut app = app();
     app.insert_resource(ClothGravity(Vec3::ZERO));
