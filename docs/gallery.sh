@@ -18,6 +18,7 @@ pictures=(
     "skirt.gif skirt --frames 240 --out"
     "character.png character --outfit dress --clip Turn --width 960 --frames 80 --out"
     "cape.png character --outfit cape --clip Run --width 960 --frames 90 --out"
+    "dance.png character --outfit dress --clip Dance --width 960 --frames 90 --out"
     "crowd.png crowd --budget 60 --width 960 --frames 70 --out"
     "render_mesh.png render_mesh --frames 150 --out"
     "twist.gif twist --frames 240 --out"

@@ -41,6 +41,11 @@ impl Glb {
         self.nodes.len() - 1
     }
 
+    /// Gives a node extras.
+    pub fn describe(&mut self, node: usize, extras: Value) {
+        self.nodes[node]["extras"] = extras;
+    }
+
     /// Hangs a node below another one.
     pub fn attach(&mut self, child: usize, parent: usize) {
         let node = &mut self.nodes[parent];

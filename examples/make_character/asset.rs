@@ -12,12 +12,15 @@ use crate::glb::Glb;
 use crate::glb::clip::Channel;
 use crate::glb::skinned::{Primitive, SkinnedSurface};
 use crate::mesh::Mesh;
-use crate::skeleton::{self, COUNT, HIPS, NAMES, PARENTS};
+use crate::skeleton::{self, COUNT, HIPS, NAMES, PARENTS, arm};
 use crate::tint;
 use crate::weights::{self, Skin};
 
 /// Rounds in which the shares of the body are smoothed.
 const SMOOTHING: usize = 5;
+
+/// Layer of forearms and hands; what hangs from the waist lets them through. Swinging along, they pinch it to the thighs.
+const HANDS: u32 = 1;
 
 /// The whole file.
 pub fn make() -> Vec<u8> {
@@ -29,6 +32,10 @@ pub fn make() -> Vec<u8> {
         (0..COUNT).map(|j| glb.joint(NAMES[j], if j == 0 { Vec3::ZERO } else { bind[j] - bind[PARENTS[j]] })).collect();
     glb.attach(joints[0], armature);
     (1..COUNT).for_each(|j| glb.attach(joints[j], joints[PARENTS[j]]));
+    for side in 0..2 {
+        // With the hands below them.
+        glb.describe(joints[arm(side) + 2], json!({ "collision_memberships": HANDS }));
+    }
     let skin = glb.skin(&joints, &bind.map(Mat4::from_translation));
 
     let (mesh, regions) = body::mesh(&anatomy);

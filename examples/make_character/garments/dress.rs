@@ -62,7 +62,8 @@ pub fn make(anatomy: &Anatomy, skin: &Skin) -> Garment {
         color: [0.035, 0.16, 0.17],
         extras: json!({
             "cloth": { "material": "satin", "layer": 1, "thickness": 0.004 },
-            "cloth.max_distance": [0.0, 0.45],
+            "cloth.max_distance": [0.0, 1.2],
+            "collision_filters": 0,
         }),
         maps: vec![(MAX_DISTANCE, mesh.positions.iter().map(room).collect())],
         uvs: uvs(&mesh, 0.2),

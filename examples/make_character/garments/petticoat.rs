@@ -19,6 +19,7 @@ pub fn make(anatomy: &Anatomy) -> Garment {
         extras: json!({
             "cloth": { "material": "cotton", "layer": 0, "thickness": 0.004 },
             "cloth.max_distance": [0.0, 0.25],
+            "collision_filters": 0,
         }),
         maps: vec![(MAX_DISTANCE, skirt::hang(&mesh, CUT.top, CUT.hem))],
         uvs: uvs(&mesh, 0.2),

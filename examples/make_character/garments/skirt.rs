@@ -24,6 +24,7 @@ pub fn make(anatomy: &Anatomy) -> Garment {
         extras: json!({
             "cloth": { "material": "wool", "layer": 1, "thickness": 0.005 },
             "cloth.max_distance": [0.0, 0.3],
+            "collision_filters": 0,
         }),
         maps: vec![(MAX_DISTANCE, hang(&mesh, CUT.top, CUT.hem))],
         uvs: uvs(&mesh, 0.2),
