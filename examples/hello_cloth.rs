@@ -28,7 +28,13 @@ pub fn setup(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut mater
         Transform::from_xyz(0.0, 0.9, -0.1),
         ClothCollider::ball(0.5),
     ));
-    let red = StandardMaterial { base_color: Color::srgb(0.75, 0.12, 0.1), double_sided: true, cull_mode: None, ..default() };
+    let red = StandardMaterial {
+        base_color: Color::srgb(0.75, 0.12, 0.1),
+        perceptual_roughness: 0.9,
+        double_sided: true,
+        cull_mode: None,
+        ..default()
+    };
     commands.spawn((
         Mesh3d(meshes.add(Plane3d::default().mesh().size(2.0, 2.0).subdivisions(60))),
         MeshMaterial3d(materials.add(red)),

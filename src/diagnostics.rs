@@ -109,10 +109,10 @@ fn measure(
     // What two cloths share is counted once.
     let total = |of: fn(&crate::islands::ClothIsland) -> u32| islands.list.iter().map(of).sum::<u32>();
     diagnostics.add_measurement(&Plugin::CONTACTS, || {
-        sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|g| g.solver.contacts().touching()))
+        sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|island| island.solver.contacts().touching()))
     });
-    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|g| g.solver.total().all_crossings())));
-    diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|g| g.solver.total().contours)));
+    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|island| island.solver.total().all_crossings())));
+    diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|island| island.solver.total().contours)));
     diagnostics.add_measurement(&Plugin::DEFERRED, || sum(|(report, ..)| usize::from(report.deferred)));
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))

@@ -203,11 +203,11 @@ impl ClothIslands {
             let rank = |c: &&Candidate| (c.settings.iterations, Reverse(c.member.entity.index_u32()));
             let best = run.iter().map(of).filter(|c| !c.member.fixed).max_by_key(rank).unwrap_or(first);
             // One without members was taken.
-            while before.get(old).is_some_and(|g| g.members.first().is_none_or(|m| m.entity < first.member.entity)) {
+            while before.get(old).is_some_and(|old| old.members.first().is_none_or(|m| m.entity < first.member.entity)) {
                 old += 1;
             }
-            let known = before.get(old).is_some_and(|g| {
-                g.members.len() == members.len() && g.members.iter().zip(members.iter()).all(|(a, b)| a.fits(b))
+            let known = before.get(old).is_some_and(|old| {
+                old.members.len() == members.len() && old.members.iter().zip(members.iter()).all(|(a, b)| a.fits(b))
             });
             let mut island = if known { core::mem::take(&mut before[old]) } else { ClothIsland::default() };
             if known {

@@ -1,4 +1,4 @@
-//! The plugin. The only file that orders the frame.
+//! The plugin: orders the stages of the frame. Optional plugins place themselves around them.
 //!
 //! ```text
 //! PostUpdate (or the schedule that was asked for)
@@ -166,7 +166,7 @@ impl Plugin for ClothPlugin {
                     .chain()
                     .run_if(time::flows)
                     .in_set(ClothSystems::Integrate),
-                (detect::leave, detect::group, detect::detect).chain().run_if(time::flows).in_set(ClothSystems::Detect),
+                (detect::leave, detect::form_islands, detect::detect).chain().run_if(time::flows).in_set(ClothSystems::Detect),
                 resolve::resolve.run_if(time::flows).in_set(ClothSystems::Resolve),
                 (
                     (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time::flows),

@@ -106,7 +106,11 @@ impl Plugin for ClothRecorderPlugin {
             schedule,
             (
                 begin.run_if(time::flows).after(ClothSystems::Prepare).before(ClothSystems::Integrate),
-                regroup.run_if(time::flows).in_set(ClothSystems::Detect).after(detect::group).before(detect::detect),
+                record_islands
+                    .run_if(time::flows)
+                    .in_set(ClothSystems::Detect)
+                    .after(detect::form_islands)
+                    .before(detect::detect),
                 end.run_if(time::flows).after(ClothSystems::Respond).before(ClothSystems::Sync),
             ),
         );
@@ -205,7 +209,7 @@ fn record(
 
 /// Keeps what changed in the islands since the cloths were stepped; what meets others than before cannot be stepped again, and
 /// is dropped.
-fn regroup(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Cloths) {
+fn record_islands(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Cloths) {
     frame.frames.retain_mut(|(entities, recording, origin)| {
         let mine = |island: &&ClothIsland| island.members.iter().any(|member| entities.contains(&member.entity));
         let Some(island) = islands.list.iter().find(mine) else { return recording.island.is_none() };

@@ -12,13 +12,13 @@ pub enum ClothSystems {
     Prepare,
     /// Steps every cloth by a frame.
     Integrate,
-    /// Looks for crossings and closeness.
+    /// Looks for crossings, and for what may touch in the next frame.
     Detect,
     /// Untangles.
     Resolve,
     /// Judges the result; tells of recoveries.
     Evaluate,
-    /// Answers contacts; feeds the next frame. Lets cloth sleep that is at rest.
+    /// Prepares contacts of the next frame; tells of those of this one. Lets cloth sleep that is at rest.
     Respond,
     /// Writes meshes and bounds. In `PostUpdate` when the other stages run in a fixed schedule.
     Sync,

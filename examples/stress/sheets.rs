@@ -103,7 +103,7 @@ fn scene(arguments: &Arguments) -> Result<Scene, String> {
 fn look(scene: &mut Scene) -> Option<u32> {
     let only = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
     *scene = scene.clone().untangled(only, EvaluateSettings::default(), true).ok()?;
-    scene.settle(0.0);
+    scene.finish_frame(0.0);
     let crossings = scene.crossings();
     scene.untangle = None;
     Some(crossings)
@@ -192,7 +192,7 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     });
     scene.wind.advance(dt);
     scene.times = StageTimes { integrate: 1.0e3 * (clock() - start), ..StageTimes::default() };
-    scene.settle(dt);
+    scene.finish_frame(dt);
 }
 
 /// Time since it was first asked [s].

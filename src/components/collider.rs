@@ -83,19 +83,19 @@ impl ClothCollider {
         Self::new(ClothColliderShape::Cuboid { size: Vec3::new(x, y, z) })
     }
 
-    /// A cylinder along y `[m]`.
+    /// A cylinder of `radius` and `height` `[m]` along y, its middle at the origin.
     #[must_use]
     pub const fn cylinder(radius: f32, height: f32) -> Self {
         Self::new(ClothColliderShape::Cylinder { radius, height })
     }
 
-    /// A cone along y, tip up `[m]`.
+    /// A cone of `radius` and `height` `[m]` along y, its tip up and the middle of its height at the origin.
     #[must_use]
     pub const fn cone(radius: f32, height: f32) -> Self {
         Self::new(ClothColliderShape::Cone { radius, height })
     }
 
-    /// Everything below the plane through the origin with `normal` out of the solid.
+    /// Everything below the plane through the origin with `normal` out of the solid, of any length but 0 (dimensionless).
     #[must_use]
     pub const fn half_space(normal: Vec3) -> Self {
         Self::new(ClothColliderShape::HalfSpace { normal })

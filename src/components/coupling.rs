@@ -57,9 +57,9 @@ pub enum ClothCoupling {
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothReaction {
-    /// Impulse `[N s]`. Divided by the length of the frame: the mean force `[N]`.
+    /// Impulse `[N·s]`. Divided by the length of the frame: the mean force `[N]`.
     pub linear: Vec3,
-    /// Angular impulse about the centre of mass `[N m s]`, which is the origin of the entity unless [`ClothRigidBody`] says
+    /// Angular impulse about the centre of mass `[N·m·s]`, which is the origin of the entity unless [`ClothRigidBody`] says
     /// otherwise.
     pub angular: Vec3,
     /// How far the centre of mass was moved off its way within the frame `[m]`; zero for a body without a mass. Add it to the
@@ -127,7 +127,7 @@ impl ClothRigidBody {
         Self::solid(mass, Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y) * (mass / 12.0))
     }
 
-    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg m²]` along the axes of the entity. Cloth does not move what
+    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg·m²]` along the axes of the entity. Cloth does not move what
     /// has no mass, or turn what has no inertia; numbers below 0 or NaN do no more, and are told of when the body takes part.
     #[must_use]
     pub fn solid(mass: f32, inertia: Vec3) -> Self {

@@ -65,8 +65,8 @@ pub struct ClothMaterial {
     /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like
     /// moving in honey.
     pub damping: f32,
-    /// Damping against the still world `[1/s]`: rate at which every velocity decays. Default 0.1, range 0 to 100. 0 swings for
-    /// ever.
+    /// Linear damping `[1/s]`: rate at which every velocity decays, whatever the wind. Default 0.1, range 0 to 100. 0 swings
+    /// for ever.
     pub drag: f32,
     /// Largest elongation of an edge as a fraction of its length (dimensionless). Default 0.05, range 0 to 10; infinite
     /// switches it off.

@@ -126,7 +126,7 @@ fn forget(world: &mut World, cloth: Entity) {
         shown.forced = true;
     }
     let Some(mut islands) = world.get_resource_mut::<ClothIslands>() else { return };
-    let Some(island) = islands.list.iter_mut().find(|g| g.members.iter().any(|m| m.entity == cloth)) else { return };
+    let Some(island) = islands.list.iter_mut().find(|island| island.members.iter().any(|m| m.entity == cloth)) else { return };
     let island = core::mem::take(island);
     for member in island.members {
         if let Some(mut particles) = world.get_mut::<ClothParticles>(member.entity) {

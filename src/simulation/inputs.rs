@@ -273,7 +273,7 @@ impl ClothInputs {
     }
 
     /// Puts anchors and targets where they are now, so that nothing is dragged there in the first frame.
-    pub(crate) fn settle(&mut self, rest: &RestShape, origin: DVec3) {
+    pub(crate) fn snap_to_targets(&mut self, rest: &RestShape, origin: DVec3) {
         self.aim(origin);
         self.follow(rest, origin);
         self.stay();

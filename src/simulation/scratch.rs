@@ -1,4 +1,4 @@
-//! Scratch: what a cloth reuses from frame to frame, and what its last one has to tell.
+//! Scratch: memory and buffers of a cloth beside its state, and what its last frame has to tell.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::components::{RecoveryCause, RecoveryLevel};
 use crate::solver::step::{Scratch, StepReport};
 
-/// Scratch: reused buffers, and what the last frame has to tell.
+/// Scratch: what decides the next frame beside the state, buffers, and what the last frame has to tell.
 #[derive(Component, Clone)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct ClothScratch {

@@ -25,8 +25,8 @@ pub(crate) fn impulse(state: &mut ClothState, point: Vec3, impulse: Vec3, radius
 }
 
 /// Blows the particles within `radius` `[m]` away from `center` `[m]`: each gets the velocity `J f / M`, `M` the mass of all
-/// free particles and `f = (1 - d²/r²)²`, so that `impulse` `[N·s]` is what the whole cloth gets close by. Returns how many
-/// particles took part.
+/// free particles and `f = (1 - d²/r²)²`, so that `impulse` `[N·s]` is the sum of the magnitudes if all were at `center`.
+/// Directions differ: the net impulse is smaller. Returns how many particles took part.
 pub(crate) fn explosion(state: &mut ClothState, center: Vec3, impulse: f32, radius: f32) -> u32 {
     let mass: f32 = state.positions.iter().filter(|x| x.w > 0.0).map(|x| 1.0 / x.w).sum();
     let speed = impulse / mass;

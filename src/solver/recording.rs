@@ -235,7 +235,7 @@ impl Recording {
                 Some(island) => (island.verdict(part), island.weights(part)),
                 None => Default::default(),
             };
-            let Outcome { shown, .. } = display.settle(&verdict, state, weights, *carrier, *dt, evaluate);
+            let Outcome { shown, .. } = display.decide(&verdict, state, weights, *carrier, *dt, evaluate);
             replay.held |= shown == super::evaluate::Shown::Held;
             replay.worst_edge = replay.worst_edge.max(spring::strain(&rest.springs, &state.positions).0);
             let bits = |x: &Vec4| x.to_array().map(f32::to_bits);

@@ -368,16 +368,16 @@ impl Scene {
         }
         self.wind.advance(dt);
         self.times = StageTimes { integrate: 1.0e3 * ((self.clock)() - start), ..StageTimes::default() };
-        self.settle(dt);
+        self.finish_frame(dt);
     }
 
     /// Runs what follows after the cloths were stepped by `dt` `[s]`, and decides what is shown.
-    pub fn settle(&mut self, dt: f32) {
+    pub fn finish_frame(&mut self, dt: f32) {
         self.run(&Stage::AFTER_INTEGRATE, dt);
         let Self { cloths, untangle: Some(Untangling { island, skip, .. }), clock, times, .. } = self else { return };
         let start = clock();
         for (part, SceneCloth { display, state, .. }) in cloths.iter_mut().enumerate() {
-            display.settle(&island.verdict(part), state, island.weights(part), Pose::default(), dt, skip);
+            display.decide(&island.verdict(part), state, island.weights(part), Pose::default(), dt, skip);
         }
         times.evaluate += 1.0e3 * (clock() - start);
     }

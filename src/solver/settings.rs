@@ -31,7 +31,7 @@ pub struct Fabric {
     pub bend_hysteresis: f32,
     /// Damping of the springs `[1/s]`: rate at which stretching velocity decays. Default 2, range 0 to 1000.
     pub damping: f32,
-    /// Drag against still air `[1/s]`: rate at which every velocity decays. Default 0.1, range 0 to 100.
+    /// Linear damping `[1/s]`: rate at which every velocity decays, whatever the wind. Default 0.1, range 0 to 100.
     pub drag: f32,
     /// Largest elongation of an edge, as a fraction of its rest length (Provot 1995). Default 0.05, range 0 to 10; infinite:
     /// off.

@@ -165,7 +165,7 @@ fn bind_one(
     let wanted = want(assembly, cloth)?;
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
-        tell_of_pins(notices, cloth, &made.resolved);
+        tell_of_pins(notices, cloth, &made.resolved, made.rest.particle_of_vertex.len());
         tell_of_skin(notices, cloth, &made.unfollowed);
         record(commands, assembly, cloth, wanted, made);
         activate(commands, cloth);
@@ -184,7 +184,18 @@ fn bind_one(
 }
 
 /// Warns of pins that hold nothing.
-fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved) {
+fn tell_of_pins(notices: &mut Notices, cloth: &BindableItem, resolved: &Resolved, vertices: usize) {
+    if let Some(index) = resolved.bad_pins.first()
+        && notices.first(cloth.entity, "pins past the end")
+    {
+        warn!(
+            "cloth {} has `ClothPins` of vertex {index}, which its mesh does not have ({vertices} vertices, from 0 on): {} of its \
+             pins hold nothing; pin by position, or count the vertices of this mesh",
+            label(cloth.entity, cloth.name),
+            resolved.bad_pins.len(),
+        );
+        return;
+    }
     // Pins that let go of a cloth that was simulated were meant to.
     let is_meant = cloth.inputs.is_some() || cloth.pins.sets.is_empty() || !resolved.particles.is_empty();
     if !is_meant && notices.first(cloth.entity, "no pin holds") {
@@ -429,7 +440,7 @@ fn record(commands: &mut Commands, assembly: &mut Assembly, cloth: &mut Bindable
         inputs.active = !cloth.disabled;
         (inputs.followed, inputs.center) = (followed, center);
         inputs.followed.advance(0.0, &mut inputs.skinned);
-        inputs.settle(&rest, origin);
+        inputs.snap_to_targets(&rest, origin);
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, fine, forced: true, ..ClothShown::default() };
         shown.fit(vertices);

@@ -24,7 +24,7 @@ pub(crate) fn leave(
 }
 
 /// Finds the cloths that can meet.
-pub(crate) fn group(
+pub(crate) fn form_islands(
     mut islands: ResMut<ClothIslands>,
     mut cloths: Query<
         (

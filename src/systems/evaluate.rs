@@ -54,7 +54,7 @@ pub(crate) fn judge(
                 let moves = [inputs.joints_before.as_slice(), inputs.joints.as_slice()];
                 particles.display.follow(pose, |i, x| skin.motion(moves, i).map(|motion| motion.transform_point3(x)));
             }
-            let outcome = particles.display.settle(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
+            let outcome = particles.display.decide(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
 
             report.crossings = verdict.all_crossings();
             report.authored = at.map_or(0, |(island, part)| island.solver.authored(part));

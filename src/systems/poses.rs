@@ -43,7 +43,7 @@ pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut isl
             // It was saved on the skeleton that is there.
             let inputs = &mut *inputs;
             inputs.crossfade.end(&mut inputs.joints);
-            inputs.settle(&rest.0, particles.origin);
+            inputs.snap_to_targets(&rest.0, particles.origin);
         }
         put(pose, &mut particles);
         forget_contacts(&mut scratch, &mut islands);

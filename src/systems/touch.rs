@@ -125,7 +125,8 @@ fn with_bodies(
 }
 
 fn with_cloths(entity: Entity, islands: &ClothIslands, scratch: &ClothScratch, scale: f32, now: &mut Vec<ClothTouch>) {
-    let Some((island, part)) = scratch.island.and_then(|(g, part)| islands.list.get(g as usize).map(|g| (g, part as usize)))
+    let Some((island, part)) =
+        scratch.island.and_then(|(island, part)| Some((islands.list.get(island as usize)?, part as usize)))
     else {
         return;
     };

@@ -9,6 +9,7 @@ use bevy_drape::prelude::*;
 use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothParticles, ClothTargetLost, WaitingFor};
 
 use crate::common::*;
+use crate::warnings::warnings;
 
 const PIN: MeshVertexAttribute = MeshVertexAttribute::new("_PIN", 0x00d1_a9e0_0001, VertexFormat::Float32);
 
@@ -17,13 +18,21 @@ fn pinned(app: &App, entity: Entity) -> u32 {
 }
 
 #[test]
-fn pins_past_the_end_are_ignored_and_listed() {
-    let mut app = app();
-    let cloth = spawn(&mut app, sheet(5), ClothPins::vertices([0, 4, 25, 4_000_000_000]));
-    run(&mut app, 30);
-    assert_eq!(status(&app, cloth), ClothStatus::Active);
-    assert_eq!(app.world().get::<ClothBuildReport>(cloth).expect("a cloth").bad_pins, [25, 4_000_000_000]);
-    assert_eq!(pinned(&app, cloth), 2);
+fn pins_past_the_end_are_ignored_listed_and_told_of_once() {
+    let lines = warnings(app(), |app| {
+        let pins = ClothPins::vertices([0, 4, 25, 4_000_000_000]);
+        let cloth = spawn(app, sheet(5), (pins, Name::new("past the end")));
+        run(app, 30);
+        assert_eq!(status(app, cloth), ClothStatus::Active);
+        assert_eq!(app.world().get::<ClothBuildReport>(cloth).expect("a cloth").bad_pins, [25, 4_000_000_000]);
+        assert_eq!(pinned(app, cloth), 2);
+    });
+    let about: Vec<&String> = lines.iter().filter(|line| line.contains("past the end")).collect();
+    assert_eq!(about.len(), 1, "{lines:?}");
+    assert!(
+        about[0].contains("vertex 25") && about[0].contains("(25 vertices") && about[0].contains("2 of its pins"),
+        "{about:?}"
+    );
 }
 
 #[test]

@@ -593,7 +593,7 @@ fn a_knot_that_is_torn_at_does_not_get_more_tangled() {
             }
         }
         let before = scene.look();
-        scene.settle(FRAME);
+        scene.finish_frame(FRAME);
         let after = scene.look();
         assert!(
             after.contour_length <= (2.0 * before.contour_length).max(before.contour_length + 8.0 * edge),
@@ -626,7 +626,7 @@ fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() {
         x.y -= 2.0 * gap;
     }
     assert!(scene.look().crossings > 0);
-    scene.settle(FRAME);
+    scene.finish_frame(FRAME);
     assert_eq!(scene.crossings(), 0);
     let state = &scene.cloths[upper].state;
     assert!(state.positions[v].distance(before) < 0.01 * gap && state.velocity(v).distance(velocity) < 1e-3);
@@ -645,7 +645,7 @@ fn what_came_from_far_is_taken_back_if_it_flew_there() {
         positions[v].y -= way;
         let flown = if flies { way * cloth.state.substep / FRAME } else { 0.0 };
         cloth.state.previous[v].y = positions[v].y + flown;
-        scene.settle(FRAME);
+        scene.finish_frame(FRAME);
         scene.cloths[upper].state.positions[v].distance(before) < 0.01 * way
     };
     assert!(taken_back(true));

@@ -252,7 +252,7 @@ fn seen_with_contacts(rest: &RestShape, positions: &[Vec4]) -> usize {
     let settings = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
     let scene = Scene::new(vec![cloth]).untangled(settings, EvaluateSettings::default(), true);
     let mut scene = scene.expect("one cloth");
-    scene.settle(0.01);
+    scene.finish_frame(0.01);
     let island = &scene.untangle.as_ref().expect("untangled").island;
     island.crossings().iter().filter(|c| !c.touching).count()
 }

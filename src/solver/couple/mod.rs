@@ -68,9 +68,9 @@ impl Rigid {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reaction {
-    /// Impulse `[N s]`.
+    /// Impulse `[N·s]`.
     pub linear: Vec3,
-    /// Angular impulse about the centre of mass `[N m s]`.
+    /// Angular impulse about the centre of mass `[N·m·s]`.
     pub angular: Vec3,
     /// How far the centre of mass ends from where it would have been `[m]`.
     pub shift: Vec3,
@@ -190,7 +190,7 @@ impl RigidState {
 pub(crate) struct BodyImpulse {
     /// `[kg m]`
     linear: Vec3,
-    /// About its centre of mass `[kg m²]`.
+    /// About its centre of mass `[kg·m²]`.
     angular: Vec3,
     /// The part of it that moves the body without giving it speed.
     silent_linear: Vec3,

@@ -70,8 +70,8 @@ pub(crate) fn solve(membrane: &Membrane, fabric: &Fabric, h: f32, positions: &mu
     }
 }
 
-/// How much of `F` to take back `[kg m²]`: its `square`d length (dimensionless), how easily it yields `[1/(kg m²)]`, and its
-/// compliance in the substep `[1/(kg m²)]`.
+/// How much of `F` to take back `[kg·m²]`: its `square`d length (dimensionless), how easily it yields `[1/(kg·m²)]`, and its
+/// compliance in the substep `[1/(kg·m²)]`.
 #[inline(always)]
 fn stretch(square: Vec4, mobility: Vec4, compliance: Vec4, bound: Bound) -> Vec4 {
     let u = inverse_length(square);

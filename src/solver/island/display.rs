@@ -25,7 +25,7 @@ impl Display {
 
     /// Decides a frame of `dt` `[s]` from the verdict on one cloth. `weights` says how much each particle belongs to a tangle,
     /// `pose` where what carries the cloth is.
-    pub fn settle(
+    pub fn decide(
         &mut self,
         verdict: &Verdict,
         state: &ClothState,

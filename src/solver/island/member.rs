@@ -17,7 +17,7 @@ pub struct Member<'a> {
     pub stepping: &'a Stepping,
     /// Its particles.
     pub state: &'a mut ClothState,
-    /// Its buffers.
+    /// Its memory beside the state, and buffers.
     pub scratch: &'a mut Scratch,
     /// What [`Integrate`](super::Stage::Integrate) did with it.
     pub report: &'a mut Option<StepReport>,

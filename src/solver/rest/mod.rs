@@ -55,7 +55,7 @@ pub struct RestShape {
     pub membrane: Membrane,
     /// Bending elements.
     pub bends: Bends,
-    /// Coarse net over the cloth.
+    /// Coarse level over the cloth.
     pub coarse: CoarseMesh,
     /// Search tree over the faces, once it was asked for.
     tree: Buffer<OnceLock<Arc<Tree>>>,

@@ -74,7 +74,7 @@ impl Stepped<'_> {
         scratch.welded.sort_unstable();
     }
 
-    /// Computes the factors of springs and of the net for a `step` `[s]`, if they are for another.
+    /// Computes the factors of springs and of the coarse level for a `step` `[s]`, if they are for another.
     fn factor(&self, step: f32, state: &ClothState, scratch: &mut Scratch) {
         if scratch.factors_for != step {
             scratch.springs.update(&self.rest.springs, self.fabric, &state.positions, step);
