@@ -72,6 +72,8 @@ pub(crate) struct CoupledBody {
 pub(crate) struct FittedBody {
     pub stage: Stage,
     pub made_of: MadeOf,
+    /// Layers of the joints of its skin, of those that have some.
+    pub joint_layers: Vec<Option<ClothCollisionLayers>>,
     /// Bodies that were fitted together, this one first. Empty where another one is first, or nothing is fitted.
     pub members: Vec<Entity>,
     /// The settings that its colliders have, in range.

@@ -13,8 +13,8 @@ use crate::solver::settings::{MembraneModel, Stepping};
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSolver {
     /// Substeps per second `[Hz]`. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is
-    /// proportional. Up to eight times as many are taken while a body that moves much faster than the pins is near, where one that
-    /// takes part lies on cloth lighter than it, or where gravity would let cloth fall by more than an edge in one.
+    /// proportional. Up to eight times as many are taken while a body that moves much faster than the pins is near, where one
+    /// that takes part lies on cloth lighter than it, or where gravity would let cloth fall by more than an edge in one.
     pub substep_rate: f32,
     /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000 (positions round the fall of a shorter step). Where
     /// edges are so short that substeps cannot carry tension along the cloth

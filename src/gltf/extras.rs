@@ -139,7 +139,9 @@ pub(crate) fn node(text: &str, problems: &mut Vec<Problem>) -> NodeExtras {
 fn layers(extras: &Map<String, Value>, problems: &mut Vec<Problem>) -> Option<ClothCollisionLayers> {
     let mut bits = |key: &str| {
         let value = extras.get(key)?;
-        let bit = |value: &Value| value.as_u64().filter(|layer| *layer < 32).map(|layer| 1_u32 << layer);
+        // A property of Blender is a float unless it is told otherwise.
+        let whole = |value: &Value| value.as_f64().filter(|layer| layer.fract() == 0.0 && (0.0..32.0).contains(layer));
+        let bit = |value: &Value| whole(value).map(|layer| 1_u32 << layer as u32);
         let bits = match value {
             Value::Array(layers) => layers.iter().map(bit).try_fold(0, |all, bit| Some(all | bit?)),
             layer => bit(layer),
@@ -151,9 +153,9 @@ fn layers(extras: &Map<String, Value>, problems: &mut Vec<Problem>) -> Option<Cl
         bits
     };
     let (memberships, filters) = (bits("collision_memberships"), bits("collision_filters"));
-    let ClothCollisionLayers { memberships: member, filters: all } = ClothCollisionLayers::DEFAULT;
+    let ClothCollisionLayers { memberships: usual, filters: all } = ClothCollisionLayers::DEFAULT;
     (memberships.is_some() || filters.is_some())
-        .then(|| ClothCollisionLayers::new(memberships.unwrap_or(member), filters.unwrap_or(all)))
+        .then(|| ClothCollisionLayers::new(memberships.unwrap_or(usual), filters.unwrap_or(all)))
 }
 
 /// Reads the extras of a scene.
@@ -453,7 +455,7 @@ mod tests {
             (node.layers, problems)
         };
         let some = |memberships, filters| Some(ClothCollisionLayers::new(memberships, filters));
-        assert_eq!(layers(r#"{"collision_memberships": 1}"#), (some(0b10, u32::MAX), vec![]));
+        assert_eq!(layers(r#"{"collision_memberships": 1.0}"#), (some(0b10, u32::MAX), vec![]));
         assert_eq!(layers(r#"{"cloth": true, "collision_filters": [0, 2]}"#), (some(1, 0b101), vec![]));
         assert_eq!(layers(r#"{"collision_memberships": [], "collision_filters": 31}"#), (some(0, 1 << 31), vec![]));
         for bad in ["32", "-1", "0.5", "\"hand\"", "[0, true]", "null"] {

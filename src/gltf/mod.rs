@@ -246,7 +246,11 @@ pub(crate) fn nodes(
                     problems.push(Problem::new("collider", what));
                 }
                 for bearer in bodies {
-                    commands.entity(bearer).try_insert(body);
+                    let mut bearer = commands.entity(bearer);
+                    bearer.try_insert(body);
+                    if let Some(layers) = node.layers {
+                        bearer.try_insert_if_new(layers);
+                    }
                 }
             }
             Some(ColliderExtras { fit: ColliderFit::Mesh(fit), friction }) => {

@@ -59,7 +59,7 @@ pub(crate) struct Anatomy<'w, 's> {
     bind_poses: Option<Res<'w, Assets<SkinnedMeshInverseBindposes>>>,
     sources: Res<'w, Sources>,
     joints: Query<'w, 's, (Option<&'static GlobalTransform>, Option<&'static ChildOf>, Option<&'static Name>), Allow<Disabled>>,
-    layers: Query<'w, 's, Ref<'static, ClothCollisionLayers>, Allow<Disabled>>,
+    layers: Query<'w, 's, &'static ClothCollisionLayers, Allow<Disabled>>,
 }
 
 /// What keeps a body from being fitted.
@@ -75,14 +75,12 @@ pub(crate) fn bodies(
     mut cache: ResMut<BodyCache>,
     mut notices: ResMut<Notices>,
     time: Res<Time<Real>>,
-    mut removed: RemovedComponents<ClothCollisionLayers>,
     mut bodies: Query<Body>,
 ) {
     if !anatomy.sources.modified.is_empty() {
         cache.forget(&anatomy.sources.modified);
     }
-    let removed: Vec<Entity> = removed.read().collect();
-    if !watch(&mut commands, &anatomy, &removed, &mut notices, time.elapsed_secs_f64(), &mut bodies) {
+    if !watch(&mut commands, &anatomy, &mut notices, time.elapsed_secs_f64(), &mut bodies) {
         return;
     }
     let groups = groups(&anatomy, &bodies);
@@ -141,20 +139,8 @@ pub(crate) fn bodies(
 
 /// Marks bodies that are to be fitted as new. Whether there are any, or fitted ones that no longer can be or have other
 /// settings.
-fn watch(
-    commands: &mut Commands,
-    anatomy: &Anatomy,
-    removed: &[Entity],
-    notices: &mut Notices,
-    now: f64,
-    bodies: &mut Query<Body>,
-) -> bool {
+fn watch(commands: &mut Commands, anatomy: &Anatomy, notices: &mut Notices, now: f64, bodies: &mut Query<Body>) -> bool {
     let takes_part = |stage: Stage| matches!(stage, Stage::New | Stage::Made);
-    // Of all layers first: most frames change none, and a crowd has thousands of joints.
-    let layers_changed = !removed.is_empty() || anatomy.layers.iter().any(|layers| layers.is_changed());
-    let is_layered_anew = |joint: Entity| {
-        layers_changed && (removed.contains(&joint) || anatomy.layers.get(joint).is_ok_and(|layers| layers.is_changed()))
-    };
     let mut is_stale = false;
     for mut body in bodies {
         let shows_cloth = body.shows_cloth();
@@ -176,7 +162,7 @@ fn watch(
         let is_tuned = body.settings.is_changed();
         let is_changed = body.skin.as_ref().is_some_and(DetectChanges::is_changed)
             || (is_tuned && !takes_part(state.stage))
-            || body.skin.as_ref().is_some_and(|skin| skin.joints.iter().any(|joint| is_layered_anew(*joint)));
+            || body.skin.as_ref().is_some_and(|skin| anatomy.layers_of(skin).ne(state.joint_layers.iter().copied()));
         is_stale |= is_tuned && takes_part(state.stage);
         let is_tried =
             arrived || is_changed || state.made_of != made_of || matches!(state.stage, Stage::New | Stage::Waiting { .. });
@@ -184,6 +170,8 @@ fn watch(
             continue;
         }
         state.made_of = made_of;
+        state.joint_layers.clear();
+        state.joint_layers.extend(body.skin.iter().flat_map(|skin| anatomy.layers_of(skin)));
         let next = match anatomy.obstacle(body.mesh, body.skin.as_deref(), shows_cloth) {
             None => Stage::New,
             Some(Obstacle::Wait(wait)) => {
@@ -350,6 +338,11 @@ impl Anatomy<'_, '_> {
         *a.settings == *b.settings && a.layers == b.layers && skin.joints == other.joints && same_poses()
     }
 
+    /// Layers of each joint of a skin, of those that have some.
+    fn layers_of(&self, skin: &SkinnedMesh) -> impl Iterator<Item = Option<ClothCollisionLayers>> {
+        skin.joints.iter().map(|joint| self.layers.get(*joint).ok().copied())
+    }
+
     /// Colliders as they are spawned.
     fn parts(
         &self,
@@ -365,8 +358,8 @@ impl Anatomy<'_, '_> {
             let name = name.map_or_else(|| format!("joint {} collider", fitted.joint), |name| format!("{name} collider"));
             let (collider, place) = collider_of(fitted, settings);
             let above = std::iter::successors(Some(fitted.joint), |&joint| parents[joint]).take(joints.len());
-            let own = above.filter_map(|joint| self.layers.get(joints[joint]).ok()).next();
-            Some(Part { joint, name: Name::new(name), collider, place, layers: own.map(|own| *own).or(layers) })
+            let own = above.filter_map(|joint| self.layers.get(joints[joint]).ok().copied()).next();
+            Some(Part { joint, name: Name::new(name), collider, place, layers: own.or(layers) })
         };
         colliders.iter().filter_map(part).collect()
     }

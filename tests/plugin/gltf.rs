@@ -145,10 +145,13 @@ fn a_curtain_and_its_weather_come_out_of_the_file() {
         &folder.join("room.gltf"),
         &[
             node("Curtain", r#"{"cloth": {"material": "silk", "pin": "_PIN", "substep_rate": 600}, "other_tool": 7}"#),
-            node("Rug", r#"{"cloth": {"material": "heavy.cloth.ron", "pin": [0, 4], "thickness": 0.02}}"#),
+            node(
+                "Rug",
+                r#"{"cloth": {"material": "heavy.cloth.ron", "pin": [0, 4], "thickness": 0.02}, "collision_filters": [0, 3]}"#,
+            ),
             // Beside the others, or it would lie on them.
             r#"{"name": "Free", "mesh": 0, "translation": [5, 0, 0], "extras": {"cloth": true}}"#.into(),
-            node("Ball", r#"{"collider": {"shape": "cuboid", "friction": 0.25}}"#),
+            node("Ball", r#"{"collider": {"shape": "cuboid", "friction": 0.25}, "collision_memberships": 3.0}"#),
             r#"{"name": "Floor", "translation": [0, -5, 0], "extras": {"collider": "plane"}}"#.into(),
         ],
         r#"{"gravity": [0, -1.62, 0], "wind": [1, 0, 2]}"#,
@@ -162,6 +165,10 @@ fn a_curtain_and_its_weather_come_out_of_the_file() {
     let [curtain, rug, free, ball] = ["Curtain", "Rug", "Free", "Ball"].map(|n| primitive(&mut app, n));
     assert_eq!(app.world().resource::<ClothGravity>().0, Vec3::new(0.0, -1.62, 0.0));
     assert_eq!(app.world().resource::<ClothGlobalWind>().velocity, Vec3::new(1.0, 0.0, 2.0));
+    let layers = |e| app.world().get::<ClothCollisionLayers>(e).copied();
+    assert_eq!(layers(rug), Some(ClothCollisionLayers::new(1, 0b1001)));
+    assert_eq!(layers(ball), Some(ClothCollisionLayers::new(0b1000, u32::MAX)));
+    assert_eq!(layers(curtain), None);
     let material = |e| app.world().get::<ClothMaterial>(e).expect("a material");
     assert_eq!(*material(curtain), ClothMaterial::SILK);
     assert_eq!(*material(rug), ClothMaterial { density: 0.9, bend_stiffness: 1.0e-3, thickness: 0.02, ..default() });

@@ -116,13 +116,15 @@ fn clothes(app: &mut App) -> Vec<(String, Entity)> {
     cloths.into_iter().map(|(cloth, node)| (name(node), cloth)).collect()
 }
 
-/// How deep the deepest particle is in a bone [m], of those that no pin holds.
+/// How deep the deepest particle is in a bone that it meets [m], of those that no pin holds.
 fn deepest(app: &mut App, cloth: Entity) -> f32 {
     let state = app.world().get::<ClothParticles>(cloth).expect("a cloth").state().positions.clone();
     let points: Vec<Vec3> = particles(app, cloth).into_iter().zip(&state).filter(|(_, x)| x.w > 0.0).map(|(p, _)| p).collect();
-    let mut colliders = app.world_mut().query::<(&ClothCollider, &GlobalTransform)>();
+    let layers = app.world().get::<ClothCollisionLayers>(cloth).copied().unwrap_or_default();
+    let mut colliders = app.world_mut().query::<(&ClothCollider, &GlobalTransform, Option<&ClothCollisionLayers>)>();
     let mut deepest = 0.0f32;
-    for (collider, at) in colliders.iter(app.world()) {
+    let meets = |own: Option<&ClothCollisionLayers>| layers.touches(own.copied().unwrap_or_default());
+    for (collider, at, _) in colliders.iter(app.world()).filter(|(.., own)| meets(*own)) {
         let (scale, rotation, translation) = at.to_scale_rotation_translation();
         let scale = scale.max_element();
         let shape = match &collider.shape {
@@ -294,10 +296,12 @@ fn our_own_character_in_her_clothes() {
     ];
     for (outfit, clip, repeats, rate, frames) in tests {
         for (name, worn) in dressed(outfit, clip, (repeats, 0.0), rate, frames) {
-            // Thighs are through two skirts in most frames of a run, and tangle them: in 8 % of the frames of six starts.
-            let one_in = if outfit.len() == 2 && outfit[1] == "Petticoat" && clip == "Run" { 3 } else { 100 };
-            assert!(worn.crossing * one_in <= worn.frames && worn.held <= 2, "{clip} at {rate} Hz, {name}: {worn:?}");
-            assert!(worn.recoveries <= 1 + u32::from(one_in < 100), "{clip} at {rate} Hz, {name}: {worn:?}");
+            assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} at {rate} Hz, {name}: {worn:?}");
+            assert!(worn.recoveries <= 1, "{clip} at {rate} Hz, {name}: {worn:?}");
+            // Forearms and hands, which would pinch it to the thighs, go through it.
+            if name == "Skirt" && clip == "Walk" {
+                assert!(worn.deep == 0 && worn.worst_edge < 1.3, "{clip} at {rate} Hz, {name}: {worn:?}");
+            }
         }
     }
 }

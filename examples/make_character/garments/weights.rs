@@ -14,7 +14,7 @@ const THIGHS: [f32; 2] = [HIP.y + 0.05, HIP.y - 0.20];
 const LEGS: f32 = 0.95;
 /// Where a long skirt begins to follow the legs less, and where it does least [m]; by how much, and what of it follows the shins
 /// there. Between the feet cloth hangs more by itself.
-const BELOW: [f32; 2] = [0.55, 0.10];
+const BELOW: [f32; 2] = [0.50, 0.10];
 const LESS: f32 = 0.30;
 const SHINS: f32 = 0.20;
 /// Half the width in which left goes over into right at the hip joints [m], and how much wider it is for each metre below.

@@ -95,7 +95,7 @@ impl<'a> RigidProxy<'a> {
         self.give_now();
     }
 
-    /// Takes what moved mass at `at` `[m]`, which the body did not yield to: `by` is mass times way `[kg m]`.
+    /// Takes what moved mass at `at` `[m]`, which the body did not yield to: `by` is mass times way `[kg·m]`.
     pub(super) fn react(&mut self, at: Vec3A, by: Vec3A) {
         self.gain.add(self.slot.arm(at.into(), self.s), -Vec3::from(by), Vec3::ZERO);
     }

@@ -188,7 +188,7 @@ impl RigidState {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct BodyImpulse {
-    /// `[kg m]`
+    /// `[kg·m]`
     linear: Vec3,
     /// About its centre of mass `[kg·m²]`.
     angular: Vec3,
@@ -203,7 +203,7 @@ impl BodyImpulse {
         self.linear != Vec3::ZERO && self.linear.is_finite() && self.angular.is_finite()
     }
 
-    /// Adds `by` `[kg m]` at the end of the arm `r` `[m]`, of which `silent` gives no speed.
+    /// Adds `by` `[kg·m]` at the end of the arm `r` `[m]`, of which `silent` gives no speed.
     pub(crate) fn add(&mut self, r: Vec3, by: Vec3, silent: Vec3) {
         self.linear += by;
         self.angular += r.cross(by);

@@ -43,7 +43,7 @@ impl Look {
 }
 
 impl Setting<'_> {
-    /// Looks at a face, and notes it if it can not meet the part.
+    /// Looks at a face, and notes it if it cannot meet the part.
     #[inline]
     pub(super) fn look(&self, state: &mut State<'_, '_>) -> Option<Look> {
         let way = self.way(state.candidate.particles, state.positions, state.previous)?;
