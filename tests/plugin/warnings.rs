@@ -59,7 +59,7 @@ fn cleaning_a_mesh_is_not_worth_a_warning() {
     let lines = warnings(app(), |app| {
         let mut split = sheet(5);
         split.duplicate_vertices();
-        spawn(app, split, ClothPins::vertices([0, 100_000]));
+        spawn(app, split, ClothPins::vertices([0]));
         run(app, 100);
     });
     assert_eq!(lines, Vec::<String>::new());
