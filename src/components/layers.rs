@@ -2,7 +2,8 @@
 
 use bevy::prelude::*;
 
-/// Layers of a cloth, a collider or, on a joint, of what a [`ClothBody`](crate::ClothBody) fits to it and below. Without it: member of layer 0, touches everything.
+/// Layers of a cloth, of a collider or, on a joint, of what a [`ClothBody`](crate::ClothBody) fits to it and below. Without it:
+/// member of layer 0, touches everything.
 ///
 /// Two things touch when each is a member of a layer that the other filters for. The order of clothes that are worn over each
 /// other is [`ClothCollision::garment_layer`](crate::ClothCollision::garment_layer).
