@@ -54,6 +54,7 @@ pub mod debug;
 mod diagnostics;
 pub mod character;
 pub mod solver;
+#[cfg(feature = "lab")]
 pub mod lab;
 
 pub use components::{

@@ -24,7 +24,7 @@ use crate::solver::settings::Fabric;
 /// to 1000). Stiffness against stretching is the secant at 490 N/m of load and an elongation of 2 to 6 % (KES-F), shear 1
 /// gf/(cm·deg) = 56 N/m. Rubber is a latex sheet of 0.5 mm from Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching,
 /// `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two, and its two sides by five points of
-/// drape: take them as starting points. [`lab::SAMPLES`](crate::lab::SAMPLES) has the source of each, and the real thickness
+/// drape: take them as starting points. `lab::SAMPLES`, with the feature `lab`, has the source of each, and the real thickness
 /// where it is known; `thickness` here is a distance that contact keeps, five to thirty times as large, since meshes are
 /// coarse.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]

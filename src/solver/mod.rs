@@ -6,7 +6,7 @@
 //!
 //! | to do this | use |
 //! |---|---|
-//! | step a scene of cloths, bodies and wind | [`scene`] |
+//! | step a scene of cloths, bodies and wind | `scene`, with the feature `lab` |
 //! | make a shape at rest of triangles | [`rest`], [`topology`] |
 //! | step one cloth, or those of an island | [`step`], [`island`], with [`state`], [`anchors`], [`skinned`], [`body`], [`couple`], [`wind`], [`settings`] |
 //! | find crossings and take them apart | [`detect`], [`resolve`], [`verdict`] |
@@ -37,6 +37,7 @@ pub(crate) mod rollback;
 pub mod island;
 #[cfg(feature = "record")]
 pub mod recording;
+#[cfg(any(feature = "lab", test))]
 pub mod scene;
 pub(crate) mod fit;
 pub mod recover;

@@ -45,7 +45,9 @@ fn every_slider_that_is_dragged_on_a_pile_at_rest_builds_nothing_anew_and_keeps_
             cloths.iter().for_each(|&cloth| tuned.write(setting.part, app.world_mut(), cloth));
             app.update();
             fewest = fewest.min(report(&app, cloths[1]).contacts);
-            assert!(cloths.iter().all(|&cloth| report(&app, cloth).crossings == 0), "{}, frame {frame}", setting.label());
+            // A pair that changed its sides would cross, and be shown in a clean shape of before.
+            let is_apart = |&cloth: &Entity| report(&app, cloth).crossings == 0 && !report(&app, cloth).held;
+            assert!(cloths.iter().all(is_apart), "{}, frame {frame}", setting.label());
         }
         assert_eq!(app.world().resource::<ClothIslands>().builds(), builds, "{}", setting.label());
         let way = |(&cloth, before): (&Entity, &Vec<Vec3>)| {

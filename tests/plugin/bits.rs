@@ -1,7 +1,7 @@
 //! Every position of every frame of some twenty scenes, as hashes in `bits.txt`: a change that is to change no result changes
 //! none of them.
 //!
-//! `BITS=write cargo test --test plugin bits` writes the file anew; the commit that does so says why. The hashes are those of
+//! `BITS=write cargo test --test plugin bits` writes the file anew; a line of `bits.md` says why. The hashes are those of
 //! x86-64: other processors and math libraries round otherwise, which the line `math` tells, and nothing is compared there.
 
 use std::collections::HashMap;

@@ -55,8 +55,31 @@ fn a_recorded_frame_has_the_same_bits_when_it_is_stepped_again() {
             let replay = read(path).replay();
             assert_eq!((replay.differ, replay.recovered), (0, false), "{name}: {}: {replay:?}", path.display());
         }
+        if let Some(path) = recordings.written.last() {
+            assert_eq!(differ_elsewhere(path), Some(0), "{name}: {}", path.display());
+        }
         forget(&app);
     }
+}
+
+#[test]
+#[ignore = "started by the test above in a process of its own"]
+#[expect(clippy::print_stdout, reason = "tells its parent")]
+fn prints_how_many_particles_differ() {
+    if let Some(path) = std::env::var_os("CLOTH_RECORDING") {
+        println!("differ {}", read(&path.into()).replay().differ);
+    }
+}
+
+/// Particles that are elsewhere when another process steps the frame again.
+fn differ_elsewhere(path: &PathBuf) -> Option<usize> {
+    let output = std::process::Command::new(std::env::current_exe().expect("this test"))
+        .args(["--exact", "record::prints_how_many_particles_differ", "--ignored", "--nocapture"])
+        .env("CLOTH_RECORDING", path)
+        .output()
+        .expect("this test runs again");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    text.split("differ ").nth(1)?.split_whitespace().next()?.parse().ok()
 }
 
 /// Removes the files.
