@@ -2,7 +2,7 @@
 
 use crate::components::{ClothDetail, ClothReport};
 
-/// Least time between two changes of one cloth `[s]`.
+/// Least time between two changes of one cloth, except from one that lowers it to the next that does `[s]`.
 const SETTLED: f32 = 1.0;
 /// Time over which costs are averaged `[s]`.
 const AVERAGED: f32 = 0.25;
@@ -14,6 +14,8 @@ pub(crate) struct Share {
     pub detail: ClothDetail,
     /// Time since that changed `[s]`.
     settled_for: f32,
+    /// Whether that was to less detail.
+    has_fallen: bool,
     /// What it costs in a frame whatever its substeps, and what all of its substeps cost `[ms]`; none: not measured yet.
     pub cost: Option<[f32; 2]>,
     /// Share of its substeps that it took in the last frame (dimensionless).
@@ -22,7 +24,7 @@ pub(crate) struct Share {
 
 impl Default for Share {
     fn default() -> Self {
-        Self { detail: ClothDetail::Full, settled_for: SETTLED, cost: None, taken: 1.0 }
+        Self { detail: ClothDetail::Full, settled_for: SETTLED, has_fallen: false, cost: None, taken: 1.0 }
     }
 }
 
@@ -42,13 +44,18 @@ impl Share {
         }
     }
 
-    /// Whether its cost is known, and it did not change for a while.
-    pub(crate) fn is_settled(&self) -> bool {
+    /// Whether its cost is known, and it did not change for a while: it may be given more detail.
+    pub(crate) fn may_rise(&self) -> bool {
         self.settled_for >= SETTLED && self.cost.is_some()
+    }
+
+    /// Whether it may be given less: at once after it was given less, since that is no flicker.
+    pub(crate) fn may_fall(&self) -> bool {
+        (self.settled_for >= SETTLED || self.has_fallen) && self.cost.is_some()
     }
 
     /// Leaves another level.
     pub(crate) fn change(&mut self, detail: ClothDetail) {
-        (self.detail, self.settled_for) = (detail, 0.0);
+        (self.has_fallen, self.detail, self.settled_for) = (detail > self.detail, detail, 0.0);
     }
 }

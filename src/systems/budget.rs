@@ -39,8 +39,9 @@ struct Group {
     steps: f32,
     /// What its detail is worth, in squares of the angle that it fills.
     worth: f64,
-    /// Whether it may change.
-    settled: bool,
+    /// Whether it may be given less detail, and more.
+    may_fall: bool,
+    may_rise: bool,
 }
 
 impl Group {
@@ -70,7 +71,7 @@ fn govern(groups: &mut [Group], ms: f32) {
     if total > ms {
         while total > FILLED * ms {
             let step = |group: &Group| Some([group.detail(), coarser(group.detail())?]);
-            let open = groups.iter_mut().filter(|group| group.settled && step(group).is_some());
+            let open = groups.iter_mut().filter(|group| group.may_fall && step(group).is_some());
             let least = open.min_by(|a, b| {
                 let loss = |group: &Group| step(group).map_or(f64::INFINITY, |step| group.loss(step));
                 loss(a).total_cmp(&loss(b))
@@ -88,7 +89,7 @@ fn govern(groups: &mut [Group], ms: f32) {
             Some([finer.max(group.by_distance), group.detail()])
         };
         let extra = |group: &Group| step(group).map_or(f32::INFINITY, |[to, from]| group.cost(to) - group.cost(from));
-        let fits = |group: &&mut Group| group.settled && total + extra(group) <= FILLED * ms;
+        let fits = |group: &&mut Group| group.may_rise && total + extra(group) <= FILLED * ms;
         let most = groups.iter_mut().filter(fits).max_by(|a, b| {
             let gain = |group: &Group| step(group).map_or(0.0, |step| group.loss(step));
             gain(a).total_cmp(&gain(b))
@@ -171,7 +172,8 @@ pub(crate) fn budget(
                 fixed: 0.0,
                 steps: 0.0,
                 worth: 0.0,
-                settled: true,
+                may_fall: true,
+                may_rise: true,
             });
         }
         let group = &mut groups[number];
@@ -184,7 +186,8 @@ pub(crate) fn budget(
         group.fixed += costs * fixed;
         group.steps += costs * steps;
         group.worth += worth;
-        group.settled &= inputs.share.is_settled() && !inputs.bears;
+        group.may_fall &= inputs.share.may_fall() && !inputs.bears;
+        group.may_rise &= inputs.share.may_rise() && !inputs.bears;
         of.push(number);
     }
     govern(groups, ms);
@@ -206,7 +209,17 @@ mod tests {
     use super::*;
 
     fn group(worth: f64) -> Group {
-        Group { island: None, by_distance: Full, by_budget: Full, least: 0.0, fixed: 0.1, steps: 0.3, worth, settled: true }
+        Group {
+            island: None,
+            by_distance: Full,
+            by_budget: Full,
+            least: 0.0,
+            fixed: 0.1,
+            steps: 0.3,
+            worth,
+            may_fall: true,
+            may_rise: true,
+        }
     }
 
     fn total(groups: &[Group]) -> f32 {
@@ -217,7 +230,7 @@ mod tests {
     fn settle(groups: &mut [Group], ms: f32) -> u32 {
         for second in 0..100 {
             let before: Vec<ClothDetail> = groups.iter().map(|group| group.by_budget).collect();
-            groups.iter_mut().for_each(|group| group.settled = true);
+            groups.iter_mut().for_each(|group| group.may_rise = true);
             govern(groups, ms);
             let changes = groups.iter().zip(&before).filter(|(group, before)| group.by_budget != **before);
             if changes.count() == 0 {
@@ -257,8 +270,24 @@ mod tests {
     }
 
     #[test]
+    fn what_matters_least_falls_again_before_what_matters_more() {
+        let mut groups = [group(1.0), group(0.001)];
+        govern(&mut groups, 0.7);
+        assert_eq!(groups.map(|group| group.by_budget), [Full, Quarter]);
+        // It has just fallen, and costs more than was thought.
+        groups[1].may_rise = false;
+        groups[1].fixed = 0.3;
+        govern(&mut groups, 0.7);
+        assert_eq!(groups.map(|group| group.by_budget), [Full, Still]);
+        // It is not raised before a while has passed.
+        govern(&mut groups, 100.0);
+        assert_eq!(groups[1].by_budget, Still);
+    }
+
+    #[test]
     fn what_may_not_change_or_is_coarse_for_its_distance_is_left_alone() {
-        let mut groups = [group(1.0), Group { settled: false, ..group(0.001) }, Group { by_distance: Quarter, ..group(0.01) }];
+        let bears = Group { may_fall: false, may_rise: false, ..group(0.001) };
+        let mut groups = [group(1.0), bears, Group { by_distance: Quarter, ..group(0.01) }];
         govern(&mut groups, 0.7);
         assert_eq!(groups.map(|group| group.by_budget), [Quarter, Full, Still]);
         // Nothing is left to lower, and nothing is without cost.
