@@ -11,8 +11,6 @@
 //!
 //! `cargo run --release --example make_character` makes the file.
 
-mod stage;
-
 use std::time::Duration;
 
 use bevy::gltf::{Gltf, GltfExtras, GltfPlugin};
@@ -20,7 +18,7 @@ use bevy::prelude::*;
 use bevy_drape::gltf::cloth_attributes;
 use bevy_drape::prelude::*;
 use clap::{Parser, ValueEnum};
-use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
 
 /// Clips in the order of keys.
 const CLIPS: [&str; 10] = ["Idle", "Walk", "Run", "Turn", "Jump", "Fight", "Dance", "Sit", "LieDown", "ArmsThrough"];

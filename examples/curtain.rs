@@ -1,11 +1,9 @@
 //! A ball swings into a gathered curtain, which can be dragged with the mouse.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_scenes::curtain::{self, BALL, SIZE, SWING};
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric, hand};
+use drape_stage::{FabricLook, OrbitCamera, Stage, cut, fabric, hand};
 
 /// Vertices per metre of the curtain's height.
 const DETAIL: u32 = 48;

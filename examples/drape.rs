@@ -2,15 +2,13 @@
 //!
 //! R lets them fall again, D shows what that costs.
 
-mod stage;
-
 use bevy::dev_tools::diagnostics_overlay::{DiagnosticsOverlay, DiagnosticsOverlayItem, DiagnosticsOverlayPlugin};
 use bevy::prelude::*;
 use bevy::ui::IsDefaultUiCamera;
 use bevy_drape::ClothDiagnosticsPlugin;
 use bevy_drape::prelude::*;
 use clap::Parser;
-use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
 
 /// Three fabrics fall over a table, a ball and a capsule.
 #[derive(Parser, Clone)]

@@ -3,14 +3,12 @@
 //!
 //! R lets the table cloths fall again.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::PositionPredicate;
 use bevy_drape::lab::{curtain, rate};
 use bevy_drape::prelude::*;
 use clap::Parser;
-use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
 
 /// The same table cloth, or curtain, in six fabrics.
 #[derive(Parser, Clone)]

@@ -8,12 +8,10 @@
 //! | up, down | more wind, less wind |
 //! | I | the panel that tunes every setting |
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 /// Size of a flag [m].
 const SIZE: Vec2 = Vec2::new(1.5, 1.0);

@@ -2,14 +2,12 @@
 //!
 //! R drops another one.
 
-mod stage;
-
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_scenes::funnel::{self, FLOOR, FRICTION, SHEET};
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices along the sides of the sheet.
 const DETAIL: u32 = 40;

@@ -2,13 +2,11 @@
 //!
 //! `cargo run --example make_scene` makes the file.
 
-mod stage;
-
 use bevy::gltf::{GltfAssetLabel, GltfPlugin};
 use bevy::prelude::*;
 use bevy_drape::gltf::cloth_attributes;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 fn main() -> AppExit {
     Stage::new("gltf")

@@ -3,11 +3,9 @@
 //! Left: grab, drag and throw. Right-click: a blast. Without a window a script grabs the cloth, lifts it off its ball, and
 //! throws it.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric, hand};
+use drape_stage::{FabricLook, OrbitCamera, Stage, fabric, hand};
 
 /// Where the ball lies [m].
 const BALL: Vec3 = Vec3::new(0.0, 0.35, 0.0);

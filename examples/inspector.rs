@@ -8,12 +8,10 @@
 //! | I | opens and closes the panel |
 //! | space | pauses |
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 /// Size of the flag [m] and height of its upper edge [m].
 const FLAG: Vec2 = Vec2::new(1.2, 0.8);

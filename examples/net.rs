@@ -6,15 +6,13 @@
 //!
 //! R drops them again.
 
-mod stage;
-
 use std::f32::consts::FRAC_PI_2;
 
 use avian3d::prelude::*;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use stage::{FabricLook, OrbitCamera, Stage, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, fabric};
 
 /// Height at which net and sheet are hung up [m].
 const HEIGHT: f32 = 1.2;

@@ -2,12 +2,10 @@
 //!
 //! R lets both fall again.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_scenes as scenes;
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Side of both [m].
 const SIDE: f32 = 1.25;

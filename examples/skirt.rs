@@ -1,11 +1,9 @@
 //! A skirt on a body of capsules that walks in a circle.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_scenes::skirt::{self, LIMBS, Limb};
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices per metre.
 const DETAIL: u32 = 48;

@@ -2,13 +2,11 @@
 //!
 //! R lets them fall again, I opens the panel.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
 use drape_scenes::stack;
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Sheets, and vertices along the sides of each.
 const SHEETS: (u32, u32) = (10, 32);

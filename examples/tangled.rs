@@ -14,7 +14,6 @@
 //! | S | slow motion or real time |
 //! | R, space | again, pauses |
 
-mod stage;
 mod tangles;
 
 use bevy::prelude::*;
@@ -22,7 +21,7 @@ use bevy_drape::prelude::*;
 use bevy_drape::solver::rest::SourceMesh;
 use clap::Parser;
 use drape_scenes::{Tangle, Unit};
-use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
 use tangles::label::{Label, label};
 use tangles::state::Most;
 use tangles::{ghost, grid_mesh, upright};

@@ -1,11 +1,9 @@
 //! The two ends of a towel are turned against each other until it is a rope, and the rope a knot.
 
-mod stage;
-
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use drape_scenes::twist;
-use stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, cut, fabric};
 
 /// Vertices per metre.
 const DETAIL: u32 = 56;

@@ -14,14 +14,13 @@
 //! | I | the panel that tunes every setting |
 //! | space | pauses |
 
-mod stage;
 mod tangles;
 
 use bevy::prelude::*;
 use bevy_drape::inspector::ClothInspectorPlugin;
 use bevy_drape::prelude::*;
 use clap::Parser;
-use stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
+use drape_stage::{FabricLook, OrbitCamera, Stage, StageArgs, fabric};
 use tangles::state::Most;
 use tangles::three_states::{self, Prop};
 

@@ -16,7 +16,7 @@ fn sources(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
 #[test]
 fn nothing_in_the_solver_names_the_engine() {
     let mut found = Vec::new();
-    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/solver"), &mut found);
+    sources(&drape_tests::root().join("src/solver"), &mut found);
     assert!(found.len() > 10, "{} files", found.len());
     for path in found {
         let text = std::fs::read_to_string(&path).expect("a source file");

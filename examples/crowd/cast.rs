@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_drape::prelude::*;
 
 use crate::Crowd;
-use crate::stage::{FabricLook, fabric};
+use drape_stage::{FabricLook, fabric};
 
 /// Distance between neighbours in a row, and between rows [m].
 const APART: Vec2 = Vec2::new(1.5, 1.6);

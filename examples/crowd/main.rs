@@ -10,15 +10,13 @@
 
 mod board;
 mod cast;
-#[path = "../stage/mod.rs"]
-mod stage;
 
 use bevy::gltf::{Gltf, GltfPlugin};
 use bevy::prelude::*;
 use bevy_drape::gltf::cloth_attributes;
 use bevy_drape::prelude::*;
 use clap::Parser;
-use stage::{OrbitCamera, Stage, StageArgs};
+use drape_stage::{OrbitCamera, Stage, StageArgs};
 
 /// Times as much or as little that a key makes of the budget.
 const STEP: f32 = 1.25;

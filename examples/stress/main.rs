@@ -28,16 +28,12 @@
 
 mod arguments;
 mod character;
-#[path = "../../tests/untangling/checker.rs"]
-mod checker;
 #[path = "../cli/mod.rs"]
 mod cli;
 mod crowd;
 mod figure;
 mod replay;
 mod sheets;
-#[path = "../../tests/scenes/shown.rs"]
-mod shown;
 mod stages;
 mod table;
 mod worn;

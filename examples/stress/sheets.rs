@@ -13,8 +13,8 @@ use drape_scenes::{self as scenes, Scene, SceneCloth, StageTimes, Tangle};
 use serde_json::Value;
 
 use crate::arguments::{Arguments, MethodChoice, SceneName};
-use crate::shown::Picture;
 use crate::table::percentile;
+use drape_tests::shown::Picture;
 
 /// Steps a scene; what it cost.
 pub fn run(arguments: &Arguments) -> Result<Value, String> {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Parser;
 
-use crate::attack::case::{Case, Kind};
+use drape_tests::attack::case::{Case, Kind};
 
 #[derive(Parser)]
 #[command(about = "Attacks the plugin at random; what fails is made small, and a line plays it again.")]

@@ -13,8 +13,6 @@
 #![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
 
 mod arguments;
-#[path = "../../tests/torture/attack/mod.rs"]
-mod attack;
 #[path = "../cli/mod.rs"]
 mod cli;
 mod report;
@@ -24,11 +22,11 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use arguments::Arguments;
-use attack::case::{Case, Kind};
-use attack::headless::Options;
-use attack::play::Tally;
-use attack::shrink::shrink;
-use attack::watch;
+use drape_tests::attack::case::{Case, Kind};
+use drape_tests::attack::headless::Options;
+use drape_tests::attack::play::Tally;
+use drape_tests::attack::shrink::shrink;
+use drape_tests::attack::watch;
 use report::Report;
 
 /// Time without a frame after which the program ends `[s]`.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use crate::attack::case::{Case, Kind};
-use crate::attack::play::{Failure, Tally};
+use drape_tests::attack::case::{Case, Kind};
+use drape_tests::attack::play::{Failure, Tally};
 
 /// Slowest cases that are named.
 const SLOWEST: usize = 5;

@@ -3,8 +3,8 @@
 use std::process::{Command, ExitCode};
 
 use crate::arguments::Arguments;
-use crate::attack::case::{Case, Kind};
-use crate::attack::headless::Options;
+use drape_tests::attack::case::{Case, Kind};
+use drape_tests::attack::headless::Options;
 
 /// Apps that are asked about at once.
 const APPS: u64 = 8;

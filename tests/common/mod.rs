@@ -1,7 +1,5 @@
 //! A headless app and what tests look at in it.
 
-#![allow(dead_code, reason = "each test binary uses a part")]
-
 pub mod log;
 
 use std::time::Duration;

@@ -136,7 +136,7 @@ fn what_is_saved_is_read_by_the_loader_and_comes_back_in_another_cloth() {
 
 #[test]
 fn the_fabrics_of_the_library_are_loaded_from_their_files_and_nothing_else_changes() {
-    let fabrics = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/fabrics");
+    let fabrics = drape_tests::root().join("assets/fabrics");
     let mut panel = Panel::new().opened();
     panel.type_into("solver substep_rate", "600");
     for (name, material) in ClothMaterial::PRESETS {

@@ -1,7 +1,6 @@
 //! The panel, driven as a user does: by the names of its widgets. One binary, because linking Bevy is what takes long.
 
-#[path = "../common/mod.rs"]
-mod common;
+use drape_tests::common;
 
 mod actions;
 mod cost;

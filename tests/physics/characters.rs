@@ -1,6 +1,5 @@
 //! Characters as artists make them.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use bevy_drape::character::{BoneCollider, BoneShape, FitSettings, SkinnedBody, fit, measure};
@@ -20,7 +19,7 @@ struct Character {
 impl Character {
     #[expect(clippy::print_stderr, reason = "says why a test was skipped")]
     fn read(name: &str, clothes: &[(&str, usize)], unit: f32) -> Option<Self> {
-        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data/characters").join(name);
+        let path = drape_tests::root().join("../shared/data/characters").join(name);
         let Ok(bytes) = std::fs::read(&path) else {
             eprintln!("skipped: {} is not here", path.display());
             return None;

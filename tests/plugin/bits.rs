@@ -6,7 +6,6 @@
 
 use std::collections::HashMap;
 use std::fmt::Write;
-use std::path::PathBuf;
 
 use bevy::prelude::*;
 use bevy_drape::ClothParticles;
@@ -333,7 +332,7 @@ fn shifted(mut scene: Scene, by: Vec3) -> Scene {
 #[expect(clippy::print_stderr, reason = "it says that it tested nothing")]
 #[test]
 fn every_bit_of_every_frame_is_what_it_was() {
-    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/plugin/bits.txt");
+    let file = drape_tests::root().join("tests/plugin/bits.txt");
     let here = format!("{} {:016x}", std::env::consts::ARCH, math());
     let lines = |hashes: &[(String, u64)]| {
         hashes.iter().fold(format!("math {here}\n"), |mut text, (name, hash)| {

@@ -1,9 +1,7 @@
 //! The plugin in a headless app. One binary, because linking Bevy is what takes long.
 
-#[path = "../common/mod.rs"]
-mod common;
+use drape_tests::common;
 
-#[cfg(feature = "avian")]
 mod avian;
 mod bind;
 mod bits;
@@ -16,7 +14,6 @@ mod debug;
 mod decimation;
 mod diagnostics;
 mod frame;
-#[cfg(feature = "gltf")]
 mod gltf;
 mod grab;
 mod hello;

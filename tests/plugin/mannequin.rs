@@ -17,7 +17,7 @@ use crate::common::*;
 
 /// The folder of characters; none where it is not.
 fn characters() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?.join("shared/data/characters");
+    let folder = drape_tests::root().parent()?.join("shared/data/characters");
     let there = folder.is_dir();
     if !there {
         println!("skipped: there are no characters at {}", folder.display());
@@ -266,7 +266,7 @@ fn dressed(
     rate: f32,
     [skip, frames]: [u32; 2],
 ) -> Vec<(String, Worn)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let folder = drape_tests::root().join("assets");
     let mut app = character(&folder, "character.glb", clip, repeats, rate, phase, Some(outfit));
     let mut colliders = app.world_mut().query_filtered::<(), With<ClothCollider>>();
     assert!((14..=24).contains(&colliders.iter(app.world()).count()), "{}", colliders.iter(app.world()).count());
@@ -326,7 +326,7 @@ fn play_at_once(app: &mut App, clip: &str) {
 
 #[test]
 fn a_clip_that_takes_over_at_once_tangles_nothing() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let folder = drape_tests::root().join("assets");
     let clips = [
         ("TPose", "Sit"),
         ("TPose", "Walk"),

@@ -53,7 +53,7 @@ fn density(app: &App, cloth: Entity) -> f32 {
 
 #[test]
 fn the_fabrics_in_files_are_those_in_code() {
-    let fabrics = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/fabrics");
+    let fabrics = drape_tests::root().join("assets/fabrics");
     for (name, material) in ClothMaterial::PRESETS {
         let file = fabrics.join(format!("{name}.cloth.ron"));
         let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));

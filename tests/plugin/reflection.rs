@@ -52,7 +52,7 @@ fn deriving(what: &str) -> Vec<String> {
         }
     }
     let mut names = Vec::new();
-    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), what, &mut names);
+    read(&drape_tests::root().join("src"), what, &mut names);
     names.sort();
     names
 }

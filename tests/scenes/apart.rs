@@ -1,7 +1,6 @@
 //! Whole scenes come apart: the eight named tangles, random ones, the contour units, layers in order, starts before the first
 //! frame, last resorts.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy_drape::solver::anchors::Anchors;
@@ -149,7 +148,7 @@ fn of_random_tangles_all_are_clean_in_300_frames_and_almost_all_in_60() {
 
 #[expect(clippy::print_stderr, reason = "says why a test was skipped")]
 fn obj(name: &str) -> Option<SourceMesh> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
+    let path = drape_tests::root().join("../shared/data").join(name);
     let Ok(text) = std::fs::read_to_string(&path) else {
         eprintln!("skipped: {} is not here", path.display());
         return None;

@@ -1,17 +1,14 @@
 //! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a
 //! thousandth of an edge. What is shown is checked with code that shares nothing with the detector.
 
-#[path = "../untangling/checker.rs"]
-mod checker;
 mod apart;
 mod contact;
 mod gusts;
-mod shown;
 
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
 use drape_scenes::{self as scenes, Scene, untangled};
-use shown::Picture;
+use drape_tests::shown::Picture;
 
 const FRAME: f32 = 1.0 / 60.0;
 

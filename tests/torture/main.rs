@@ -1,14 +1,12 @@
 //! A few dozen cases of the random attack, always the same: apps, meshes and files. The example `torture` goes on with others,
 //! for a night if asked to.
 
-mod attack;
-
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use attack::case::{Case, Kind};
-use attack::headless::Options;
-use attack::shrink::shrink;
+use drape_tests::attack::case::{Case, Kind};
+use drape_tests::attack::headless::Options;
+use drape_tests::attack::shrink::shrink;
 
 /// Plays cases one after another, because they share the log and the pool of threads; what fails is shrunk.
 fn attack(cases: impl IntoIterator<Item = Case>, twice: bool) {

@@ -1,8 +1,6 @@
 //! Detect and resolve on the published scenes: predicates, the contour graph, the gradient, and what comes apart in how many
 //! iterations.
 
-use std::path::PathBuf;
-
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
 use bevy_drape::solver::resolve::Terms;
 use bevy_drape::solver::resolve::{ContourKind, Method, ResolveSettings, Untangler};
@@ -121,7 +119,7 @@ impl World {
 
 #[expect(clippy::print_stderr, reason = "says why a test was skipped")]
 fn data(name: &str) -> Option<Mesh> {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
+    let path = drape_tests::root().join("../shared/data").join(name);
     let Ok(text) = std::fs::read_to_string(&path) else {
         eprintln!("skipped: {} is not here", path.display());
         return None;

@@ -2,7 +2,7 @@
 //! fabrics, and a way to run without a window.
 //!
 //! ```no_run
-//! mod stage;
+//! use drape_stage::{OrbitCamera, Stage};
 //!
 //! fn main() -> AppExit {
 //!     let mut app = Stage::new("flag").camera(OrbitCamera::around(Vec3::Y, 3.0)).build();
@@ -12,8 +12,6 @@
 //!
 //! With `--headless [--frames N] [--out FILE.png|gif]`, or without a display, the same app runs
 //! for N steps of 1/60 s as fast as it can, and writes a picture if there is a graphics driver.
-#![allow(dead_code, unused_imports, reason = "every example uses another part of the stage")]
-
 mod args;
 pub mod cut;
 mod display;

@@ -87,7 +87,7 @@ fn file(seed: u64) -> (Vec<u8>, Vec<u8>) {
         1..8 => "drape.glb",
         _ => return glb::small(),
     };
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets").join(name);
+    let path = crate::root().join("assets").join(name);
     let bytes = std::fs::read(&path).unwrap_or_default();
     glb::split(&bytes).unwrap_or_else(glb::small)
 }

@@ -5,8 +5,6 @@
 //!                    └──────── shrink: leaves out what a failure does not need ◂──┘
 //! ```
 
-#![allow(dead_code, reason = "each program uses a part")]
-
 pub mod wild;
 pub mod shapes;
 pub mod damage;
@@ -21,8 +19,6 @@ pub mod deeds;
 pub mod places;
 pub mod watch;
 pub mod check;
-#[path = "../../common/log.rs"]
-pub mod captured;
 pub mod log;
 pub mod panics;
 pub mod play;

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use super::captured::Log;
 use super::check;
 use super::headless::Options;
 use super::log::Told;
@@ -10,6 +9,7 @@ use super::panics::{self, Panic};
 use super::plan::{Plan, Step};
 use super::stage::Stage;
 use super::watch;
+use crate::common::log::Log;
 
 /// What was seen.
 #[derive(Clone, Debug, Default)]
