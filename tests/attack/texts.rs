@@ -15,8 +15,8 @@ const WHOLE: &str = r#"(
 /// The text of a number.
 pub fn text(number: u64) -> &'static str {
     match number % 4 {
-        0 => include_str!("../../../assets/fabrics/cotton.cloth.ron"),
-        1 => include_str!("../../../assets/fabrics/rubber.cloth.ron"),
+        0 => include_str!("../../assets/fabrics/cotton.cloth.ron"),
+        1 => include_str!("../../assets/fabrics/rubber.cloth.ron"),
         _ => WHOLE,
     }
 }

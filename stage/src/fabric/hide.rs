@@ -1,7 +1,7 @@
 //! Surfaces that are not woven: grains of skin, or the faint ones of rubber.
 
 use super::relief::Relief;
-use crate::stage::noise;
+use crate::noise;
 use bevy::prelude::*;
 
 /// How a hide is grained.

@@ -8,7 +8,7 @@
 //! ```
 
 use super::relief::Relief;
-use crate::stage::noise;
+use crate::noise;
 use bevy::{math::ops, prelude::*};
 use std::f32::consts::{PI, TAU};
 
