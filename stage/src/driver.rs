@@ -5,8 +5,6 @@ use bevy::{render::settings::WgpuSettings, tasks::block_on};
 /// A graphics driver that Bevy can draw with.
 #[derive(Clone, Debug)]
 pub struct Driver {
-    /// The name of the device.
-    pub name: String,
     /// Whether the device is the processor itself.
     pub software: bool,
 }
@@ -24,7 +22,7 @@ pub fn find() -> Result<Driver, String> {
             ..Default::default()
         }));
     let info = adapter.map_err(|_| missing())?.get_info();
-    Ok(Driver { name: info.name, software: info.device_type == wgpu::DeviceType::Cpu })
+    Ok(Driver { software: info.device_type == wgpu::DeviceType::Cpu })
 }
 
 /// What is missing, and what would help.
