@@ -15,7 +15,6 @@ pictures=(
     "gltf.png gltf --frames 84 --out"
     "stack.png stack --frames 120 --out"
     "curtain.gif curtain --frames 240 --out"
-    "skirt.gif skirt --frames 240 --out"
     "character.png character --outfit dress --clip Turn --width 960 --frames 80 --out"
     "cape.png character --outfit cape --clip Run --width 960 --frames 90 --out"
     "dance.png character --outfit dress --clip Dance --width 960 --frames 90 --out"
