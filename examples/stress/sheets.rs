@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::arguments::{Arguments, MethodChoice, SceneName};
 use crate::table::percentile;
-use drape_tests::shown::Picture;
+use drape_scenes::shown::Picture;
 
 /// Steps a scene; what it cost.
 pub fn run(arguments: &Arguments) -> Result<Value, String> {

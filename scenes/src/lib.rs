@@ -1,5 +1,6 @@
 //! Scenes to measure on, shared by tests, benchmarks and examples. Free of the engine: each is a [`Scene`], which steps itself.
 
+pub mod checker;
 mod crosswise;
 pub mod curtain;
 mod driven;
@@ -8,6 +9,7 @@ pub mod needles;
 mod obj;
 mod pinch;
 mod seeds;
+pub mod shown;
 pub mod skirt;
 mod spin;
 pub mod stack;

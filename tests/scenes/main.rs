@@ -7,8 +7,8 @@ mod gusts;
 
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
+use drape_scenes::shown::Picture;
 use drape_scenes::{self as scenes, Scene, untangled};
-use drape_tests::shown::Picture;
 
 const FRAME: f32 = 1.0 / 60.0;
 

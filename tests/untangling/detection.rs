@@ -22,7 +22,7 @@ fn assert_same(rest: &RestShape, positions: &[Vec4], what: &str) -> usize {
     found.iter_mut().for_each(|(edge, _)| edge.sort_unstable());
     found.sort_unstable();
     let points: Vec<Vec3> = positions.iter().map(|x| x.truncate()).collect();
-    let expected = drape_tests::checker::crossings(&points, &topology.faces);
+    let expected = drape_scenes::checker::crossings(&points, &topology.faces);
     let missed = expected.iter().filter(|c| found.binary_search(c).is_err()).count();
     let invented = found.iter().filter(|c| expected.binary_search(c).is_err()).count();
     assert_eq!((missed, invented), (0, 0), "{what}: of {} crossings (missed, invented)", expected.len());

@@ -7,6 +7,7 @@ use glam::{DVec3, IVec3, Vec3};
 
 /// Crossings of edges with faces that share no particle with them, sorted; an edge is its two particles, smaller first. Pairs
 /// whose orientations are zero to rounding are left out.
+#[must_use]
 pub fn crossings(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<([u32; 2], u32)> {
     let at = |v: u32| positions[v as usize].as_dvec3();
     let mut edges: Vec<[u32; 2]> = faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();

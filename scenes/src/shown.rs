@@ -1,18 +1,21 @@
 //! What a scene shows, and how often that crosses: every cloth with every other and with itself, pinned cloth included.
 
-use drape_scenes::Scene;
 use glam::Vec3;
 
-use crate::checker;
+use crate::{Scene, checker};
 
-/// The positions that a frame shows of all cloths [m].
+/// The positions that a frame shows of all cloths `[m]`.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
+    /// Of every cloth, one after another `[m]`.
     pub positions: Vec<Vec3>,
+    /// Particles of each triangle.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Picture {
+    /// What a scene shows now.
+    #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut picture = Self::default();
         for cloth in &scene.cloths {
@@ -27,6 +30,7 @@ impl Picture {
     }
 
     /// Edges that cross faces.
+    #[must_use]
     pub fn crossings(&self) -> usize {
         checker::crossings(&self.positions, &self.faces).len()
     }

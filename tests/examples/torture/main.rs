@@ -13,7 +13,7 @@
 #![expect(clippy::print_stdout, reason = "a program speaks on its terminal")]
 
 mod arguments;
-#[path = "../cli/mod.rs"]
+#[path = "../../../examples/cli/mod.rs"]
 mod cli;
 mod report;
 mod threads;
