@@ -85,7 +85,7 @@ fn main() -> AppExit {
         (None, 0) => Shown::Tangles,
         (None, k) => Shown::Tangle(k as usize - 1),
     };
-    let choice = Choice { shown, method: ClothUntanglingMethod::ByEndType, policy: ClothSkipPolicy::Ladder, slow: true };
+    let choice = Choice { shown, method: ClothUntanglingMethod::ByEndType, policy: ClothSkipPolicy::Bounded, slow: true };
     Stage::from_args("tangled", arguments.stage)
         .camera(camera(shown))
         .hint("0 to 8: tangle   9, F1 to F7: unit   H L G E: method   P: hold   S: slow motion   R: again")
@@ -244,9 +244,9 @@ fn keys(
         }
     }
     if keys.just_pressed(KeyP) {
-        let ladder = choice.policy == ClothSkipPolicy::Ladder;
+        let bounded = choice.policy == ClothSkipPolicy::Bounded;
         (choice.policy, again) =
-            (if ladder { ClothSkipPolicy::UntilClean { max: 600 } } else { ClothSkipPolicy::Ladder }, true);
+            (if bounded { ClothSkipPolicy::UntilClean { max: 600 } } else { ClothSkipPolicy::Bounded }, true);
     }
     if keys.just_pressed(KeyS) {
         choice.slow = !choice.slow;
@@ -287,7 +287,7 @@ fn describe(
         }
     }
     for mut text in &mut panel {
-        let hold = if choice.policy == ClothSkipPolicy::Ladder { "held for 2 frames" } else { "held until clean" };
+        let hold = if choice.policy == ClothSkipPolicy::Bounded { "held for 2 frames" } else { "held until clean" };
         let pace = if choice.slow { format!("{:.0} frames a second", 1.0 / SLOW) } else { "real time".into() };
         text.set_if_neq(Text(format!("{:?}, {hold}, {pace}", choice.method)));
     }

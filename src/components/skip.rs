@@ -11,12 +11,12 @@ use crate::solver::evaluate::{self, EvaluateSettings};
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSkipFrame {
-    /// What to do about tangled frames. Default [`ClothSkipPolicy::Ladder`].
+    /// What to do about tangled frames. Default [`ClothSkipPolicy::Bounded`].
     pub policy: ClothSkipPolicy,
-    /// Most frames held in a row under [`ClothSkipPolicy::Ladder`]. Default 2, range 0 to 30. More hides longer tangles, but
+    /// Most frames held in a row under [`ClothSkipPolicy::Bounded`]. Default 2, range 0 to 30. More hides longer tangles, but
     /// the cloth visibly sticks.
     pub max_held_frames: u32,
-    /// Most time held in any second under [`ClothSkipPolicy::Ladder`] `[s]`. Default 0.1, range 0 to 1.
+    /// Most time held in any second under [`ClothSkipPolicy::Bounded`] `[s]`. Default 0.1, range 0 to 1.
     pub max_held_time: f32,
     /// Time over which what was held fades into the live shape when the bound is reached `[s]`. Default 0.1, range 0 to 10.
     pub fade: f32,
@@ -30,7 +30,7 @@ pub struct ClothSkipFrame {
 pub enum ClothSkipPolicy {
     /// Hold the tangled part in its last clean shape for a few frames at most, then show the best there is.
     #[default]
-    Ladder,
+    Bounded,
     /// As Wen et al. 2009: keep the whole last clean shape until the cloth is clean again, but no longer than `max` frames.
     UntilClean {
         /// Most frames held in a row.
@@ -42,7 +42,7 @@ pub enum ClothSkipPolicy {
 
 impl Default for ClothSkipFrame {
     fn default() -> Self {
-        Self { policy: ClothSkipPolicy::Ladder, max_held_frames: 2, max_held_time: 0.1, fade: 0.1 }
+        Self { policy: ClothSkipPolicy::Bounded, max_held_frames: 2, max_held_time: 0.1, fade: 0.1 }
     }
 }
 
@@ -53,7 +53,7 @@ impl ClothSkipFrame {
     pub(crate) fn settings(&self, checked: &mut Checked) -> EvaluateSettings {
         EvaluateSettings {
             policy: match self.policy {
-                ClothSkipPolicy::Ladder => evaluate::SkipPolicy::Ladder,
+                ClothSkipPolicy::Bounded => evaluate::SkipPolicy::Bounded,
                 ClothSkipPolicy::UntilClean { max } => evaluate::SkipPolicy::UntilClean { max },
                 ClothSkipPolicy::Off => evaluate::SkipPolicy::Off,
             },

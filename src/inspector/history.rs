@@ -55,7 +55,7 @@ impl Verdict {
         let idle = match skip.policy {
             ClothSkipPolicy::Off => true,
             ClothSkipPolicy::UntilClean { max } => max == 0,
-            ClothSkipPolicy::Ladder => skip.max_held_frames == 0 || skip.max_held_time <= 0.0,
+            ClothSkipPolicy::Bounded => skip.max_held_frames == 0 || skip.max_held_time <= 0.0,
         };
         match particles.display.outcome().shown {
             Shown::Clean => Self::Clean,

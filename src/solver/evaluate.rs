@@ -23,7 +23,7 @@ use crate::solver::verdict::{Escalation, Verdict};
 pub enum SkipPolicy {
     /// Hold the tangled part for a few frames at most, then show the best there is.
     #[default]
-    Ladder,
+    Bounded,
     /// As Wen et al. 2009: keep the whole last clean shape until the cloth is clean again, but no longer than `max` frames.
     UntilClean {
         /// Most frames held in a row.
@@ -39,10 +39,10 @@ pub enum SkipPolicy {
 pub struct EvaluateSettings {
     /// What to do about tangled frames.
     pub policy: SkipPolicy,
-    /// Most frames held in a row under [`SkipPolicy::Ladder`]. Default 2. More hides longer tangles, but the cloth visibly
+    /// Most frames held in a row under [`SkipPolicy::Bounded`]. Default 2. More hides longer tangles, but the cloth visibly
     /// sticks.
     pub max_held_frames: u32,
-    /// Most time held in any second under [`SkipPolicy::Ladder`] `[s]`. Default 0.1.
+    /// Most time held in any second under [`SkipPolicy::Bounded`] `[s]`. Default 0.1.
     pub max_held_time: f32,
     /// Time over which a held part fades into the live shape when the bound is reached `[s]`. Default 0.1.
     pub fade: f32,
@@ -221,7 +221,7 @@ impl Evaluator {
         match settings.policy {
             SkipPolicy::Off => false,
             SkipPolicy::UntilClean { max } => self.held_frames < max,
-            SkipPolicy::Ladder => {
+            SkipPolicy::Bounded => {
                 let recent = |&&(time, _): &&(f64, f32)| time > self.time - 1.0;
                 let held: f32 = self.log[..self.logged.min(LOG)].iter().filter(recent).map(|l| l.1).sum();
                 self.held_frames < settings.max_held_frames && held + dt <= settings.max_held_time * (1.0 + 1.0e-5)

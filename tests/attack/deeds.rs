@@ -128,7 +128,7 @@ pub fn method(stage: &mut Stage, slot: usize, rng: &mut Rng) -> String {
     let untangling =
         ClothUntangling { stall_iterations, at_load: rng.bool(), effort: one_of(rng, &[16, 64, 512]), ..default() };
     let untangling = untangling.with_method(one_of(rng, ClothUntanglingMethod::ALL));
-    let skip = one_of(rng, &[ClothSkipPolicy::Ladder, ClothSkipPolicy::UntilClean { max: 5 }, ClothSkipPolicy::Off]);
+    let skip = one_of(rng, &[ClothSkipPolicy::Bounded, ClothSkipPolicy::UntilClean { max: 5 }, ClothSkipPolicy::Off]);
     stage.world().entity_mut(entity).insert((untangling, ClothSkipFrame { policy: skip, ..default() }));
     format!("{slot}: {untangling:?}, {skip:?}")
 }

@@ -149,7 +149,7 @@ pub(super) const UNTANGLE: [Setting; 10] = [
     ),
 ];
 
-const POLICIES: &[&str] = &["Ladder", "UntilClean", "Off"];
+const POLICIES: &[&str] = &["Bounded", "UntilClean", "Off"];
 /// Frames that [`ClothSkipPolicy::UntilClean`] starts with in the panel.
 const UNTIL_CLEAN: u32 = 30;
 
@@ -162,14 +162,14 @@ pub(super) const SKIP: [Setting; 5] = [
             options: POLICIES,
             get: |s| {
                 Some(match s.skip.policy {
-                    ClothSkipPolicy::Ladder => 0,
+                    ClothSkipPolicy::Bounded => 0,
                     ClothSkipPolicy::UntilClean { .. } => 1,
                     ClothSkipPolicy::Off => 2,
                 })
             },
             set: |s, i| {
                 s.skip.policy = match (i, s.skip.policy) {
-                    (0, _) => ClothSkipPolicy::Ladder,
+                    (0, _) => ClothSkipPolicy::Bounded,
                     (1, before @ ClothSkipPolicy::UntilClean { .. }) => before,
                     (1, _) => ClothSkipPolicy::UntilClean { max: UNTIL_CLEAN },
                     _ => ClothSkipPolicy::Off,
@@ -188,7 +188,7 @@ pub(super) const SKIP: [Setting; 5] = [
         "frames",
         Kind::Count(Scale::whole(0.0, u32::MAX as f64).slider(1.0, 600.0).log(), |s| match &mut s.skip.policy {
             ClothSkipPolicy::UntilClean { max } => Some(max),
-            ClothSkipPolicy::Ladder | ClothSkipPolicy::Off => None,
+            ClothSkipPolicy::Bounded | ClothSkipPolicy::Off => None,
         }),
         ["Most frames held in a row until clean.", "Crossings are seen sooner.", "The cloth sticks for as long."],
     )
@@ -198,14 +198,14 @@ pub(super) const SKIP: [Setting; 5] = [
         "max_held_frames",
         "frames",
         Kind::Count(Scale::whole(0.0, 30.0), |s| Some(&mut s.skip.max_held_frames)),
-        ["Most frames held in a row on the ladder.", "Short tangles are seen.", "The cloth visibly sticks."],
+        ["Most frames held in a row, if bounded.", "Short tangles are seen.", "The cloth visibly sticks."],
     ),
     Setting::new(
         Part::Skip,
         "max_held_time",
         "s",
         Kind::Number(Scale::real(0.0, 1.0), |s| Some(&mut s.skip.max_held_time)),
-        ["Most time held in any second on the ladder.", "Tangles that come back are seen.", "The cloth visibly sticks."],
+        ["Most time held in any second, if bounded.", "Tangles that come back are seen.", "The cloth visibly sticks."],
     ),
     Setting::new(
         Part::Skip,

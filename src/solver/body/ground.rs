@@ -15,7 +15,7 @@ use crate::solver::scales::TOUCHING;
 const DEEPEST: f32 = 2.0;
 
 /// What cloth lies on: bodies at the end of a substep, those of `coupling` where they are by now.
-pub(crate) struct Grounds<'a> {
+pub(crate) struct BodyContext<'a> {
     /// The bodies.
     pub bodies: &'a [Body],
     /// Shares of the frame at which the substep begins and ends (0 to 1).
@@ -26,7 +26,7 @@ pub(crate) struct Grounds<'a> {
     pub coupling: &'a mut Coupling,
 }
 
-impl Grounds<'_> {
+impl BodyContext<'_> {
     /// The part of body `body` at `local` in it, with its farthest point at `radius` `[m]`; `None` for a body that is not
     /// there.
     pub(super) fn part(&mut self, body: u32, local: Pose, radius: f32) -> Option<Ground> {

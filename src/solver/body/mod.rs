@@ -47,7 +47,7 @@ pub(crate) use contacts::{Approach, BodyContacts};
 pub use depth::depths;
 pub(crate) use faces::{FaceContacts, Sheet};
 pub(crate) use friction::{Friction, slip};
-pub(crate) use ground::{Bearing, Grounds};
+pub(crate) use ground::{Bearing, BodyContext};
 pub use parry3d::math::Pose;
 pub use parry3d::shape::SharedShape;
 pub(crate) use pierce::Pierced;

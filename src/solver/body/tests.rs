@@ -89,9 +89,9 @@ impl Scene {
             let before = self.previous.clone();
             let (touch, mut coupling) = (touch(self.friction), Coupling::default());
             let Self { contacts, positions, previous, .. } = self;
-            let mut grounds = Grounds { bodies, span: (s0, s1), touch, coupling: &mut coupling };
-            self.touching = contacts.project(&mut grounds, positions, previous, &[], Projection::First);
-            contacts.apply_friction(&mut grounds, positions, previous);
+            let mut context = BodyContext { bodies, span: (s0, s1), touch, coupling: &mut coupling };
+            self.touching = contacts.project(&mut context, positions, previous, &[], Projection::First);
+            contacts.apply_friction(&mut context, positions, previous);
             check(s0, s1, &before, &self.positions);
         }
     }
@@ -434,13 +434,13 @@ fn aside(friction: f32, way: Vec3, restitution: f32, again: bool) -> Vec3 {
     contacts.gather(&bodies, &positions, &previous, &approach);
     positions[0] += way.extend(0.0);
     let inbound = [way.extend(0.0)];
-    let mut grounds = Grounds { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
-    contacts.project(&mut grounds, &mut positions, &mut previous, &inbound, Projection::First);
+    let mut context = BodyContext { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
+    contacts.project(&mut context, &mut positions, &mut previous, &inbound, Projection::First);
     if again {
         positions[0].y += way.y;
-        contacts.push_to_planes(&mut grounds, &mut positions);
+        contacts.push_to_planes(&mut context, &mut positions);
     }
-    contacts.apply_friction(&mut grounds, &mut positions, &previous);
+    contacts.apply_friction(&mut context, &mut positions, &previous);
     positions[0].truncate() - start.truncate()
 }
 
@@ -475,13 +475,13 @@ fn what_is_drawn_through_a_surface_is_put_back_when_it_is_looked_at_again() {
         let (mut contacts, mut coupling, touch) = (BodyContacts::default(), Coupling::default(), touch(0.2));
         let approach = Approach { dt: DT, substep: H, gravity: GRAVITY, thickness: THICKNESS, extra: 0.02 };
         contacts.gather(&bodies, &positions, &previous, &approach);
-        let mut grounds = Grounds { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
+        let mut context = BodyContext { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
         let before = &mut previous;
-        assert_eq!(contacts.project(&mut grounds, &mut positions, before, &[], Projection::First), 0);
+        assert_eq!(contacts.project(&mut context, &mut positions, before, &[], Projection::First), 0);
         positions[0] += Vec4::new(2.0e-3, -side * 2.0 * THICKNESS, 0.0, 0.0);
-        assert_eq!(contacts.project(&mut grounds, &mut positions, before, &[], Projection::Relax), 1);
+        assert_eq!(contacts.project(&mut context, &mut positions, before, &[], Projection::Relax), 1);
         assert!((positions[0].y - side * THICKNESS).abs() < 1.0e-5, "side {side}: at {}", positions[0].y);
-        contacts.apply_friction(&mut grounds, &mut positions, before);
+        contacts.apply_friction(&mut context, &mut positions, before);
         // It was pushed by 1.5 thicknesses, 7.5 mm, and 0.2 of that is 1.5 mm.
         let slid = positions[0].x - start.x;
         assert!((slid - 0.5e-3).abs() < 1.0e-5, "side {side}: slid by {slid} m");

@@ -301,8 +301,8 @@ impl Coupling {
     }
 
     /// Particles that are pinned to bodies that cloth can move.
-    pub(crate) fn welded<'a>(&'a self, anchors: &'a Anchors) -> impl Iterator<Item = u32> + 'a {
-        self.pins.welded(anchors)
+    pub(crate) fn pinned_to_bodies<'a>(&'a self, anchors: &'a Anchors) -> impl Iterator<Item = u32> + 'a {
+        self.pins.pinned_to_bodies(anchors)
     }
 
     /// Puts pins where their bodies are at the share `s` of the frame.

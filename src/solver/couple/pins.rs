@@ -91,9 +91,9 @@ impl Pins {
         self.pins.iter().filter(|pin| pin.w > 0.0).map(|pin| (pin.anchor as usize, pin.w))
     }
 
-    pub(super) fn welded<'a>(&'a self, anchors: &'a Anchors) -> impl Iterator<Item = u32> + 'a {
-        let welded = self.pins.iter().filter(|pin| pin.w > 0.0);
-        welded.filter_map(|pin| anchors.particles.get(pin.anchor as usize).copied())
+    pub(super) fn pinned_to_bodies<'a>(&'a self, anchors: &'a Anchors) -> impl Iterator<Item = u32> + 'a {
+        let moving = self.pins.iter().filter(|pin| pin.w > 0.0);
+        moving.filter_map(|pin| anchors.particles.get(pin.anchor as usize).copied())
     }
 
     fn put(&mut self, slots: &[RigidState], anchors: &Anchors, s: f32, positions: &mut [Vec4]) {

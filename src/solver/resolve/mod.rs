@@ -305,11 +305,11 @@ impl Resolver {
         if self.plans.is_live(tracked.plan) {
             return true;
         }
-        if tracked.stale < settings.stall_iterations && self.separate(view, contour, settings.pace * step) {
+        if tracked.stalled < settings.stall_iterations && self.separate(view, contour, settings.pace * step) {
             return true;
         }
         let tracked = &mut self.tracked.now[contour];
-        tracked.turn_to(if matches!(tracked.kind, ContourKind::Bibi | ContourKind::Closed) {
+        tracked.switch_to(if matches!(tracked.kind, ContourKind::Bibi | ContourKind::Closed) {
             Strategy::Shrink
         } else {
             Strategy::Push
@@ -330,7 +330,7 @@ impl Resolver {
             _ => Strategy::Shrink,
         });
         for tracked in self.tracked.now.iter_mut().filter(|l| by_type && l.escalation < self.escalation) {
-            tracked.turn_to(if self.escalation == Escalation::Regions && tracked.kind.separates() {
+            tracked.switch_to(if self.escalation == Escalation::Regions && tracked.kind.separates() {
                 Strategy::Push
             } else {
                 Strategy::Separate
@@ -341,12 +341,12 @@ impl Resolver {
         for (tracked, contour) in tracked.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
             // A region needs a while to gather pace, the longer the more edges it hangs on.
             let edges = if tracked.strategy == Strategy::Push { tracked.longest / contour.edge } else { 0.0 };
-            if tracked.stale > (settings.stall_iterations + edges as u32 / 4) << tracked.turns.min(4) {
+            if tracked.stalled > (settings.stall_iterations + edges as u32 / 4) << tracked.switches.min(4) {
                 let pushable =
                     matches!(tracked.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
-                tracked.turn_to(match tracked.strategy {
+                tracked.switch_to(match tracked.strategy {
                     Strategy::Shrink if pushable => Strategy::Push,
-                    Strategy::Push if tracked.turns % 4 != 3 => Strategy::Shrink,
+                    Strategy::Push if tracked.switches % 4 != 3 => Strategy::Shrink,
                     Strategy::Shrink | Strategy::Push => Strategy::Peel,
                     Strategy::Peel | Strategy::Separate => Strategy::Shrink,
                 });

@@ -49,7 +49,7 @@ impl Resolver {
         }
         let (step, d) = if exact {
             let motion = self.tracked.now[contour].steer(saturate(g, 1.0), settings.pace, tracked::INERTIA);
-            (step * self.tracked.now[contour].pace, step * motion)
+            (step * self.tracked.now[contour].step_scale, step * motion)
         } else {
             (step, saturate(g, step))
         };

@@ -42,17 +42,17 @@ pub(crate) struct TrackedContour {
     /// Side being pushed, 0 or 1; 2 before the first push.
     pub side: u8,
     /// Mean direction of the last motions of side 0, at most of length 1.
-    pub heading: Vec3,
+    pub direction: Vec3,
     /// Step, as a multiple of the first one.
-    pub pace: f32,
+    pub step_scale: f32,
     /// Iterations since the contour appeared.
     pub age: u32,
     /// Iterations without progress.
-    pub stale: u32,
+    pub stalled: u32,
     /// The means for which the strategy was chosen.
     pub escalation: Escalation,
     /// How often the strategy was given up.
-    pub turns: u32,
+    pub switches: u32,
     /// Smallest measure of progress so far: length `[m]`, or area of the region that is pushed `[m²]`.
     pub best: f32,
     /// Largest length so far `[m]`.
@@ -68,36 +68,36 @@ pub(crate) struct TrackedContour {
 
 impl TrackedContour {
     fn new() -> Self {
-        Self { seed: NONE, side: 2, best: f32::INFINITY, pace: 1.0, ..Self::default() }
+        Self { seed: NONE, side: 2, best: f32::INFINITY, step_scale: 1.0, ..Self::default() }
     }
 
     /// Notes a measure that should fall.
     pub(crate) fn progress(&mut self, measure: f32) {
-        self.stale += 1;
+        self.stalled += 1;
         if measure < 0.9 * self.best {
             self.best = measure;
-            self.stale = 0;
+            self.stalled = 0;
         }
     }
 
     /// Takes up another strategy.
-    pub(crate) fn turn_to(&mut self, strategy: Strategy) {
+    pub(crate) fn switch_to(&mut self, strategy: Strategy) {
         let Self { age, longest, centre, escalation, .. } = *self;
-        *self = Self { strategy, turns: self.turns + 1, age, longest, centre, escalation, ..Self::new() };
+        *self = Self { strategy, switches: self.switches + 1, age, longest, centre, escalation, ..Self::new() };
     }
 
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when
     /// it turns. Returns the motion as a multiple of the first step.
     pub(crate) fn steer(&mut self, direction: Vec3, fastest: f32, inertia: f32) -> Vec3 {
-        let turn = direction.normalize_or_zero().dot(self.heading.normalize_or_zero());
+        let turn = direction.normalize_or_zero().dot(self.direction.normalize_or_zero());
         if turn > 0.7 {
-            self.pace = (self.pace * GROWTH).min(fastest);
+            self.step_scale = (self.step_scale * GROWTH).min(fastest);
         } else if turn < 0.0 {
-            self.pace = (self.pace / GROWTH).max(1.0);
+            self.step_scale = (self.step_scale / GROWTH).max(1.0);
         }
-        let keep = if self.heading == Vec3::ZERO { 0.0 } else { inertia };
-        self.heading = self.heading * keep + direction * (1.0 - keep);
-        self.heading * self.pace
+        let keep = if self.direction == Vec3::ZERO { 0.0 } else { inertia };
+        self.direction = self.direction * keep + direction * (1.0 - keep);
+        self.direction * self.step_scale
     }
 }
 
@@ -153,7 +153,7 @@ impl TrackedContours {
                 && 2 * best.2 < best.0
             {
                 if old.strategy != Strategy::Push {
-                    old.heading = -old.heading;
+                    old.direction = -old.direction;
                 }
                 if old.side < 2 {
                     old.side = 1 - old.side;

@@ -28,7 +28,8 @@ impl Stepped<'_> {
         let h = dt / substeps as f32;
         self.weld(dt, state, scratch);
         // Bodies that pins move go along in substeps, and of a first frame nobody knows whether it is tangled.
-        let steps = if scratch.welded.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
+        let steps =
+            if scratch.pinned_to_bodies.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
         self.factor(h / steps as f32, state, scratch);
         self.choose_membrane(stepping, scratch);
         let settling = scratch.is_settling();
@@ -45,8 +46,8 @@ impl Stepped<'_> {
         }
         self.make_room(scratch);
         (*scratch.before).clone_from(&state.positions);
-        scratch.contacts.leave_out(&scratch.welded);
-        scratch.faces.leave_out(&scratch.welded);
+        scratch.contacts.leave_out(&scratch.pinned_to_bodies);
+        scratch.faces.leave_out(&scratch.pinned_to_bodies);
         scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
         scratch.contacts.leave_out(scratch.pinches.particles());
         scratch.faces.leave_out(scratch.pinches.particles());
@@ -69,9 +70,9 @@ impl Stepped<'_> {
     /// Begins the frame of `dt` `[s]` for the bodies that cloth moves, and lists the particles that are pinned to them.
     fn weld(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
         scratch.coupling.begin(dt, self.anchors, &state.positions);
-        scratch.welded.clear();
-        scratch.welded.extend(scratch.coupling.welded(self.anchors));
-        scratch.welded.sort_unstable();
+        scratch.pinned_to_bodies.clear();
+        scratch.pinned_to_bodies.extend(scratch.coupling.pinned_to_bodies(self.anchors));
+        scratch.pinned_to_bodies.sort_unstable();
     }
 
     /// Computes the factors of springs and of the coarse level for a `step` `[s]`, if they are for another.

@@ -1,7 +1,7 @@
 //! Moves cloth without letting time pass.
 
 use super::Scratch;
-use crate::solver::body::{Body, Grounds, Projection, Touch};
+use crate::solver::body::{Body, BodyContext, Projection, Touch};
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
 
@@ -28,9 +28,9 @@ pub fn displace(
     let x = &mut state.positions;
     displaced.clone_from(x);
     let slip = Touch::frictionless(fabric);
-    let mut grounds = Grounds { bodies, span: (1.0, 1.0), touch: slip, coupling };
-    contacts.project(&mut grounds, x, before, &[], Projection::First);
-    faces.project(&mut grounds, x, before);
+    let mut context = BodyContext { bodies, span: (1.0, 1.0), touch: slip, coupling };
+    contacts.project(&mut context, x, before, &[], Projection::First);
+    faces.project(&mut context, x, before);
     let mut stopped = false;
     for ((x, old), displaced) in x.iter().zip(&mut state.previous).zip(displaced) {
         if x != displaced {

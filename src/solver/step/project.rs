@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use super::frame::Frame;
 use super::{Scratch, Stepped};
-use crate::solver::body::{Bearing, Grounds, Projection, Touch};
+use crate::solver::body::{Bearing, BodyContext, Projection, Touch};
 use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
@@ -20,9 +20,9 @@ impl Stepped<'_> {
     pub fn project_provisionally(&self, state: &mut ClothState, scratch: &mut Scratch) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, provisional, .. } = scratch;
-        let mut grounds = self.grounds(span, coupling);
-        contacts.project_provisionally(&mut grounds, &mut state.positions, provisional);
-        faces.project_provisionally(&mut grounds, &mut state.positions, provisional);
+        let mut context = self.context(span, coupling);
+        contacts.project_provisionally(&mut context, &mut state.positions, provisional);
+        faces.project_provisionally(&mut context, &mut state.positions, provisional);
     }
 
     /// Ends the substep: keeps the cloth out of bodies, holds what slips on them, and keeps it within the limits of its skin.
@@ -37,7 +37,7 @@ impl Stepped<'_> {
             self.push_out(span, Projection::Relax, state, scratch);
         }
         self.apply_friction(span, state, scratch);
-        scratch.faces.stop_again(&mut self.grounds(span, &mut scratch.coupling), &mut state.positions, &mut state.previous);
+        scratch.faces.stop_again(&mut self.context(span, &mut scratch.coupling), &mut state.positions, &mut state.previous);
         if let Some(skinned) = self.input.skinned {
             let (x, old) = (&mut state.positions, &mut state.previous);
             skinned.limit(&scratch.tangled_limits, [span.0, span.1], x, old);
@@ -56,34 +56,34 @@ impl Stepped<'_> {
     pub(crate) fn each_on_body(&self, state: &ClothState, scratch: &mut Scratch, mut lies: impl FnMut(u32, Option<Bearing>)) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, .. } = scratch;
-        let mut grounds = self.grounds(span, coupling);
-        contacts.each_touch(&mut grounds, &state.positions, &mut lies);
-        faces.each_touch(&mut grounds, &state.positions, &mut lies);
+        let mut context = self.context(span, coupling);
+        contacts.each_touch(&mut context, &state.positions, &mut lies);
+        faces.each_touch(&mut context, &state.positions, &mut lies);
     }
 
     /// Bodies at the end of the substep, as the cloth touches them. `span`: shares of the frame at which it begins and ends.
-    pub(super) fn grounds<'b>(&'b self, span: (f32, f32), coupling: &'b mut Coupling) -> Grounds<'b> {
-        Grounds { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), coupling }
+    pub(super) fn context<'b>(&'b self, span: (f32, f32), coupling: &'b mut Coupling) -> BodyContext<'b> {
+        BodyContext { bodies: self.input.bodies, span, touch: Touch::of(self.fabric), coupling }
     }
 
     /// Pushes particles, then faces, out of bodies; the number of touches.
     fn push_out(&self, span: (f32, f32), projection: Projection, state: &mut ClothState, scratch: &mut Scratch) -> u32 {
         let (x, old) = (&mut state.positions, &mut state.previous);
         let Scratch { contacts, faces, inbound, coupling, .. } = scratch;
-        let mut grounds = self.grounds(span, coupling);
-        let touches = contacts.project(&mut grounds, x, old, inbound, projection);
+        let mut context = self.context(span, coupling);
+        let touches = contacts.project(&mut context, x, old, inbound, projection);
         if projection == Projection::Relax {
             return touches;
         }
-        touches + faces.project(&mut grounds, x, old)
+        touches + faces.project(&mut context, x, old)
     }
 
     /// Holds what slips on bodies.
     fn apply_friction(&self, span: (f32, f32), state: &mut ClothState, scratch: &mut Scratch) {
         let Scratch { contacts, faces, coupling, .. } = scratch;
-        let mut grounds = self.grounds(span, coupling);
-        contacts.apply_friction(&mut grounds, &mut state.positions, &state.previous);
-        faces.apply_friction(&mut grounds, &mut state.positions, &state.previous);
+        let mut context = self.context(span, coupling);
+        contacts.apply_friction(&mut context, &mut state.positions, &state.previous);
+        faces.apply_friction(&mut context, &mut state.positions, &state.previous);
     }
 }
 

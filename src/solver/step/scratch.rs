@@ -35,7 +35,7 @@ pub struct Scratch {
     pub(super) longest_edge: f32,
     pub(super) coupling: Coupling,
     /// Particles that are pinned to bodies that cloth can move.
-    pub(super) welded: Vec<u32>,
+    pub(super) pinned_to_bodies: Vec<u32>,
     /// Particles between two bones of who wears it.
     pub(super) pinches: Pinches,
     /// Particles that bones do not meet, because they go through the cloth there.

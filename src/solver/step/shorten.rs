@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use super::{FrameInput, Scratch, Stepped};
-use crate::solver::body::{Grounds, Projection, Touch};
+use crate::solver::body::{BodyContext, Projection, Touch};
 use crate::solver::integrate::spring;
 use crate::solver::state::ClothState;
 
@@ -44,9 +44,9 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState
     let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
     limit_ways(x, before, farthest);
     let slip = Touch::frictionless(fabric);
-    let mut grounds = Grounds { bodies, span: (1.0, 1.0), touch: slip, coupling: &mut scratch.coupling };
-    scratch.contacts.project(&mut grounds, x, before, &[], Projection::First);
-    scratch.faces.project(&mut grounds, x, before);
+    let mut context = BodyContext { bodies, span: (1.0, 1.0), touch: slip, coupling: &mut scratch.coupling };
+    scratch.contacts.project(&mut context, x, before, &[], Projection::First);
+    scratch.faces.project(&mut context, x, before);
     for ((old, x), before) in state.previous.iter_mut().zip(x).zip(before) {
         *old += *x - *before;
     }

@@ -36,7 +36,7 @@ impl Stepped<'_> {
     pub(super) fn tighten(&self, frame: &Frame, positions: &mut [Vec4], scratch: &mut Scratch) {
         let Self { rest, fabric, input, .. } = *self;
         let Scratch { tight, springs, contacts, faces, coupling, provisional, .. } = scratch;
-        let mut grounds = self.grounds(frame.span(), coupling);
+        let mut context = self.context(frame.span(), coupling);
         let on_bones = faces.candidates() > 0 && input.skinned.is_some();
         let sweeps = match (frame.settling, on_bones) {
             (true, _) => SETTLING_SWEEPS,
@@ -45,8 +45,8 @@ impl Stepped<'_> {
         };
         for _ in 0..sweeps {
             if on_bones {
-                contacts.project_provisionally(&mut grounds, positions, provisional);
-                faces.project_provisionally(&mut grounds, positions, provisional);
+                contacts.project_provisionally(&mut context, positions, provisional);
+                faces.project_provisionally(&mut context, positions, provisional);
             }
             tight.solve(&rest.springs, springs, fabric.strain_limit, positions);
         }
@@ -65,9 +65,9 @@ impl Stepped<'_> {
             // Before bodies push: pins bear only what springs did.
             self.pull(h, span.1, Vec3::ZERO, scratch, positions);
             let Scratch { contacts, faces, coupling, .. } = scratch;
-            let mut grounds = self.grounds(span, coupling);
-            contacts.push_to_planes(&mut grounds, positions);
-            faces.push_to_planes(&mut grounds, positions);
+            let mut context = self.context(span, coupling);
+            contacts.push_to_planes(&mut context, positions);
+            faces.push_to_planes(&mut context, positions);
         }
     }
 

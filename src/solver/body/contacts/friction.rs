@@ -3,13 +3,13 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::{BodyContacts, Candidate};
-use crate::solver::body::Grounds;
+use crate::solver::body::BodyContext;
 use crate::solver::body::ground::Ground;
 use crate::solver::body::motion::RigidProxy;
 
 impl BodyContacts {
     /// Friction of particles, once per substep, after all pushes. Two-way bodies take the reaction.
-    pub(crate) fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
+    pub(crate) fn apply_friction(&mut self, context: &mut BodyContext<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
         let Self { parts, candidates, places, dt, .. } = self;
         for part in parts.iter() {
             let candidates = candidates.get(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or_default();
@@ -17,8 +17,8 @@ impl BodyContacts {
             if several == 0 {
                 continue;
             }
-            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            let mut rigid = grounds.rigid(part.body, *dt, several);
+            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = context.rigid(part.body, *dt, several);
             let places = part.places.and_then(|first| places.get_mut(first as usize..)).unwrap_or_default();
             for (k, candidate) in candidates.iter().enumerate().filter(|(_, candidate)| candidate.is_touching()) {
                 let Candidate { particle, plane, floor, load, .. } = *candidate;

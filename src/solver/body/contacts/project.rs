@@ -9,20 +9,20 @@ use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
 use crate::solver::body::provisional::Provisional;
 use crate::solver::body::respond::{IMPACT_SPEED, Projection};
-use crate::solver::body::{Bearing, Grounds};
+use crate::solver::body::{Bearing, BodyContext};
 
 impl BodyContacts {
     /// Lays particles that touched a body in the last substep where it will put them; bodies take nothing.
     /// [`Provisional::restore`] must come before [`Self::project`].
     pub(crate) fn project_provisionally(
         &self,
-        grounds: &mut Grounds<'_>,
+        context: &mut BodyContext<'_>,
         positions: &mut [Vec4],
         provisional: &mut Provisional,
     ) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
-            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
             for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
                 let Candidate { particle, plane, .. } = *candidate;
                 let Some(&x) = positions.get(particle as usize) else { continue };
@@ -36,13 +36,13 @@ impl BodyContacts {
     /// Calls `touches` for every particle that touched a body when last projected, with how that bears it.
     pub(crate) fn each_touch(
         &self,
-        grounds: &mut Grounds<'_>,
+        context: &mut BodyContext<'_>,
         positions: &[Vec4],
         mut touches: impl FnMut(u32, Option<Bearing>),
     ) {
         for part in &self.parts {
             let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
-            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
             for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
                 let Some(&x) = positions.get(candidate.particle as usize) else { continue };
                 touches(candidate.particle, ground.bearing(candidate.plane, Vec3A::from_vec4(x)));
@@ -51,7 +51,7 @@ impl BodyContacts {
     }
 
     /// Pushes particles of this substep's contacts out to their planes again. Two-way bodies take the reaction.
-    pub(crate) fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
+    pub(crate) fn push_to_planes(&mut self, context: &mut BodyContext<'_>, positions: &mut [Vec4]) {
         let Self { parts, candidates, dt, .. } = self;
         for part in parts.iter() {
             let candidates = candidates.get_mut(part.candidates.0 as usize..part.candidates.1 as usize).unwrap_or_default();
@@ -59,8 +59,8 @@ impl BodyContacts {
             if several == 0 {
                 continue;
             }
-            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            let mut rigid = grounds.rigid(part.body, *dt, several);
+            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = context.rigid(part.body, *dt, several);
             for candidate in candidates.iter_mut().filter(|candidate| candidate.is_touching()) {
                 let Candidate { particle, plane, floor, load, .. } = candidate;
                 let Some(x) = positions.get_mut(*particle as usize) else { continue };
@@ -87,13 +87,13 @@ impl BodyContacts {
     /// contacts.
     pub(crate) fn project(
         &mut self,
-        grounds: &mut Grounds<'_>,
+        context: &mut BodyContext<'_>,
         positions: &mut [Vec4],
         previous: &mut [Vec4],
         inbound: &[Vec4],
         projection: Projection,
     ) -> u32 {
-        let Grounds { bodies, span: (s0, s1), touch, ref mut coupling } = *grounds;
+        let BodyContext { bodies, span: (s0, s1), touch, ref mut coupling } = *context;
         let h = (s1 - s0).max(0.0) * self.dt;
         let mut contacts = 0;
         self.squeezes.advance(projection);

@@ -5,15 +5,15 @@ use glam::Vec4;
 use super::project::by_part;
 use super::push::mobility;
 use super::{Candidate, FaceContacts, SHARE, point};
-use crate::solver::body::Grounds;
+use crate::solver::body::BodyContext;
 
 impl FaceContacts {
     /// Friction of faces, after that of [particles](crate::solver::body::BodyContacts::apply_friction).
-    pub(crate) fn apply_friction(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
+    pub(crate) fn apply_friction(&mut self, context: &mut BodyContext<'_>, positions: &mut [Vec4], previous: &[Vec4]) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
-            let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            let mut rigid = grounds.rigid(part.body, self.dt, 1);
+            let Some(mut ground) = context.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = context.rigid(part.body, self.dt, 1);
             for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
                 let Candidate { weights, plane, floor, load, .. } = candidate;
                 let corners = candidate.corners(positions);

@@ -12,7 +12,7 @@ use crate::solver::body::nearest::Convex;
 use crate::solver::body::provisional::Provisional;
 use crate::solver::body::respond::Projection;
 use crate::solver::body::squeeze::Squeezes;
-use crate::solver::body::{Bearing, Grounds};
+use crate::solver::body::{Bearing, BodyContext};
 
 /// Turns in which faces are stopped again, and in which they are kept in front of where the substep began, at most. A table cloth
 /// of 36² that is pulled away at 3 m/s jams without turns of the first kind, and goes through the table without those of the
@@ -25,13 +25,13 @@ impl FaceContacts {
     /// after it.
     pub(crate) fn project_provisionally(
         &mut self,
-        grounds: &mut Grounds<'_>,
+        context: &mut BodyContext<'_>,
         positions: &mut [Vec4],
         provisional: &mut Provisional,
     ) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
-            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
             for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
                 let (weights, corners) = (&candidate.weights, candidate.corners(positions));
                 let point = point(weights, corners);
@@ -47,13 +47,13 @@ impl FaceContacts {
     /// The same for the corners of faces as [`BodyContacts::each_touch`](crate::solver::body::BodyContacts::each_touch).
     pub(crate) fn each_touch(
         &mut self,
-        grounds: &mut Grounds<'_>,
+        context: &mut BodyContext<'_>,
         positions: &[Vec4],
         mut touches: impl FnMut(u32, Option<Bearing>),
     ) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
-            let Some(ground) = grounds.part(part.body, part.local, part.radius) else { continue };
+            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
             for candidate in touching.iter().filter_map(|k| self.candidates.get(*k as usize)) {
                 for &p in &candidate.particles {
                     let Some(&x) = positions.get(p as usize) else { continue };
@@ -64,11 +64,11 @@ impl FaceContacts {
     }
 
     /// The same for faces as [`BodyContacts::push_to_planes`](crate::solver::body::BodyContacts::push_to_planes), after it.
-    pub(crate) fn push_to_planes(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4]) {
+    pub(crate) fn push_to_planes(&mut self, context: &mut BodyContext<'_>, positions: &mut [Vec4]) {
         self.list_touching();
         for (part, touching) in by_part(&self.parts, &self.touching) {
-            let Some(mut ground) = grounds.part(part.body, part.local, part.radius) else { continue };
-            let mut rigid = grounds.rigid(part.body, self.dt, 1);
+            let Some(mut ground) = context.part(part.body, part.local, part.radius) else { continue };
+            let mut rigid = context.rigid(part.body, self.dt, 1);
             for k in touching {
                 let Some(candidate) = self.candidates.get_mut(*k as usize) else { continue };
                 let (weights, corners) = (&candidate.weights, candidate.corners(positions));
@@ -100,10 +100,10 @@ impl FaceContacts {
 
     /// Once in a substep, after the particles: keeps faces out of parts. As
     /// [`BodyContacts::project`](crate::solver::body::BodyContacts::project); returns the number of touches.
-    pub(crate) fn project(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> u32 {
+    pub(crate) fn project(&mut self, context: &mut BodyContext<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> u32 {
         self.is_listed = false;
         self.squeezes.advance(Projection::First);
-        self.each_near(grounds, (positions, previous), |setting, passes, state, squeezes| {
+        self.each_near(context, (positions, previous), |setting, passes, state, squeezes| {
             let load = state.candidate.load;
             let touched = setting.meet(state, squeezes);
             if !passes {
@@ -117,9 +117,9 @@ impl FaceContacts {
     }
 
     /// Last in a substep: stops faces again, in turns, that the push of another, or friction, led into a part.
-    pub(crate) fn stop_again(&mut self, grounds: &mut Grounds<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) {
+    pub(crate) fn stop_again(&mut self, context: &mut BodyContext<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) {
         for turn in 0..STOPS + PUTS {
-            let stopped = self.each_near(grounds, (positions, previous), |setting, passes, state, _| {
+            let stopped = self.each_near(context, (positions, previous), |setting, passes, state, _| {
                 passes && setting.stop_again(turn, state)
             });
             if stopped == 0 {
@@ -131,11 +131,11 @@ impl FaceContacts {
     /// Calls `act` for every candidate that may touch, with whether time passes; the number of those that did.
     fn each_near(
         &mut self,
-        grounds: &mut Grounds<'_>,
+        context: &mut BodyContext<'_>,
         (positions, previous): (&mut [Vec4], &mut [Vec4]),
         mut act: impl FnMut(&Setting<'_>, bool, &mut State<'_, '_>, &mut Squeezes) -> bool,
     ) -> u32 {
-        let Grounds { bodies, span: (s0, s1), touch, ref mut coupling } = *grounds;
+        let BodyContext { bodies, span: (s0, s1), touch, ref mut coupling } = *context;
         let h = (s1 - s0).max(0.0) * self.dt;
         let mut count = 0;
         for (number, part) in (0_u32..).zip(&self.parts) {

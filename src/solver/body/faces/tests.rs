@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4, vec3};
 use parry3d::math::Pose;
 
 use super::*;
-use crate::solver::body::{Body, Grounds, Touch, shape};
+use crate::solver::body::{Body, BodyContext, Touch, shape};
 use crate::solver::couple::Coupling;
 use crate::solver::rest::{RestShape, SourceMesh};
 
@@ -22,9 +22,9 @@ struct Triangle {
 }
 
 fn project(contacts: &mut FaceContacts, bodies: &[Body], positions: &mut [Vec4], previous: &mut [Vec4]) -> u32 {
-    let mut grounds = Grounds { bodies, span: (0.0, 1.0), touch: TOUCH, coupling: &mut Coupling::default() };
-    let touches = contacts.project(&mut grounds, positions, previous);
-    contacts.stop_again(&mut grounds, positions, previous);
+    let mut context = BodyContext { bodies, span: (0.0, 1.0), touch: TOUCH, coupling: &mut Coupling::default() };
+    let touches = contacts.project(&mut context, positions, previous);
+    contacts.stop_again(&mut context, positions, previous);
     touches
 }
 
@@ -174,13 +174,13 @@ fn rubbed(depth: f32, friction: f32) -> [Vec3; 2] {
     let move_by = |by: Vec3, positions: &mut [Vec4]| positions.iter_mut().for_each(|x| *x += by.extend(0.0));
     move_by(vec3(1.0e-3, -depth, 0.0), positions);
     let (bodies, mut coupling) = ([body], Coupling::default());
-    let mut grounds = Grounds { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
-    assert!(contacts.project(&mut grounds, positions, previous) > 0);
-    contacts.apply_friction(&mut grounds, positions, previous);
+    let mut context = BodyContext { bodies: &bodies, span: (0.0, 1.0), touch, coupling: &mut coupling };
+    assert!(contacts.project(&mut context, positions, previous) > 0);
+    contacts.apply_friction(&mut context, positions, previous);
     let middle = |positions: &[Vec4]| positions.iter().map(|x| x.truncate()).sum::<Vec3>() / 3.0;
     let slid = middle(positions);
     move_by(Vec3::NEG_Y * depth, positions);
-    contacts.push_to_planes(&mut grounds, positions);
+    contacts.push_to_planes(&mut context, positions);
     [slid, middle(positions)]
 }
 
