@@ -8,6 +8,7 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::{CROWDED, Island, LOOK_AGAIN, Member};
+use crate::solver::respond::Contacts;
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::settings::Stepping;
 use crate::solver::state::ClothState;
@@ -134,16 +135,18 @@ impl Island {
             return;
         }
         let h = cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max);
-        self.gather_pairs(cloths);
-        self.contacts.touch(h, Self::gravity(cloths));
+        let gravity = Self::gravity(cloths);
         if lies {
+            self.on_pairs(cloths, |contacts| contacts.touch(h, gravity));
             // What was pushed into a body lies on it again.
-            self.scatter_pairs(cloths);
             Self::project_provisionally(cloths);
-            self.gather_pairs(cloths);
+            self.on_pairs(cloths, Contacts::solve);
+        } else {
+            self.on_pairs(cloths, |contacts| {
+                contacts.touch(h, gravity);
+                contacts.solve();
+            });
         }
-        self.contacts.solve();
-        self.scatter_pairs(cloths);
     }
 
     /// Shortens what contacts and the CCD hold far beyond its strain limit, and keeps it apart again, in turns: springs draw
@@ -160,9 +163,7 @@ impl Island {
             if !any {
                 return;
             }
-            self.gather_pairs(cloths);
-            self.contacts.push_apart();
-            self.scatter_pairs(cloths);
+            self.on_pairs(cloths, Contacts::push_apart);
             self.clamp_motion(cloths, false);
         }
     }
@@ -174,22 +175,24 @@ impl Island {
 
     /// Holds pairs that slip, when bodies have pushed, too.
     fn apply_friction(&mut self, cloths: &mut [Member<'_>]) {
-        if !self.contacts.has_constraints() {
-            return;
+        if self.contacts.has_constraints() {
+            self.on_pairs(cloths, Contacts::apply_friction);
         }
-        self.gather_pairs(cloths);
-        self.contacts.apply_friction();
-        self.scatter_pairs(cloths);
     }
 
     /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the
     /// substep began.
     fn apply_restitution(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.has_impacts() {
-            self.gather_pairs(cloths);
-            self.contacts.apply_restitution();
-            self.scatter_pairs(cloths);
+            self.on_pairs(cloths, Contacts::apply_restitution);
         }
+    }
+
+    /// Moves the particles of pairs, and what each cloth has of them.
+    fn on_pairs(&mut self, cloths: &mut [Member<'_>], act: impl FnOnce(&mut Contacts)) {
+        self.gather_pairs(cloths);
+        act(&mut self.contacts);
+        self.scatter_pairs(cloths);
     }
 
     /// Takes in where the particles of pairs are and where they were when the substep began.

@@ -18,9 +18,14 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::contact::sum;
 use crate::solver::body::{Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
 use crate::solver::scales::TOUCHING;
+
+/// The closest point of the first primitive less that of the second `[m]`.
+#[inline]
+pub(super) fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
+    (points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]).truncate()
+}
 
 /// What keeps a pair apart in a substep. See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]

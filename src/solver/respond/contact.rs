@@ -15,8 +15,8 @@ use core::cmp::Ordering;
 
 use glam::{Mat4, Vec3, Vec4};
 
-use super::constraint::Constraint;
-use super::{FREE, LEVEL};
+use super::constraint::{Constraint, sum};
+use super::depth::Depths;
 use crate::solver::body::{Friction, Plane};
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
@@ -27,6 +27,13 @@ use crate::solver::scales::{LEAST_MOBILITY, TOUCHING};
 const SUPPORT: f32 = 0.02;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
+/// Distance in thicknesses below which two lie in one place, and the normal is the last one (dimensionless).
+const COINCIDE: f32 = 1.0e-3;
+/// A pair went through, and not around, where halfway it was closer than this share of its thickness or depth; all of that is
+/// enough where it was through already (dimensionless).
+const THROUGH: f32 = 0.25;
+/// Depth that counts for this at most, in thicknesses (dimensionless): a particle that was flung away passed nothing.
+const FLUNG: f32 = 4.0;
 
 /// A pair. See the module.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,12 +66,12 @@ pub(super) struct Contact {
     pub was_inverted: bool,
 }
 
-/// The particles that pairs are made of, by slot; levels by particle.
+/// The particles that pairs are made of, by slot; depths by particle.
 pub(super) struct Particles<'a> {
     pub ids: &'a [u32],
     pub now: &'a [Vec4],
     pub old: &'a [Vec4],
-    pub levels: &'a mut [u8],
+    pub depths: &'a mut Depths,
     /// Against gravity; zero without.
     pub up: Vec3,
 }
@@ -116,15 +123,14 @@ impl Contact {
             let before = self.normal.dot(sum(&near.weights, &was)).max(0.0);
             let t = before / (before + distance);
             let midway = at(&std::array::from_fn(|i| was[i].lerp(x[i], t)));
-            // Who was through at the end of the last substep still is, unless clearly not. A particle that was flung away
-            // passed nothing.
-            let share = if self.inverted { 1.0 } else { 0.25 };
-            midway.distance < share * self.thickness.max(distance.min(4.0 * self.thickness))
+            // Who was through at the end of the last substep still is, unless clearly not.
+            let share = if self.inverted { 1.0 } else { THROUGH };
+            midway.distance < share * self.thickness.max(distance.min(FLUNG * self.thickness))
         } {
             distance = -distance;
         }
         // In touch to the last digit the direction is the last one.
-        if distance.abs() > 1.0e-3 * self.thickness {
+        if distance.abs() > COINCIDE * self.thickness {
             self.normal = delta.normalize() * distance.signum();
         }
         self.weights = near.weights;
@@ -182,12 +188,11 @@ impl Contact {
     /// fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
-        let ids = self.slots.map(|s| particles.ids[s as usize] as usize);
+        let ids = self.slots.map(|s| particles.ids[s as usize]);
         let split = self.first();
-        let lowest = |ids: &[usize]| ids.iter().map(|&v| particles.levels[v]).min().unwrap_or(FREE);
-        let (first, second) = (lowest(&ids[..split]), lowest(&ids[split..]));
+        let (first, second) = (particles.depths.least(&ids[..split]), particles.depths.least(&ids[split..]));
         // Upwards along the normal, from the heavy side to the one it carries.
-        let (heavy, above, level, up) = match (first / LEVEL).cmp(&(second / LEVEL)) {
+        let (heavy, above, depth, up) = match first.layers().cmp(&second.layers()) {
             Ordering::Less => (0..split, split..4, first, -self.normal.dot(particles.up)),
             Ordering::Equal => return,
             Ordering::Greater => (split..4, 0..split, second, self.normal.dot(particles.up)),
@@ -195,19 +200,13 @@ impl Contact {
         if !(up > 0.0) {
             return;
         }
-        // `level` is below the highest, so there is one above it.
-        above.for_each(|i| particles.levels[ids[i]] = particles.levels[ids[i]].min(level + LEVEL));
+        // It has fewer layers than another, so it is not free.
+        particles.depths.lay(&ids[above], depth);
         if self.across {
             let share = 1.0 + (SUPPORT - 1.0) * up;
             heavy.for_each(|i| x[i].w *= share);
         }
     }
-}
-
-/// The closest point of the first primitive less that of the second `[m]`.
-#[inline]
-pub(super) fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
-    (points[0] * weights[0] + points[1] * weights[1] + points[2] * weights[2] + points[3] * weights[3]).truncate()
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod ground;
 mod ccd;
 mod incidence;
 mod loads;
+mod depth;
 #[cfg(feature = "debug")]
 mod touching;
 
@@ -33,6 +34,7 @@ use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::topology::NONE;
 use constraint::Constraint;
 use contact::{Contact, Particles};
+use depth::Depths;
 use ground::Ground;
 use incidence::Incidence;
 use loads::{Load, Loads};
@@ -67,9 +69,7 @@ pub(crate) struct Contacts {
     dividers: Buffer<Vec<Vec4>>,
     /// The pairs of each slot, where the CCD asks again.
     incidence: Buffer<Incidence>,
-    /// By particle: [`LEVEL`] times the layers of cloth between it and a body, plus the substeps since the lowest of them
-    /// touched the body; or [`FREE`].
-    levels: Vec<u8>,
+    depths: Depths,
     /// What bodies bear in the substep.
     ground: Buffer<Ground>,
     /// Pairs that were kept at the last look since they are on the wrong side.
@@ -96,13 +96,6 @@ const PASSES: u32 = 6;
 /// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part
 /// at 0.17 m/s after one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
 const RESTITUTION_PASSES: u32 = 3;
-
-/// Levels for each layer. It is also after how many substeps (22 ms at the default rate) what has left a body lies on nothing:
-/// longer carries bouncing cloth in the air; shorter hides deep piles from their ground, since each pass brings support up by
-/// one layer.
-const LEVEL: u8 = 8;
-/// Level of a particle that lies on nothing, or on some thirty layers.
-const FREE: u8 = u8::MAX;
 
 impl Contacts {
     /// Forgets all pairs.
@@ -194,7 +187,7 @@ impl Contacts {
     /// Makes room for the particles of a surface.
     fn fit(&mut self, surface: &Surface) {
         self.slots.resize(surface.len(), NONE);
-        self.levels.resize(surface.len(), FREE);
+        self.depths.fit(surface.len());
         // Room for what folded cloth has, so that lists do not grow when it is at rest.
         let (faces, particles) = (surface.topology.faces.len(), surface.len());
         self.close.reserve((4 * faces).saturating_sub(self.close.len()));
@@ -247,17 +240,13 @@ impl Contacts {
 
     /// Lets go of particles that have not lain on anything for a while; once a substep.
     pub(crate) fn age_support(&mut self) {
-        for level in &mut self.levels {
-            *level = if *level % LEVEL == LEVEL - 1 { FREE } else { *level + 1 };
-        }
+        self.depths.age();
     }
 
     /// Says that a particle lies on a body: cloth on top of it gives way, and the CCD moves it no farther into what is `bearing`
     /// it, which is `offset` `[m]` from there.
     pub(crate) fn touch_ground(&mut self, particle: u32, bearing: Option<Bearing>, offset: Vec3A) {
-        if let Some(level) = self.levels.get_mut(particle as usize) {
-            *level = 0;
-        }
+        self.depths.ground(particle);
         let slot = self.slots.get(particle as usize).filter(|slot| **slot != NONE);
         if let Some((&slot, Bearing { at, normal, way })) = slot.zip(bearing)
             && let Some(start) = self.start.get(slot as usize)
@@ -326,7 +315,7 @@ impl Contacts {
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
-        let Self { pairs, particles: ids, now, old, levels, constraints, .. } = self;
+        let Self { pairs, particles: ids, now, old, depths, constraints, .. } = self;
         constraints.clear();
         for (i, pair) in (0..).zip(pairs) {
             if ratio != 1.0 && pair.load > 0.0 {
@@ -334,7 +323,7 @@ impl Contacts {
                 pair.drive *= ratio;
                 pair.tangent_push *= ratio;
             }
-            let touched = pair.touch(i, &mut Particles { ids, now, old, levels, up });
+            let touched = pair.touch(i, &mut Particles { ids, now, old, depths, up });
             if let Some(mut constraint) = touched {
                 constraint.bring_out(recovery, now, old);
                 constraints.push(constraint);
