@@ -165,6 +165,7 @@ fn bind_one(
     let wanted = want(assembly, cloth)?;
     if wanted.change > Change::None {
         let made = make(assembly, cloth, &wanted)?;
+        tell_of_a_board(notices, cloth, &made.rest);
         tell_of_pins(notices, cloth, &made.resolved, made.rest.particle_of_vertex.len());
         tell_of_skin(notices, cloth, &made.unfollowed);
         record(commands, assembly, cloth, wanted, made);
@@ -181,6 +182,18 @@ fn bind_one(
         cloth.report.bypass_change_detection().idle();
     }
     Ok(())
+}
+
+/// Warns of a mesh that hardly bends, since cloth bends only at edges between two triangles.
+fn tell_of_a_board(notices: &mut Notices, cloth: &BindableItem, rest: &RestShape) {
+    if rest.bends.count < 2 && notices.first(cloth.entity, "a board") {
+        warn!(
+            "cloth {} moves as a board: cloth bends at edges between two triangles, and its mesh has {}; subdivide the mesh, or add \
+             `ClothSubdivision`",
+            label(cloth.entity, cloth.name),
+            if rest.bends.count == 1 { "one" } else { "none" },
+        );
+    }
 }
 
 /// Warns of pins that hold nothing.

@@ -175,6 +175,19 @@ fn waiting_for_something_else_is_a_new_patience() {
 }
 
 #[test]
+fn a_mesh_that_moves_as_a_board_is_one_warning_with_the_cure() {
+    for (subdivisions, expected) in [(0, 1), (1, 0)] {
+        let mesh = Plane3d::default().mesh().size(1.0, 1.0).subdivisions(subdivisions).build();
+        let told = warnings(app(), |app| {
+            spawn(app, mesh, Name::new("plane"));
+            run(app, 3);
+        });
+        assert_eq!(told.len(), expected, "{told:?}");
+        assert!(told.iter().all(|line| line.contains("`plane`") && line.contains("ClothSubdivision")), "{told:?}");
+    }
+}
+
+#[test]
 fn pins_that_hold_nothing_are_named_once() {
     let lines = warnings(app(), |app| {
         let nowhere = ClothPins::where_position(|p| p.y > 4.9);
