@@ -4,10 +4,10 @@
 pub mod attack;
 pub mod common;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The folder of the project.
 #[must_use]
 pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(Path::to_path_buf).unwrap_or_default()
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }

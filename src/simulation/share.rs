@@ -2,7 +2,7 @@
 
 use crate::components::{ClothDetail, ClothReport};
 
-/// Least time between two changes of one cloth, except from one that lowers it to the next that does `[s]`.
+/// Least time between two changes of one cloth, unless it falls again `[s]`.
 const SETTLED: f32 = 1.0;
 /// Time over which costs are averaged `[s]`.
 const AVERAGED: f32 = 0.25;
@@ -57,5 +57,35 @@ impl Share {
     /// Leaves another level.
     pub(crate) fn change(&mut self, detail: ClothDetail) {
         (self.has_fallen, self.detail, self.settled_for) = (detail > self.detail, detail, 0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ClothDetail::{Half, Quarter, Still};
+
+    /// Lets time pass in which it costs something `[s]`.
+    fn pass(share: &mut Share, seconds: f32) {
+        share.measure(&ClothReport { substeps: 6, integrate_ms: 1.0, ..ClothReport::default() }, seconds);
+    }
+
+    #[test]
+    fn what_fell_may_fall_again_at_once_and_rise_after_a_second() {
+        let mut share = Share::default();
+        assert!(!share.may_fall() && !share.may_rise(), "its cost is not known");
+        pass(&mut share, 0.1);
+        assert!(share.may_fall() && share.may_rise());
+        share.change(Half);
+        pass(&mut share, 0.1);
+        assert!(share.may_fall() && !share.may_rise());
+        share.change(Still);
+        pass(&mut share, 1.0);
+        assert!(share.may_fall() && share.may_rise());
+        share.change(Quarter);
+        pass(&mut share, 0.9);
+        assert!(!share.may_fall() && !share.may_rise(), "it has just risen");
+        pass(&mut share, 0.1);
+        assert!(share.may_fall() && share.may_rise());
     }
 }

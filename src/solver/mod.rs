@@ -37,7 +37,7 @@ pub(crate) mod rollback;
 pub mod island;
 #[cfg(feature = "record")]
 pub mod recording;
-#[cfg(any(feature = "lab", test))]
+#[cfg(feature = "lab")]
 pub mod scene;
 pub(crate) mod fit;
 pub mod recover;

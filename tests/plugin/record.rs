@@ -67,7 +67,7 @@ fn a_recorded_frame_has_the_same_bits_when_it_is_stepped_again() {
 #[expect(clippy::print_stdout, reason = "tells its parent")]
 fn prints_how_many_particles_differ() {
     if let Some(path) = std::env::var_os("CLOTH_RECORDING") {
-        println!("differ {}", read(&path.into()).replay().differ);
+        println!("elsewhere: {}", read(&path.into()).replay().differ);
     }
 }
 
@@ -79,7 +79,8 @@ fn differ_elsewhere(path: &PathBuf) -> Option<usize> {
         .output()
         .expect("this test runs again");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    text.split("differ ").nth(1)?.split_whitespace().next()?.parse().ok()
+    assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    text.split("elsewhere: ").nth(1)?.split_whitespace().next()?.parse().ok()
 }
 
 /// Removes the files.

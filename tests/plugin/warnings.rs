@@ -185,6 +185,11 @@ fn a_mesh_that_moves_as_a_board_is_one_warning_with_the_cure() {
         assert_eq!(told.len(), expected, "{told:?}");
         assert!(told.iter().all(|line| line.contains("`plane`") && line.contains("ClothSubdivision")), "{told:?}");
     }
+    let told = warnings(app(), |app| {
+        spawn(app, sheet(4), ClothDecimation::new(10.0));
+        run(app, 3);
+    });
+    assert!(told.len() == 1 && told[0].contains("shorter `shortest_edge`"), "{told:?}");
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::solver::scales::TOUCHING;
 /// **`[measured]`**.
 const DEEPEST: f32 = 2.0;
 
-/// What cloth lies on: bodies at the end of a substep, those of `coupling` where they are by now.
+/// What contact with bodies needs in a substep: the bodies, those of `coupling` where they are by now, and how cloth touches them.
 pub(crate) struct BodyContext<'a> {
     /// The bodies.
     pub bodies: &'a [Body],

@@ -188,7 +188,7 @@ impl Island {
         }
     }
 
-    /// Moves the particles of pairs, and what each cloth has of them.
+    /// Gathers the particles of pairs, acts on them, and gives them back to their cloths.
     fn on_pairs(&mut self, cloths: &mut [Member<'_>], act: impl FnOnce(&mut Contacts)) {
         self.gather_pairs(cloths);
         act(&mut self.contacts);

@@ -12,7 +12,7 @@ impl Resolver {
     /// that of a perfectly inelastic collision along the direction of separation: momentum stays, energy does not grow.
     pub(super) fn stop_approach(&mut self, view: View<'_>, previous: &[Vec4], contour: usize) {
         let tracked = self.tracked.now[contour];
-        let out = tracked.direction.normalize_or_zero();
+        let out = tracked.mean_direction.normalize_or_zero();
         let first = if tracked.strategy == Strategy::Push && tracked.side == 1 { 1 } else { 0 };
         self.patch.gather(view, &self.graph, contour);
         let velocity = |side: usize| {

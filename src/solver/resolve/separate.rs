@@ -49,7 +49,7 @@ impl Resolver {
         let before = set.iter().fold(Vec3::ZERO, |sum, m| {
             let tracked = &tracked.now[m.contour];
             let weight = if tracked.plan > 0 { graph.contours[m.contour].count as f32 } else { 0.0 };
-            sum + tracked.direction * if m.flip == 0 { weight } else { -weight }
+            sum + tracked.mean_direction * if m.flip == 0 { weight } else { -weight }
         });
         let means = [0, 1].map(|side| mean(facing_at(view, graph, set, side)));
         let [n, m] = means.map(Vec3::normalize_or_zero);
@@ -82,7 +82,7 @@ impl Resolver {
                 tracked.switch_to(Strategy::Separate);
             }
             tracked.progress(cost);
-            tracked.direction = if member.flip == 0 { direction } else { -direction };
+            tracked.mean_direction = if member.flip == 0 { direction } else { -direction };
             tracked.plan = plan;
         }
         true

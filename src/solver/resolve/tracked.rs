@@ -42,7 +42,7 @@ pub(crate) struct TrackedContour {
     /// Side being pushed, 0 or 1; 2 before the first push.
     pub side: u8,
     /// Mean direction of the last motions of side 0, at most of length 1.
-    pub direction: Vec3,
+    pub mean_direction: Vec3,
     /// Step, as a multiple of the first one.
     pub step_scale: f32,
     /// Iterations since the contour appeared.
@@ -89,15 +89,15 @@ impl TrackedContour {
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when
     /// it turns. Returns the motion as a multiple of the first step.
     pub(crate) fn steer(&mut self, direction: Vec3, fastest: f32, inertia: f32) -> Vec3 {
-        let turn = direction.normalize_or_zero().dot(self.direction.normalize_or_zero());
+        let turn = direction.normalize_or_zero().dot(self.mean_direction.normalize_or_zero());
         if turn > 0.7 {
             self.step_scale = (self.step_scale * GROWTH).min(fastest);
         } else if turn < 0.0 {
             self.step_scale = (self.step_scale / GROWTH).max(1.0);
         }
-        let keep = if self.direction == Vec3::ZERO { 0.0 } else { inertia };
-        self.direction = self.direction * keep + direction * (1.0 - keep);
-        self.direction * self.step_scale
+        let keep = if self.mean_direction == Vec3::ZERO { 0.0 } else { inertia };
+        self.mean_direction = self.mean_direction * keep + direction * (1.0 - keep);
+        self.mean_direction * self.step_scale
     }
 }
 
@@ -153,7 +153,7 @@ impl TrackedContours {
                 && 2 * best.2 < best.0
             {
                 if old.strategy != Strategy::Push {
-                    old.direction = -old.direction;
+                    old.mean_direction = -old.mean_direction;
                 }
                 if old.side < 2 {
                     old.side = 1 - old.side;

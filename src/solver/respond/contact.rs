@@ -29,10 +29,10 @@ const SUPPORT: f32 = 0.02;
 const FAR: f32 = 1.2;
 /// Distance in thicknesses below which two lie in one place, and the normal is the last one (dimensionless).
 const COINCIDE: f32 = 1.0e-3;
-/// A pair went through, and not around, where halfway it was closer than this share of its thickness or depth; all of that is
-/// enough where it was through already (dimensionless).
+/// Share of the thickness or depth: a pair that was closer than this halfway went through, not around (dimensionless). For a
+/// pair already through, the share is 1.
 const THROUGH: f32 = 0.25;
-/// Depth that counts for this at most, in thicknesses (dimensionless): a particle that was flung away passed nothing.
+/// Largest depth that counts for this, in thicknesses (dimensionless): a particle that was flung away passed nothing.
 const FLUNG: f32 = 4.0;
 
 /// A pair. See the module.

@@ -1,6 +1,6 @@
 //! Stack depth: how many layers of cloth lie between a particle and a body.
 
-/// Steps for each layer. It is also after how many substeps (22 ms at the default rate) what has left a body lies on nothing:
+/// Steps for each layer `[substeps]`. It is also after how many substeps (22 ms at the default rate) what has left a body lies on nothing:
 /// longer carries bouncing cloth in the air; shorter hides deep piles from their ground, since each pass brings support up by
 /// one layer.
 const LAYER: u8 = 8;

@@ -26,7 +26,7 @@ impl Stepped<'_> {
         let dt = input.dt.min(stepping.max_frame);
         let substeps = count.unwrap_or_else(|| self.substeps(stepping, state, scratch)).max(1);
         let h = dt / substeps as f32;
-        self.weld(dt, state, scratch);
+        self.begin_coupling(dt, state, scratch);
         // Bodies that pins move go along in substeps, and of a first frame nobody knows whether it is tangled.
         let steps =
             if scratch.pinned_to_bodies.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
@@ -68,7 +68,7 @@ impl Stepped<'_> {
     }
 
     /// Begins the frame of `dt` `[s]` for the bodies that cloth moves, and lists the particles that are pinned to them.
-    fn weld(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
+    fn begin_coupling(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
         scratch.coupling.begin(dt, self.anchors, &state.positions);
         scratch.pinned_to_bodies.clear();
         scratch.pinned_to_bodies.extend(scratch.coupling.pinned_to_bodies(self.anchors));
