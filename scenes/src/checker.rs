@@ -72,7 +72,7 @@ impl Grid {
     }
 
     fn bucket(&self, cell: IVec3) -> usize {
-        let mix = cell.as_uvec3() * glam::uvec3(73_856_093, 19_349_663, 83_492_791);
+        let mix = cell.as_uvec3().wrapping_mul(glam::uvec3(73_856_093, 19_349_663, 83_492_791));
         (mix.x ^ mix.y ^ mix.z) as usize & (self.starts.len() - 2)
     }
 

@@ -27,7 +27,6 @@ pub use particles::ClothParticles;
 pub use pose::ClothPose;
 pub use rest::ClothRest;
 pub(crate) use scratch::ClothScratch;
-pub(crate) use share::Share;
 pub(crate) use shown::ClothShown;
 pub(crate) use slumber::{STILL, Seen, SeenBody, Slumber, stays};
 pub(crate) use worn::{Bones, Worn};

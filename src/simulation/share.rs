@@ -6,6 +6,9 @@ use crate::components::{ClothDetail, ClothReport};
 const SETTLED: f32 = 1.0;
 /// Time over which costs are averaged `[s]`.
 const AVERAGED: f32 = 0.25;
+/// What a frame counts for at most, over the mean of those before (dimensionless): where the machine stalls for one, that is no
+/// cost of the cloth, and would keep it still for ever, as what is still is not measured.
+const OUTLIER: f32 = 2.0;
 
 /// What a cloth costs, and what the budget leaves of it.
 #[derive(Clone, Copy, Debug)]
@@ -18,13 +21,15 @@ pub(crate) struct Share {
     has_fallen: bool,
     /// What it costs in a frame whatever its substeps, and what all of its substeps cost `[ms]`; none: not measured yet.
     pub cost: Option<[f32; 2]>,
+    /// For how long that was measured `[s]`.
+    measured_for: f32,
     /// Share of its substeps that it took in the last frame (dimensionless).
     pub taken: f32,
 }
 
 impl Default for Share {
     fn default() -> Self {
-        Self { detail: ClothDetail::Full, settled_for: SETTLED, has_fallen: false, cost: None, taken: 1.0 }
+        Self { detail: ClothDetail::Full, settled_for: SETTLED, has_fallen: false, cost: None, measured_for: 0.0, taken: 1.0 }
     }
 }
 
@@ -37,21 +42,42 @@ impl Share {
         }
         let fixed = report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms + report.sync_ms;
         let now = [fixed, report.integrate_ms / self.taken];
-        let part = (dt / AVERAGED).min(1.0);
         let cost = self.cost.get_or_insert(now);
-        for (mean, now) in cost.iter_mut().zip(now) {
-            *mean += (now - *mean) * part;
+        let sum = |cost: [f32; 2]| cost[0] + cost[1];
+        self.measured_for += dt;
+        if self.measured_for <= AVERAGED {
+            // The first frames load and warm up.
+            if sum(now) < sum(*cost) {
+                *cost = now;
+            }
+            return;
         }
+        let part = (dt / AVERAGED).min(1.0);
+        let counts = (OUTLIER * sum(*cost) / sum(now).max(f32::MIN_POSITIVE)).min(1.0);
+        for (mean, now) in cost.iter_mut().zip(now) {
+            *mean += (counts * now - *mean) * part;
+        }
+    }
+
+    /// Whether its cost is known.
+    fn is_known(&self) -> bool {
+        self.measured_for > AVERAGED
     }
 
     /// Whether its cost is known, and it did not change for a while: it may be given more detail.
     pub(crate) fn may_rise(&self) -> bool {
-        self.settled_for >= SETTLED && self.cost.is_some()
+        self.settled_for >= SETTLED && self.is_known()
     }
 
     /// Whether it may be given less: at once after it was given less, since that is no flicker.
     pub(crate) fn may_fall(&self) -> bool {
-        (self.settled_for >= SETTLED || self.has_fallen) && self.cost.is_some()
+        (self.settled_for >= SETTLED || self.has_fallen) && self.is_known()
+    }
+
+    /// Leaves everything, as without a budget; what it costs stays known.
+    pub(crate) fn lift(&mut self) {
+        let Self { cost, measured_for, taken, .. } = *self;
+        *self = Self { cost, measured_for, taken, ..Self::default() };
     }
 
     /// Leaves another level.
@@ -65,16 +91,34 @@ mod tests {
     use super::*;
     use ClothDetail::{Half, Quarter, Still};
 
-    /// Lets time pass in which it costs something `[s]`.
+    /// A frame of so many seconds that costs 1 ms.
     fn pass(share: &mut Share, seconds: f32) {
-        share.measure(&ClothReport { substeps: 6, integrate_ms: 1.0, ..ClothReport::default() }, seconds);
+        frame(share, seconds, 1.0);
+    }
+
+    fn frame(share: &mut Share, seconds: f32, integrate_ms: f32) {
+        share.measure(&ClothReport { substeps: 6, integrate_ms, ..ClothReport::default() }, seconds);
+    }
+
+    #[test]
+    fn a_frame_that_stalls_is_no_cost_and_one_that_lasts_is() {
+        let mut share = Share::default();
+        frame(&mut share, 0.02, 50.0);
+        (0..20).for_each(|_| frame(&mut share, 0.02, 1.0));
+        let cost = |share: &Share| share.cost.map(|[fixed, steps]| fixed + steps).expect("it was measured");
+        assert!((cost(&share) - 1.0).abs() < 1.0e-3, "{}: the first frame loads", cost(&share));
+        frame(&mut share, 0.02, 100.0);
+        assert!(cost(&share) < 1.1, "{}: the machine stalled for a frame", cost(&share));
+        (0..50).for_each(|_| frame(&mut share, 0.02, 3.0));
+        assert!((cost(&share) - 3.0).abs() < 0.15, "{}: for a second it cost 3 ms", cost(&share));
     }
 
     #[test]
     fn what_fell_may_fall_again_at_once_and_rise_after_a_second() {
         let mut share = Share::default();
+        pass(&mut share, 0.2);
         assert!(!share.may_fall() && !share.may_rise(), "its cost is not known");
-        pass(&mut share, 0.1);
+        pass(&mut share, 0.2);
         assert!(share.may_fall() && share.may_rise());
         share.change(Half);
         pass(&mut share, 0.1);

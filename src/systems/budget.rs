@@ -13,7 +13,7 @@ use super::lod::{LEAST_RATE, eyes};
 use crate::components::checked::Checked;
 use crate::components::{Cloth, ClothBudget, ClothDetail, ClothPriority, ClothReport};
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothScratch, Share};
+use crate::simulation::{ClothInputs, ClothScratch};
 use crate::time::ClothTime;
 
 /// Share of the budget that is filled (dimensionless): what costs somewhat more in the next frame still fits, and what was
@@ -34,7 +34,7 @@ struct Group {
     by_budget: ClothDetail,
     /// Least share of the substeps that is taken (dimensionless).
     least: f32,
-    /// Costs, as of a [`Share`] `[ms]`.
+    /// Costs in a frame, whatever its substeps, and of all of its substeps `[ms]`.
     fixed: f32,
     steps: f32,
     /// What its detail is worth, in squares of the angle that it fills.
@@ -132,7 +132,8 @@ pub(crate) fn budget(
 ) {
     let Some(budget) = budget else {
         for (.., mut inputs, mut report) in &mut cloths {
-            inputs.share = Share::default();
+            inputs.share.measure(&report, time.delta_secs());
+            inputs.share.lift();
             if report.by_budget != ClothDetail::Full {
                 report.by_budget = ClothDetail::Full;
             }
