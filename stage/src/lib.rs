@@ -2,7 +2,10 @@
 //! fabrics, and a way to run without a window.
 //!
 //! ```no_run
+//! use bevy::prelude::*;
 //! use drape_stage::{OrbitCamera, Stage};
+//!
+//! fn setup() {}
 //!
 //! fn main() -> AppExit {
 //!     let mut app = Stage::new("flag").camera(OrbitCamera::around(Vec3::Y, 3.0)).build();
