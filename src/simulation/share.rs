@@ -53,7 +53,9 @@ impl Share {
             return;
         }
         let part = (dt / AVERAGED).min(1.0);
-        let counts = (OUTLIER * sum(*cost) / sum(now).max(f32::MIN_POSITIVE)).min(1.0);
+        let most = OUTLIER * sum(*cost);
+        // By a coarse clock the first frames may have cost nothing, and twice of that is nothing for ever.
+        let counts = if most > 0.0 && sum(now) > most { most / sum(now) } else { 1.0 };
         for (mean, now) in cost.iter_mut().zip(now) {
             *mean += (counts * now - *mean) * part;
         }
@@ -111,6 +113,15 @@ mod tests {
         assert!(cost(&share) < 1.1, "{}: the machine stalled for a frame", cost(&share));
         (0..50).for_each(|_| frame(&mut share, 0.02, 3.0));
         assert!((cost(&share) - 3.0).abs() < 0.15, "{}: for a second it cost 3 ms", cost(&share));
+    }
+
+    #[test]
+    fn what_cost_nothing_by_a_coarse_clock_is_measured_later() {
+        let mut share = Share::default();
+        (0..20).for_each(|_| frame(&mut share, 0.02, 0.0));
+        (0..100).for_each(|_| frame(&mut share, 0.02, 1.0));
+        let cost: f32 = share.cost.expect("it was measured").iter().sum();
+        assert!((cost - 1.0).abs() < 0.05, "{cost}");
     }
 
     #[test]

@@ -14,7 +14,8 @@ use crate::solver::scales::TOUCHING;
 /// **`[measured]`**.
 const DEEPEST: f32 = 2.0;
 
-/// What contact with bodies needs in a substep: the bodies, those of `coupling` where they are by now, and how cloth touches them.
+/// What contact with bodies needs in a substep: the bodies, those of `coupling` where they are by now, and how cloth touches
+/// them.
 pub(crate) struct BodyContext<'a> {
     /// The bodies.
     pub bodies: &'a [Body],
