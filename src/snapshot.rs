@@ -58,7 +58,9 @@ pub struct ClothSnapshot {
 /// The cloths of a [`ClothSnapshot`] that [`ClothSnapshot::restore`] left as they are: despawned, bound to another mesh or
 /// scale since then, or of another world.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{} cloths of the snapshot were despawned, have another mesh or scale now, or are of another world, and were left as they are: {cloths:?}", cloths.len())]
+#[error(
+    "left as they are: {cloths:?}, which were despawned since the snapshot, have another mesh or scale, or are of another world"
+)]
 pub struct ClothSnapshotError {
     /// Those cloths, in the order of entities.
     pub cloths: Vec<Entity>,

@@ -32,7 +32,7 @@ pub enum WaitingFor {
     /// The mesh asset to load.
     Asset,
     /// A transform that is finite, no farther than 1e7 m from the origin, and whose scale is not zero along any axis.
-    Scale,
+    Transform,
     /// The target of a pin set to be spawned.
     Target,
     /// The joints or bind poses of its skin.
@@ -46,11 +46,11 @@ impl WaitingFor {
         match self {
             Self::Mesh => "it has no `Mesh3d`: insert one",
             Self::Asset => "its mesh asset is not loaded: keep the handle's loader running, or check the path",
-            Self::Scale => {
+            Self::Transform => {
                 "a number of its transform is not finite or beyond 1e7 m, or its scale is zero along an axis: set finite numbers, nearer to the \
                  origin, and a scale that is not zero"
             }
-            Self::Target => "the target of a pin set has no `GlobalTransform`: spawn it with a `Transform`",
+            Self::Target => "the target of a pin set was despawned or has no `Transform`: spawn it with one, or name another",
             Self::Skin => {
                 "a joint or the inverse bind poses of its `SkinnedMesh` are missing: spawn them, or remove `SkinnedMesh`"
             }

@@ -294,7 +294,7 @@ fn a_transform_without_scale_is_waited_for() {
         let mut app = app();
         let cloth = spawn(&mut app, sheet(5), Transform::from_scale(scale));
         run(&mut app, 5);
-        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Scale), "scale {scale}");
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Transform), "scale {scale}");
         *app.world_mut().get_mut::<Transform>(cloth).expect("a transform") = Transform::default();
         run(&mut app, 5);
         assert_eq!(status(&app, cloth), ClothStatus::Active, "after scale {scale}");

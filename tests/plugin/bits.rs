@@ -91,7 +91,8 @@ pub struct InApp {
 }
 
 impl InApp {
-    fn hash(mut self) -> u64 {
+    /// Of every position of every cloth in every frame.
+    pub fn hash(mut self) -> u64 {
         let mut hash = Hash::new();
         for frame in 0..self.frames {
             (self.happen)(&mut self.app, frame);

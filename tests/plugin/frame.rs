@@ -242,7 +242,7 @@ fn a_transform_that_is_not_a_number_waits_and_comes_back() {
         run(&mut app, 30);
         app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::splat(bad);
         run(&mut app, 10);
-        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Scale), "{bad}");
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Transform), "{bad}");
         assert!(finite(&app, cloth));
         app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::ZERO;
         run(&mut app, 30);

@@ -188,9 +188,9 @@ fn a_cloth_that_failed_and_waits_has_no_error_until_it_fails_again() {
         (status(app, cloth), app.world().get::<ClothError>(cloth).is_some())
     };
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Failed, true));
-    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Scale), false));
+    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Transform), false));
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Failed, true));
-    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Scale), false));
+    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Transform), false));
     *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&source).expect("the mesh") = sheet(5);
     run(&mut app, 3);
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Active, false));

@@ -332,7 +332,7 @@ fn pins_that_change_while_the_cloth_has_to_wait_are_not_forgotten() {
     app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ZERO;
     *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = ClothPins::vertices([0, 5]);
     run(&mut app, 5);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Scale));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Transform));
     app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
     run(&mut app, 5);
     assert_eq!((status(&app, cloth), pinned(&app, cloth)), (ClothStatus::Active, 2));

@@ -233,7 +233,10 @@ fn bits(threads: usize) -> u64 {
 #[expect(clippy::print_stdout, reason = "tells its parent")]
 fn prints_the_bits() {
     if let Some(threads) = std::env::var("CLOTH_THREADS").ok().and_then(|t| t.parse().ok()) {
-        println!("bits {:x}", bits(threads));
+        // The first app decides how many threads the process has.
+        let tangles = bits(threads);
+        let apps: Vec<_> = crate::bits::in_apps().into_iter().map(|app| format!("{:x}", app.hash())).collect();
+        println!("bits {tangles:x},{}", apps.join(","));
     }
 }
 

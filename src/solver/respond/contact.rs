@@ -130,8 +130,10 @@ impl Contact {
             distance = -distance;
         }
         // In touch to the last digit the direction is the last one.
-        if distance.abs() > COINCIDE * self.thickness {
-            self.normal = delta.normalize() * distance.signum();
+        if distance.abs() > COINCIDE * self.thickness
+            && let Some(towards_first) = delta.try_normalize()
+        {
+            self.normal = towards_first * distance.signum();
         }
         self.weights = near.weights;
         self.inverted = distance < 0.0;
@@ -236,6 +238,25 @@ impl Contact {
 mod tests {
     use super::*;
     use crate::solver::detect::proximity::closest_edges;
+
+    #[test]
+    fn thin_edges_that_meet_to_the_last_digit_keep_the_direction_that_they_had() {
+        let mut rng = fastrand::Rng::with_seed(5);
+        let mut without_direction = 0;
+        for _ in 0..20_000 {
+            let mut point = || Vec3::new(rng.f32(), rng.f32(), rng.f32()) - 0.5;
+            let (center, u, v) = (point(), point(), point());
+            let x = [center + u, center - u, center + v, center - v].map(|x| x.extend(1.0));
+            // Thinner than the numbers around it can tell.
+            let mut pair = Contact::bare(ProximityKind::EdgeEdge, 1.0e-8);
+            let (ids, depths) = ([0, 1, 2, 3], &mut Depths::default());
+            pair.touch(0, &mut Particles { ids: &ids, now: &x, old: &x, depths, up: Vec3::Y });
+            assert!((pair.normal.length() - 1.0).abs() < 1.0e-3, "{x:?}: {}", pair.normal);
+            let near = edge_edge(ids, |i| x[i as usize].truncate());
+            without_direction += u32::from(near.distance > 0.0 && sum(&near.weights, &x) == Vec3::ZERO);
+        }
+        assert!(without_direction > 0, "no pair has a distance and no direction");
+    }
 
     #[test]
     fn what_a_plane_keeps_apart_does_not_touch_and_most_that_does_not_is_seen_to_be_apart() {

@@ -181,7 +181,7 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
             }
             _ => skin_placement(assembly, skinned)?,
         },
-        None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Scale))?,
+        None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Transform))?,
     };
     let shortest_edge = ClothDecimation::usable(cloth.decimation);
     let is_of = |b: &Binding| b.source.id() == source.id() && b.shortest_edge == shortest_edge;
@@ -224,7 +224,7 @@ fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placemen
     if !skinning_matrices(&[first], &assembly.transforms, DVec3::ZERO, &mut matrices) {
         return Err(missing);
     }
-    let mut placement = Placement::of(&matrices[0]).ok_or(Obstacle::Wait(WaitingFor::Scale))?;
+    let mut placement = Placement::of(&matrices[0]).ok_or(Obstacle::Wait(WaitingFor::Transform))?;
     placement.bake = Mat3::from_diagonal(Vec3::splat(uniform_scale(&placement.bake)));
     Ok(placement)
 }
