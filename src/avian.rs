@@ -5,13 +5,13 @@
 //!  PostUpdate                         TransformSystems::Propagate ─ ClothSystems, by default
 //! ```
 //!
-//! Avian puts its sets before `TransformSystems::Propagate` of its schedule and cloth comes after it, so that in either
-//! schedule cloth sees bodies where physics left them, whatever the order in which the plugins were added.
+//! Avian puts its sets before `TransformSystems::Propagate` of its schedule, and cloth comes after it. So in either schedule
+//! cloth sees bodies where physics left them, whatever the order in which the plugins were added.
 //!
 //! *In lockstep* (both in one schedule, or a tick in every frame) a frame of the cloth covers the tick that physics just made.
-//! The body goes the way that physics had it go, is pushed off it within the substeps, and afterwards
-//! `LinearVelocity += J / M`, `Position += d`: momentum stays, to rounding. *Out of lockstep* a frame may cover no tick, or
-//! several; the sums stay right, but a frame with a tick in it sees its bodies as much faster as it is shorter.
+//! The body follows the path of physics, and cloth pushes it off that path within the substeps. Afterwards
+//! `LinearVelocity += J / M` and `Position += d`: momentum is conserved to rounding. *Out of lockstep* a frame may cover no
+//! tick, or several. The sums stay right. A frame shorter than its tick sees bodies faster, by the same factor.
 
 use avian3d::prelude::{
     AngularVelocity, Collider, ColliderDisabled, ColliderOf, CollisionLayers, CollisionMargin, ComputedAngularInertia,

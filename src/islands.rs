@@ -137,8 +137,8 @@ impl ClothIslands {
         self.list.iter().map(|island| island.members.iter().map(|m| m.entity))
     }
 
-    /// How many islands were built so far: of other members than before, or of a new shape at rest that is no multiple of the
-    /// one before. No setting builds one.
+    /// How many islands were built so far. An island is built for other members than before, or for a new shape at rest that is
+    /// no multiple of the one before. No setting builds one.
     #[must_use]
     pub fn builds(&self) -> u64 {
         self.builds

@@ -13,10 +13,10 @@ use crate::query::ClothQuery;
 /// Sends Bevy's pointer events, as `Pointer<Over>`, `Pointer<Click>` and `Pointer<Drag>`, to cloths where they are shown, and
 /// lets pointers drag those with [`ClothDraggable`].
 ///
-/// Both sides of a cloth are met, where it is drawn: held and interpolated shapes included. [`Pickable`], [`RenderLayers`] and
-/// visibility count as for Bevy's meshes. The hit of an event has the point in the world `[m]`, the normal of the triangle,
-/// which faces away from a pointer behind the cloth, and the [`ClothHit`](crate::ClothHit) itself:
-/// `event.hit.extra_as::<ClothHit>()`.
+/// Pointers meet both sides of a cloth where it is drawn, held and interpolated shapes included. [`Pickable`], [`RenderLayers`]
+/// and visibility count as for Bevy's meshes. The hit of an event has the point in the world `[m]`, the normal of the triangle,
+/// and the [`ClothHit`](crate::ClothHit) itself: `event.hit.extra_as::<ClothHit>()`. The normal faces away from a pointer
+/// behind the cloth.
 ///
 /// Bevy's `MeshPickingPlugin` finds cloths, too. Where both are wanted, set `MeshPickingSettings::require_markers`, or each
 /// cloth is asked twice and the [`ClothHit`](crate::ClothHit) may be missing.
@@ -50,9 +50,9 @@ pub struct ClothPickingSettings {
 
 /// Lets pointers drag the cloth of its entity: left mouse button, or touch. Needs [`ClothPickingPlugin`].
 ///
-/// Where the pointer is pressed it takes hold with a [`ClothGrab`] of its own and of these settings, which keeps its distance
-/// in front of the camera. It lets go when the pointer is released or cancelled, and when this component is removed. The cloth
-/// keeps the velocity it has then.
+/// Where the pointer is pressed it takes hold with a [`ClothGrab`] of its own and of these settings. The grip keeps its
+/// distance in front of the camera. It lets go when the pointer is released or cancelled, and when this component is removed.
+/// The cloth keeps the velocity it has then.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

@@ -37,9 +37,9 @@ use crate::time;
 
 /// Simulates every entity with [`Cloth`](crate::Cloth).
 ///
-/// By default in [`PostUpdate`], after transforms are propagated: animation is done, so that pinned cloth never lags. In a
-/// fixed schedule, `ClothPlugin::new(FixedPostUpdate)`, it runs in lockstep with physics, after it, sees what was moved in the
-/// same tick, and what is shown is interpolated. What is animated in `PostUpdate` it sees a frame late.
+/// By default it runs in [`PostUpdate`], after transforms are propagated: animation is done, so pinned cloth never lags. In a
+/// fixed schedule, `ClothPlugin::new(FixedPostUpdate)`, it runs after physics and in lockstep with it. It then sees the motion
+/// of the same tick, and interpolates what is shown. Animation in `PostUpdate` it sees a frame late.
 ///
 /// # Panics
 /// When it is added twice, to a schedule that runs once, or without meshes and their assets.

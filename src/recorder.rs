@@ -17,10 +17,9 @@ use crate::solver::skinned::Skinned;
 use crate::systems::detect;
 use crate::time::{self, ClothTime};
 
-/// Records frames of cloth: those that were held, in which a cloth blew up or failed, and those that are asked for. A file
-/// holds all that decided the frame, so that the program `stress --replay FILE`, or
-/// [`Recording::replay`](crate::solver::recording::Recording::replay), steps it again with the same bits: send it along with a
-/// report of a bug.
+/// Records frames of cloth: those that were held, those in which a cloth blew up or failed, and those that are asked for. A
+/// file holds all that decided the frame: send it along with a report of a bug. The program `stress --replay FILE`, or
+/// [`Recording::replay`](crate::solver::recording::Recording::replay), steps it again with the same bits.
 ///
 /// While it is there, every frame is kept until it is over, which costs a copy of all cloth. Add it after
 /// [`ClothPlugin`](crate::ClothPlugin), to the schedule that that runs in.
@@ -36,28 +35,28 @@ use crate::time::{self, ClothTime};
 #[derive(Default)]
 pub struct ClothRecorderPlugin;
 
-/// What is recorded, and where to.
+/// Settings of the recorder: which frames, and where to.
 #[derive(Resource, Clone, Debug)]
 pub struct ClothRecorder {
     /// The folder of the files; it is made. Default `cloth_recordings`.
     pub folder: PathBuf,
     /// Whether frames are recorded in which a cloth begins to be held. Default true.
     pub held: bool,
-    /// Whether those are in which a cloth blew up, or failed. Default true.
+    /// Whether frames are recorded in which a cloth blew up or failed. Default true.
     pub recovered: bool,
     /// Most files that are written. Default 16.
     pub most: u32,
-    /// Cloths of which a frame is recorded, whatever happens: the next in which they move, keep their scale, and meet no others
-    /// than in the frame before.
+    /// Cloths of which a frame is recorded, whatever happens. It is the next in which they move, keep their scale, and meet no
+    /// others than in the frame before.
     pub next: Vec<Entity>,
 }
 
-/// What [`ClothRecorder`] recorded.
+/// Files that [`ClothRecorder`] wrote.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct ClothRecordings {
     /// The files that were written.
     pub written: Vec<PathBuf>,
-    /// Why a file could not be written: none is written any more until this is taken away.
+    /// Why a file could not be written. No more files are written until this is taken away.
     pub error: Option<String>,
 }
 

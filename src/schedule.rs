@@ -29,7 +29,7 @@ pub enum ClothSystems {
 pub(crate) struct ClothClock {
     /// Whether shown positions lie between the last two frames of a fixed clock.
     pub interpolates: bool,
-    /// Where all stages run but Sync.
+    /// Where all stages except Sync run.
     #[cfg(any(feature = "debug", feature = "record"))]
     pub schedule: Interned<dyn ScheduleLabel>,
     /// Where Sync runs.
@@ -50,7 +50,7 @@ pub(crate) fn after_sync<M>(app: &mut App, systems: impl IntoScheduleConfigs<Sch
     app.add_systems(shows, systems.after(ClothSystems::Sync));
 }
 
-/// Where all stages run but Sync. For plugins that are finished.
+/// Where all stages except Sync run. For plugins that are finished.
 #[cfg(feature = "record")]
 pub(crate) fn of(app: &App) -> Interned<dyn ScheduleLabel> {
     clock(app).schedule

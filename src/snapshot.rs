@@ -15,12 +15,12 @@ use crate::time::ClothTime;
 /// The state of cloth between two frames: captured, kept, and gone back to as often as wanted. For rollback in a networked
 /// game, for a replay, to try something and take it back.
 ///
-/// It holds what the plugin keeps: particles and their velocities, folds, contacts, tangles, sleep, what grips hold, reports,
-/// how far gusts have travelled, and where bodies were in the last frame. What is the app's, the app restores: transforms and
-/// parents, settings, grips ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time. Then the frames that
-/// follow have the same bits as those that followed the first time. Write only what differs
-/// ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is written. What
-/// cameras saw is not in it, so do without `ClothLod` where bits matter.
+/// It holds what the plugin keeps: particles and their velocities, folds, contacts, tangles, sleep, what grips hold, and
+/// reports. It also holds how far gusts have travelled, and where bodies were in the last frame. The app restores what is its
+/// own: transforms and parents, settings, grips ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time.
+/// Then the frames that follow have the same bits as those that followed the first time. Write only what differs
+/// ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is written. It does
+/// not hold what cameras saw, so do without `ClothLod` where bits matter.
 ///
 /// Capture and restore between two updates, or in an exclusive system before
 /// [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after [`ClothSystems::Sync`](crate::ClothSystems::Sync). A

@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use bevy::prelude::*;
 
-/// Shortest frame that is simulated by itself. Solved in one pass, springs stay longer than they are, the more the longer a
-/// substep is: a much shorter one than the last sets free what is stored in them.
+/// Shortest frame that is simulated by itself. One pass leaves springs longer than at rest, the more the longer a substep is. A
+/// substep much shorter than the last sets free the energy in them.
 const SHORTEST_FRAME: Duration = Duration::from_millis(1);
 
 /// By how much cloth moves in a frame.

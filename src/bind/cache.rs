@@ -201,8 +201,8 @@ impl RestCache {
         self.shapes.insert(key, known);
     }
 
-    /// Forgets the shapes of a mesh that was written. What is built of it goes on: writing a mesh need not change it, and one
-    /// that is written in every frame would never be built.
+    /// Forgets the shapes of a mesh that was written. Builds that are under way go on: a write need not change the mesh, and a
+    /// mesh written in every frame would never be built.
     pub(crate) fn forget_shapes(&mut self, source: AssetId<Mesh>) {
         self.shapes.retain(|((id, _), _), _| *id != source);
         self.tasks.iter_mut().filter(|(((id, _), _), _)| *id == source).for_each(|(_, building)| building.written = true);

@@ -1,8 +1,8 @@
 //! Cross-fade: bones that are elsewhere from one frame to the next are given to the cloth on their way there.
 //!
-//! A clip that begins, or takes over without a fade of its own, moves every bone at once, and cloth between them would be on the
-//! wrong side of some. The skeleton that the solver sees goes there within a quarter of a second. What is shown is carried onto
-//! the skin as it is.
+//! A clip that begins, or takes over without a fade of its own, moves every bone at once. Cloth between the bones would end up
+//! on the wrong side of some. The skeleton that the solver sees goes to the new pose within a quarter of a second. The shown
+//! cloth is carried onto the skin as it is.
 //!
 //! ```text
 //!   J'ᵣ = Jᵣ    J'ᵢ = J'ₚ · lerp(Lᵢ, Jₚ⁻¹ Jᵢ, s)    r: root, p: the joint above i, Lᵢ: joint i as p saw it when the fade began
@@ -102,8 +102,9 @@ impl Crossfade {
         (self.waits, self.left) = (waits, self.left.map(|_| left).filter(|left| *left > 0.0));
     }
 
-    /// Begins where the cloth was given its joints until now, if in `dt` `[s]` a bone that `matters` has turned against the
-    /// first by more than any does at `spin` `[rad/s]`. One that still waits goes to the new pose when it has waited.
+    /// Begins a cross-fade at the joints that the cloth had until now, if a bone that `matters` jumped. A jump is a turn
+    /// against the first joint, in `dt` `[s]`, that is faster than `spin` `[rad/s]`. A cross-fade that still waits goes to the
+    /// new pose when it has waited.
     pub(crate) fn begin_after_jump(
         &mut self,
         skin: &Skin,

@@ -141,8 +141,8 @@ fn split_two([a, b, c]: [u32; 3], [x, y]: [u32; 2], at: &impl Fn(u32) -> Vec3, f
     faces.extend(if along_a { [[a, b, x], [a, x, y]] } else { [[a, b, y], [b, x, y]] });
 }
 
-/// Gives new vertices the mean of their parents, or the value of one where there is none between: of integers, and of formats
-/// that Bevy's own attributes and maps do not have.
+/// Gives new vertices the mean of their parents. Integers, and formats that Bevy's own attributes and maps do not have, get the
+/// value of the first parent.
 fn interpolate(attribute: &MeshVertexAttribute, values: &mut VertexAttributeValues, parents: &[[u32; 2]]) {
     use VertexAttributeValues as Values;
     fn mean<const N: usize>(a: [f32; N], b: [f32; N]) -> [f32; N] {

@@ -9,8 +9,8 @@
 //!         1st ················ 99th percentile along, less the radius: the ends
 //! ```
 //!
-//! What percentiles find is refined within bounds. Measured as what 95 % of an upper arm's vertices stick out by: 7 mm instead
-//! of 18 on a human body, 14 mm instead of 49 on a stylised one.
+//! A search then refines the capsule within bounds. On an upper arm 95 % of the vertices stick out by at most 7 mm instead of
+//! 18 (human body). On a stylised body it is 14 mm instead of 49. Both are measured.
 
 use glam::Vec3;
 
@@ -67,8 +67,8 @@ impl Capsule {
         Self { a: center - axis * half, b: center + axis * half, radius }
     }
 
-    /// A capsule near this one that fits better, by pattern search: each round tries to move an end, both, or the radius by a
-    /// step, and halves the step once nothing gains. Without bounds it would find giants.
+    /// A capsule near this one that fits better, by pattern search. Each round tries to move an end, both ends, or the radius
+    /// by a step. It halves the step once nothing gains. Without bounds the search would find giants.
     pub(super) fn refined(self, points: &[Vec3]) -> Self {
         let stride = points.len().div_ceil(SAMPLE).max(1);
         let sample: Vec<Vec3> = points.iter().copied().step_by(stride).collect();

@@ -53,8 +53,8 @@ pub struct FitSettings {
     /// A group whose box has a diagonal below this share of the body's height goes to the parent (dimensionless). Default 0.12,
     /// range 0 to 1.
     ///
-    /// Measured on three human bodies: 41 to 66 joints become 18 to 21 groups. 0 gives every finger joint a collider, 1 leaves
-    /// one for the body. Height is the longest side of the box around all vertices.
+    /// Measured on three human bodies: 41 to 66 joints become 18 to 21 groups. At 0 every finger joint gets a collider, at 1
+    /// the body gets a single one. Height is the longest side of the box around all vertices.
     pub least_share: f32,
     /// A group of fewer vertices goes to the parent. Default 12, at least 1. Percentiles of fewer say nothing.
     pub least_vertices: usize,
@@ -95,8 +95,7 @@ impl FitSettings {
 pub struct BoneCollider {
     /// Index of the joint.
     pub joint: usize,
-    /// Its shape in the space of the joint: a child of the joint at the origin, without scale of its own, has the size of the
-    /// body.
+    /// Shape in the space of the joint. A child at the joint's origin, without scale of its own, has the size of the body.
     ///
     /// The scale of the inverse bind matrix is in all its lengths. Where joints are in centimetres, as in files from FBX with a
     /// scale of 100, so is the radius. A matrix that scales unevenly gives a capsule its mean scale.

@@ -1,7 +1,7 @@
 //! A convex hull of few points around many.
 //!
-//! Four corners that are far apart, then over and over the corner that sticks out most, as quickhull does it (Barber 1996),
-//! except that it ends early.
+//! The hull begins with four corners that are far apart. As in quickhull (Barber 1996), it then takes in the corner that sticks
+//! out most, again and again. It ends early.
 
 use glam::Vec3;
 use parry3d::query::PointQuery;

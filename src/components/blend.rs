@@ -4,8 +4,8 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 
-/// How much of a skinned cloth is simulated. Below 1 it may go less far from its animated skin than
-/// [`ClothLimits`](crate::ClothLimits) say; at 0 the entity has its own mesh and `SkinnedMesh` back, is skinned by the GPU, and
+/// How much of a skinned cloth is simulated. Below 1 the cloth may go less far from its animated skin than
+/// [`ClothLimits`](crate::ClothLimits) say. At 0 the entity has its own mesh and `SkinnedMesh` back: the GPU skins it, and it
 /// costs nothing. Far away [`ClothLod`](crate::ClothLod) and [`ClothBudget`](crate::ClothBudget) do the same.
 ///
 /// ```

@@ -7,14 +7,14 @@ use super::fitted::FittedBody;
 
 /// Makes colliders for the bones of a skinned body. Put it on an entity with `Mesh3d` and `SkinnedMesh`.
 ///
-/// Each part of the body gets a capsule, or a convex hull where it is flat: an entity of its own, with a
-/// [`ClothCollider`](crate::ClothCollider) and a name such as `thigh_l collider`, as a child of its joint. It moves with the
-/// joint. You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of its joint, or
-/// of the nearest joint above that has some, or of this entity: so a skirt can let hands through.
+/// Each part of the body gets a capsule, or a convex hull where it is flat. The collider is an entity of its own, a child of
+/// its joint, with a [`ClothCollider`](crate::ClothCollider) and a name such as `thigh_l collider`. It moves with the joint.
+/// You may edit or despawn it. Its layers are the [`ClothCollisionLayers`](crate::ClothCollisionLayers) of its joint, or of the
+/// nearest joint above that has some, or of this entity. So a skirt can let hands through.
 ///
-/// They are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result. They
-/// are made anew when the mesh, the skin or the layers change, and what was edited is lost. A change of this component writes
-/// margins and friction to them, and keeps shapes, places and contacts; change all bodies that are fitted together at once.
+/// Colliders are fitted to the mesh in its bind pose, which takes up to 50 ms; characters of the same mesh share the result.
+/// They are made anew when the mesh, the skin or the layers change, and edits are lost. A change of this component writes
+/// margins and friction to them, and keeps shapes, places and contacts. Change all bodies that are fitted together at once.
 /// Bodies with the same joints, settings and layers are fitted together: a character whose mesh is in pieces has one set of
 /// colliders. All go when this component is removed.
 ///

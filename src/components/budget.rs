@@ -6,11 +6,11 @@ use super::checked::Checked;
 
 /// Budget: the time that all cloths together may take in a frame, as a resource. Without it there is no bound.
 ///
-/// Where they take more, cloths are given less [detail](crate::ClothDetail), those first that matter least for what that saves:
-/// small on the screen, unseen, of low [`ClothPriority`]. Where they take clearly less, detail comes back. What a cloth costs
-/// is measured, over a quarter of a second, so what happens then depends on the machine. A cloth changes at most once a second,
-/// unless it falls again, and cloths that can touch change together. [`ClothLod`](crate::ClothLod) counts, too: the coarser of
-/// both is taken. What a body hangs on or lies in is never lowered.
+/// Where they take more, cloths lose [detail](crate::ClothDetail). The first are those that matter least for what that saves:
+/// small on the screen, unseen, of low [`ClothPriority`]. Where they take clearly less, detail comes back. The cost of a cloth
+/// is measured over a quarter of a second, so the result depends on the machine. A cloth changes at most once a second, unless
+/// it falls again, and cloths that can touch change together. [`ClothLod`](crate::ClothLod) counts, too: the coarser of both is
+/// taken. Cloth that a body hangs on or lies in is never lowered.
 ///
 /// [`ClothReport::by_budget`](crate::ClothReport::by_budget) says what it left of each cloth.
 ///

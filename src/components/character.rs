@@ -4,21 +4,21 @@ use bevy::prelude::*;
 
 use super::checked::Checked;
 
-/// The root of a character. The cloths and colliders below it go together: they teleport in the same frame, and feel the same
+/// The root of a character. The cloths and colliders below it move as one: they teleport in the same frame, and feel the same
 /// motion.
 ///
-/// A skinned cloth that has none above it gives it to the lowest entity that holds both the cloth and its joints.
+/// A skinned cloth without one above it inserts one, on the lowest entity above both the cloth and its joints.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothCharacter;
 
-/// How much of the motion of what carries it a cloth feels. The rest carries it along: nobody needs a skirt that a sprint blows
-/// over the head.
+/// Inertia: the share of its carrier's motion that a cloth feels. The rest carries the cloth along. So a sprint does not blow a
+/// skirt over the head.
 ///
-/// A cloth without it feels all motion. Cloths that can meet a cloth of something else do, too, and those pinned to bodies that
-/// cloth can move.
+/// A cloth without it feels all motion. So do cloths that can meet a cloth of another character, or of none, and those pinned
+/// to bodies that cloth can move.
 ///
 /// ```
 /// # use bevy_drape::prelude::*;

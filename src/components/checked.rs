@@ -1,7 +1,7 @@
 //! Numbers that users set, made safe at the moment of use.
 //!
-//! A setting is never rewritten: the inspector keeps showing what the user typed, [`crate::ClothReport::clamped`] names what
-//! was not usable, and the solver sees the clamped number.
+//! A setting is never rewritten: the inspector keeps showing what the user typed, and the solver sees the clamped number.
+//! [`crate::ClothReport::clamped`] names the settings that were not usable.
 
 use std::borrow::Cow;
 

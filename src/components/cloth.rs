@@ -14,16 +14,15 @@ use super::{
 /// itself or another cloth; [`ClothSleep`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say
 /// how it fares.
 ///
-/// The rest is put on where it is wanted: [`ClothWind`](crate::ClothWind),
-/// [`ClothCollisionLayers`](crate::ClothCollisionLayers), [`ClothLimits`](crate::ClothLimits) and
-/// [`ClothDrive`](crate::ClothDrive) on characters, [`ClothLod`](crate::ClothLod),
+/// Other components are optional: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
+/// [`ClothLimits`](crate::ClothLimits) and [`ClothDrive`](crate::ClothDrive) on characters, [`ClothLod`](crate::ClothLod),
 /// [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as they are there:
 /// [`ClothDisabled`], [`ClothSleepDisabled`](crate::ClothSleepDisabled),
 /// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
 ///
 /// The mesh asset itself is never written: the entity gets a copy of its own, and removing `Cloth` gives the authored mesh
-/// back. The cloth starts where the entity is and then lives in the world: moving the entity moves what is pinned to it, and
-/// the rest follows by physics.
+/// back. The cloth starts where the entity is and then lives in the world. Moving the entity moves the particles pinned to it,
+/// and the rest follows by physics.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -60,8 +59,8 @@ pub struct Cloth;
 /// other cloth. It keeps its last shape in the space of its entity, or the authored mesh if it never ran. When this is removed
 /// the cloth goes on from where it was, with the speed it had.
 ///
-/// What carries it may move meanwhile: a long way is a teleport ([`ClothSolver::teleport`](crate::ClothSolver::teleport)), a
-/// short one that of a single frame. A cloth that is to stay where others lie on it is paused, with a
+/// Its carrier may move meanwhile: a long way is a teleport ([`ClothSolver::teleport`](crate::ClothSolver::teleport)), a short
+/// one that of a single frame. A cloth that is to stay where others lie on it is paused, with a
 /// [`time_scale`](field@crate::ClothSolver::time_scale) of 0.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]

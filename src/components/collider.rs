@@ -14,9 +14,8 @@ use super::shape::{ClothColliderPart, ClothColliderShape, ClothMeshFit, ParrySha
 /// [`ClothCollisionLayers`](crate::ClothCollisionLayers). Entities with [`ClothColliderDisabled`] or `Disabled` push nothing;
 /// on a cloth it pushes other cloths, not its own.
 ///
-/// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin one that
-/// moves fast can still poke out for a frame: give the collider a [`margin`](Self::margin), round its tip, or make the mesh
-/// finer.
+/// It meets the particles of a cloth, and its faces where it is finer than the mesh: tips, edges, small balls. A thin collider
+/// that moves fast can still poke out for a frame. Give it a [`margin`](Self::margin), round its tip, or make the mesh finer.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -13,11 +13,11 @@ use super::fitted::CoupledBody;
 /// a body something does not sleep ([`ClothSleep`](crate::ClothSleep)).
 ///
 /// A body lighter than the cloth is as stable as a heavier one. A heavier body raises the number of substeps up to eightfold,
-/// by the square root of the ratio of the masses or by its speed of impact, until it has gone. Cloth that lies on the body is
-/// excepted. At the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz a net of 0.3 kg bears 1
-/// and 3 kg that fall on it from 0.6 m. What is more than thirty times as heavy may stretch its way through or be thrown out:
-/// give it a higher rate. Elastic nets ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and `tether_scale`
-/// infinite) throw back what falls into them for longer.
+/// until it has gone. The factor is the square root of the ratio of the masses, or follows from its speed of impact. Cloth that
+/// lies on the body is excepted. At the default [`ClothSolver::substep_rate`](crate::ClothSolver::substep_rate) of 360 Hz a net
+/// of 0.3 kg bears 1 and 3 kg that fall on it from 0.6 m. A body more than thirty times as heavy may stretch its way through or
+/// be thrown out: raise the rate. Elastic nets ([`ClothMaterial::strain_limit`](crate::ClothMaterial::strain_limit) and
+/// `tether_scale` infinite) throw back what falls into them for longer.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -47,11 +47,11 @@ pub enum ClothCoupling {
     TwoWay,
 }
 
-/// What cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after
+/// Impulses, displacement and turn that cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after
 /// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate); written by the simulation.
 ///
-/// Contacts and rigid pins are counted. What a pin bears is exact for all pins of a cloth together; among several bodies it is
-/// shared by the strain at their pins. A body of avian is given all of it without a line of code.
+/// Contacts and rigid pins are counted. The load of pins is exact for all pins of a cloth together; several bodies share it by
+/// the strain at their pins. A body of avian is given all of it without a line of code.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -85,9 +85,10 @@ impl ClothReaction {
 
 /// How readily a body with [`ClothCoupling::TwoWay`] gives way. Default: not at all.
 ///
-/// For physics of your own: set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare), and take over all of
-/// [`ClothReaction`] after [`ClothSystems::Integrate`](crate::ClothSystems::Integrate), displacement and turn too: the next
-/// frame of the cloth goes on from there. The component of a body of avian is kept up to date from its mass properties.
+/// It is for physics of your own. Set it before [`ClothSystems::Prepare`](crate::ClothSystems::Prepare). After
+/// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate) take over all of [`ClothReaction`], displacement and turn too:
+/// the next frame of the cloth goes on from there. The component of a body of avian is kept up to date from its mass
+/// properties.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -127,8 +128,9 @@ impl ClothRigidBody {
         Self::solid(mass, Vec3::new(square.y + square.z, square.z + square.x, square.x + square.y) * (mass / 12.0))
     }
 
-    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg·m²]` along the axes of the entity. Cloth does not move what
-    /// has no mass, or turn what has no inertia; numbers below 0 or NaN do no more, and are told of when the body takes part.
+    /// A body of `mass` `[kg]` and principal moments `inertia` `[kg·m²]` along the axes of the entity. Cloth does not move a
+    /// body without mass, or turn one without inertia. Numbers below 0 or NaN do no more, and a warning names them when the
+    /// body takes part.
     #[must_use]
     pub fn solid(mass: f32, inertia: Vec3) -> Self {
         let inverse = |x: f32| if x == 0.0 { 0.0 } else { x.recip() };

@@ -4,10 +4,10 @@ use bevy::prelude::*;
 
 /// Decimation: a fine mesh is simulated with fewer particles, and drawn as fine as it is.
 ///
-/// Edges that are shorter than a length are collapsed before the mesh becomes cloth; what is left has edges of about 1.2 times
-/// that length. Every vertex of the mesh follows the triangles near it, as a [`ClothRenderMesh`](crate::ClothRenderMesh) does:
-/// hems, seams and wrinkles that are finer than the cloth keep their shape and their normals. A garment of 15,000 vertices costs
-/// what one of a thousand does, and the deformation of its vertices.
+/// Edges that are shorter than a length are collapsed before the mesh becomes cloth; those that are left have about 1.2 times
+/// that length. Every vertex of the mesh follows the triangles near it, as a [`ClothRenderMesh`](crate::ClothRenderMesh) does.
+/// So hems, seams and wrinkles that are finer than the cloth keep their shape and their normals. A garment of 15,000 vertices
+/// costs what one of a thousand does, and the deformation of its vertices.
 ///
 /// Particles are vertices of the mesh, with the pins, maps and weights of a skin that were authored there. The others follow.
 /// A pinned vertex that is no particle holds the one that it went into, up to two lengths away, where nothing beside that is

@@ -6,11 +6,11 @@ use super::checked::Checked;
 use super::grip::Grip;
 use super::hit::ClothHit;
 
-/// Holds a point of a cloth near `target`, on an entity of its own: spawn it to grab, move `target` to drag, despawn it to let
+/// Holds a point of a cloth near `target`, on an entity of its own. Spawn it to grab, move `target` to drag, despawn it to let
 /// go. The cloth keeps the velocity it has then.
 ///
-/// The grip yields and its force is bounded, so that a cloth that is stuck stays whole, and bodies stop it. A grip whose cloth
-/// is gone or does not have those particles any more does nothing.
+/// The grip yields and its force is bounded, so stuck cloth stays whole, and bodies stop it. A grip whose cloth is gone or does
+/// not have those particles any more does nothing.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -34,12 +34,12 @@ pub struct ClothGrab {
     pub particles: [u32; 3],
     /// Their weights; they add up to one.
     pub weights: Vec3,
-    /// Where the point is to be, in the world `[m]`. What is not finite lets the grip rest.
+    /// Where the point is to be, in the world `[m]`. A target that is not finite lets the grip rest.
     pub target: Vec3,
-    /// Radius of what is gripped around the point, along the cloth at rest `[m]`. Default 0.05, range 0 to 10. 0 pulls at one
+    /// Radius of the grip around the point, along the cloth at rest `[m]`. Default 0.05, range 0 to 10. 0 pulls at one
     /// triangle, which shows.
     pub radius: f32,
-    /// Compliance `[m/N]`. Default 0.001, range 0 to 100.
+    /// Compliance of the grip `[m/N]`. Default 0.001, range 0 to 100.
     pub compliance: f32,
     /// Largest force `[N]`. Default 20, range 0 to 10,000. Some ten times the weight of the cloth drags it briskly; more than
     /// twenty times that weight is never used.

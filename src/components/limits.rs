@@ -5,11 +5,10 @@ use bevy::prelude::*;
 use super::ClothMap;
 use super::checked::Checked;
 
-/// How far a cloth may be from where the animated skin would take it: skinned constraints, as Jolt and `NvCloth` have them.
+/// Limits: how far a cloth may be from its animated skin. They are skinned constraints, as Jolt and `NvCloth` have them.
 ///
-/// A cloth without a skin has the shape of its mesh for one, carried by its entity: a cape whose node is a child of a bone
-/// needs no weights. Lengths are in metres at the scale at which the cloth was bound; a character that is scaled later scales
-/// them.
+/// The skin of a cloth without weights is its mesh, carried by its entity. So a cape whose node is a child of a bone needs no
+/// weights. Lengths are in metres at the scale at which the cloth was bound; a character that is scaled later scales them.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -33,11 +32,11 @@ pub struct ClothLimits {
     pub backstop_distance: ClothMap,
     /// Radius of that ball `[m]`. Default 1, range 0.01 to 1000. 0.1 suits limbs; 1 and more is nearly a plane.
     pub backstop_radius: f32,
-    /// What the maximum distance is multiplied by (dimensionless). Default 1, range 0 to 10. At 0 the cloth is its skin; below
-    /// 1 vertices without a maximum distance have the radius of the cloth for one.
+    /// Factor of the maximum distance (dimensionless). Default 1, range 0 to 10. At 0 the cloth is its skin; below 1 vertices
+    /// without a maximum distance have the radius of the cloth for one.
     pub scale: f32,
     /// Whether places on the skin are taken out of bodies before they limit, and before they drive. Default true. Skins pass
-    /// through legs; without, cloth is held where the legs are.
+    /// through legs; without it, cloth is held inside the legs.
     pub avoid_bodies: bool,
 }
 
@@ -100,7 +99,7 @@ impl ClothDrive {
     }
 }
 
-/// Names a number of a map that is out of range; it is used clamped, and as the lower end when it is not a number.
+/// Names a number of a map that is out of range. The number is used clamped, and as the lower end when it is not a number.
 fn check(map: &ClothMap, name: &'static str, (least, most): (f32, f32), checked: &mut Checked) {
     match *map {
         ClothMap::Off => {}

@@ -1,4 +1,4 @@
-//! How much of the work a cloth is worth that is far away, or that nobody sees.
+//! Level of detail of cloth that is far away or unseen.
 
 use bevy::prelude::*;
 
@@ -6,24 +6,24 @@ use super::checked::Checked;
 
 /// Level of detail: what a cloth costs follows from how far it is from the cameras, and whether one of them sees it.
 ///
-/// No cloth has it unless you put it on: without it nothing that happens depends on who looks. A cloth that has it takes all
-/// its substeps near the nearest active camera, half of them farther away, a quarter beyond that, and far away it stands still
-/// and is carried along rigidly by what it hangs on. A skinned one fades into its animation there, and the GPU skins it: see
-/// [`ClothBlend`](crate::ClothBlend). What it is at is in [`ClothReport::detail`](crate::ClothReport::detail).
+/// No cloth has it unless you put it on: without it nothing that happens depends on who looks. Near the nearest active camera a
+/// cloth takes all its substeps, farther away half of them, and beyond that a quarter. Far away it stands still, and what it
+/// hangs on carries it along rigidly. A skinned cloth fades into its animation there, and the GPU skins it: see
+/// [`ClothBlend`](crate::ClothBlend). [`ClothReport::detail`](crate::ClothReport::detail) has its level.
 ///
 /// ```text
 /// distance    0 ──── full_within ──── 2 full_within ──── still_beyond ────►
 /// detail         Full           Half            Quarter             Still
 /// ```
 ///
-/// Distances are from a camera, whatever it magnifies, to the box of the cloth; cameras for 2D do not count. And a level is
-/// left for the next finer one only a tenth nearer, so that nothing flickers at a border. Collisions are looked for in every
-/// frame at every level but `Still`; fewer substeps stretch more and let fast bodies push deeper. Cloths that can touch take as
-/// many substeps as the one that needs most. A cloth that stands still is an obstacle for the others. It goes along with what
-/// carries it, jumps included and without an event; what is pinned nowhere stays where it is. Impulses and grips do nothing to
-/// it, and it goes on without the speed it had; pins that went elsewhere than what carries it draw it there within a frame. One
-/// that is pinned to a body with [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay), or has one near it, is simulated in
-/// full: what lies in a net would fall.
+/// Distances are from a camera, whatever it magnifies, to the box of the cloth; cameras for 2D do not count. A cloth returns to
+/// the next finer level only a tenth nearer, so that nothing flickers at a border. Collisions are looked for in every frame at
+/// every level except `Still`; fewer substeps stretch more and let fast bodies push deeper. Cloths that can touch take as many
+/// substeps as the one that needs most. A cloth that stands still is an obstacle for the others. It goes along with its
+/// carrier, jumps included and without an event; cloth that is pinned nowhere stays where it is. Impulses and grips do nothing
+/// to it, and it goes on without the speed it had. Pins that went elsewhere than its carrier draw it there within a frame.
+/// Cloth pinned to a body with [`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay), or near one, is simulated in full: a
+/// body in a net would fall.
 ///
 /// Without an active camera every cloth is simulated in full.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -31,13 +31,13 @@ use super::checked::Checked;
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothLod {
-    /// Distance up to which it is simulated in full `[m]`. Default 15, range 0.01 to 1e6. Too near: cloth stretches in plain
-    /// view; too far: nothing is saved.
+    /// Distance up to which the cloth is simulated in full `[m]`. Default 15, range 0.01 to 1e6. Too near: cloth stretches in
+    /// plain view; too far: nothing is saved.
     pub full_within: f32,
-    /// Distance from which on it stands still `[m]`. Default 150, range 0.01 to 1e6. Too near: it is seen to stop; too far:
-    /// cloth of a few pixels is simulated.
+    /// Distance from which on the cloth stands still `[m]`. Default 150, range 0.01 to 1e6. Too near: it is seen to stop; too
+    /// far: cloth of a few pixels is simulated.
     pub still_beyond: f32,
-    /// The most that it gets after half a second in which no camera saw it, nor a light that casts its shadow. Default
+    /// Finest level after half a second in which no camera saw the cloth, nor a light that casts its shadow. Default
     /// [`ClothDetail::Quarter`]; [`ClothDetail::Full`] leaves it to the distance.
     pub unseen: ClothDetail,
 }
@@ -71,7 +71,7 @@ pub enum ClothDetail {
     Half,
     /// A quarter of them, and no fewer than 30 per second.
     Quarter,
-    /// None: it is carried along rigidly, or is skinned by the GPU.
+    /// No substeps: the cloth is carried along rigidly, or the GPU skins it.
     Still,
 }
 

@@ -15,7 +15,7 @@ pub enum ClothMap {
     Off,
     /// The same everywhere.
     Uniform(f32),
-    /// `low + (high - low) * paint`, where paint goes from 0 to 1; what is painted beyond counts as 0 or 1, what is not a
+    /// `low + (high - low) * paint`, where paint goes from 0 to 1. Paint beyond that counts as 0 or 1, and paint that is not a
     /// number as 0.
     Painted {
         /// What was painted.
@@ -53,8 +53,8 @@ impl ClothMap {
         Self::Painted { paint: ClothPaint::Color(channel), low, high }
     }
 
-    /// A float attribute of the mesh, or one of its components such as `"_CLOTH_PAINT.g"`, from `low` where it is 0 to `high`
-    /// where it is 1.
+    /// A float attribute of the mesh, or one of its components such as `"_CLOTH_PAINT.g"`. The map is `low` where the attribute
+    /// is 0, `high` where it is 1.
     #[must_use]
     pub fn attribute(name: impl Into<String>, low: f32, high: f32) -> Self {
         Self::Painted { paint: ClothPaint::Attribute(name.into()), low, high }

@@ -14,18 +14,19 @@ use crate::solver::settings::Fabric;
 ///
 /// # Where the presets come from
 ///
-/// A preset is calibrated to a drape coefficient, measured for most, quoted for silk, wool and denim (Cusick's test, BS 5058: a
-/// specimen of 30 cm on a disk of 18 cm; 25 fabrics of Gong, Mao, Wang, CVPR 2024, and figures quoted with them), with bending
-/// stiffness and friction inside what is measured for it: `HB / B` 18 (polyester faille) to 52 /m (broadcloth), 23 to 54 in
-/// denims (J. Textiles 2016, 4614168). `cargo run --release --example fabric_lab` measures them. On edges of 5 to 15 mm silk,
-/// cotton and denim at the default rates are within three points of what they show with many more substeps.
+/// A preset is calibrated to a drape coefficient, measured for most, quoted for silk, wool and denim. The test is Cusick's (BS
+/// 5058): a specimen of 30 cm on a disk of 18 cm. Sources are the 25 fabrics of Gong, Mao, Wang (CVPR 2024), and figures quoted
+/// with them. Bending stiffness and friction lie inside what is measured for the fabric. `HB / B` is 18 (polyester faille) to
+/// 52 /m (broadcloth), 23 to 54 in denims (J. Textiles 2016, 4614168). `cargo run --release --example fabric_lab` measures
+/// them. At the default rates silk, cotton and denim on edges of 5 to 15 mm are within three points of runs with many more
+/// substeps.
 ///
 /// Areal densities are those of the trade (shirting 110 to 160 g/m², suiting 180 to 300, denim 340 to 480, garment leather 600
 /// to 1000). Stiffness against stretching is the secant at 490 N/m of load and an elongation of 2 to 6 % (KES-F), shear 1
 /// gf/(cm·deg) = 56 N/m. Rubber is a latex sheet of 0.5 mm from Young's modulus `E` = 1.5e6 Pa: `E·t` for stretching,
 /// `E·t³/(12·(1 - ν²))` for bending. Two bolts of one fabric differ by a factor of two, and its two sides by five points of
 /// drape: take them as starting points. `lab::SAMPLES`, with the feature `lab`, has the source of each, and the real thickness
-/// where it is known; `thickness` here is a distance that contact keeps, five to thirty times as large, since meshes are
+/// where it is known. `thickness` here is a distance that contact keeps, five to thirty times as large, since meshes are
 /// coarse.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
@@ -51,7 +52,8 @@ pub struct ClothMaterial {
     pub stretch_ratio: f32,
     /// Bending stiffness along the warp over that along the weft (dimensionless); `bend_stiffness` is their mean. Default 1,
     /// range 0.1 to 10; woven fabrics have 0.7 to 2.5. Squares cut into triangles along the threads hold it within 5 % of their
-    /// bending length; equilateral triangles up to a ratio of 3; squares cut in four at 45° to the threads not at all.
+    /// bending length, equilateral triangles up to a ratio of 3. Squares cut in four at 45° to the threads do not hold it at
+    /// all.
     pub bend_ratio: f32,
     /// Angle by which the warp is turned from `v` towards `u` of the texture `[rad]`. Default 0, range -π to π. It turns the
     /// two ratios, and what stretches and what shears unless [`ClothMembrane::Springs`](crate::ClothMembrane::Springs) is asked
@@ -59,14 +61,14 @@ pub struct ClothMaterial {
     pub warp_angle: f32,
     /// Curvature that the friction between its yarns holds `[1/m]`, `HB / B` (2HB and B of Kawabata 1980). Default 0, range 0
     /// to 1000; silk 18, wool 25, cotton 40. A fold that was pressed to `κ` stays at `(κ - HB / B) / 2`, and at `HB / B` at
-    /// most, and cloth stops at once; 0: folds open all the way, and it swings. More than 0 makes it twice as stiff where it
-    /// begins to bend.
+    /// most, and cloth stops at once. At 0 folds open all the way, and cloth swings. More than 0 makes it twice as stiff where
+    /// it begins to bend.
     pub bend_hysteresis: f32,
-    /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High looks like
-    /// moving in honey.
+    /// Damping inside the fabric `[1/s]`: rate at which stretching motion decays. Default 2, range 0 to 1000. High values look
+    /// like moving in honey.
     pub damping: f32,
-    /// Linear damping `[1/s]`: rate at which every velocity decays, whatever the wind. Default 0.1, range 0 to 100. 0 swings
-    /// for ever.
+    /// Linear damping `[1/s]`: rate at which every velocity decays, whatever the wind. Default 0.1, range 0 to 100. At 0 cloth
+    /// swings for ever.
     pub drag: f32,
     /// Largest elongation of an edge as a fraction of its length (dimensionless). Default 0.05, range 0 to 10; infinite
     /// switches it off.
@@ -74,13 +76,13 @@ pub struct ClothMaterial {
     /// Thickness `[m]`: distance kept to bodies. Default 0.005, range 1e-4 to 1. Thin cloth may show what it lies on.
     /// Two layers of cloth keep the mean of theirs, from centre to centre.
     pub thickness: f32,
-    /// Coulomb coefficient below which it sticks (dimensionless). Default 0.5, range 0 to 10; combined with a body's by the
-    /// geometric mean.
+    /// Coulomb coefficient below which the cloth sticks (dimensionless). Default 0.5, range 0 to 10; combined with a body's by
+    /// the geometric mean.
     pub static_friction: f32,
-    /// Coulomb coefficient while it slides (dimensionless). Default 0.4, range 0 to 10.
+    /// Coulomb coefficient while the cloth slides (dimensionless). Default 0.4, range 0 to 10.
     pub dynamic_friction: f32,
-    /// Speed with which it leaves what it struck, over that with which it met it (dimensionless). Default 0, range 0 to 1. Of
-    /// two cloths that meet the larger counts; bodies have none of their own. What meets at less than 0.25 m/s does not bounce.
+    /// Restitution: speed after an impact over the speed before it (dimensionless). Default 0, range 0 to 1. Between two cloths
+    /// the larger counts; bodies have none of their own. Contacts slower than 0.25 m/s do not bounce.
     pub restitution: f32,
     /// How far it may hang from a pin, over the distance along the cloth at rest (dimensionless). Default 1, range 0.1 to 10;
     /// infinite switches it off.

@@ -9,8 +9,8 @@ use super::checked::Checked;
 
 /// Where a cloth is held, and by what.
 ///
-/// A list of sets, each with its own weight and target. Pinned vertices keep their place relative to the target: the cloth's
-/// own entity unless [`ClothPins::to`] names another, or the skin when the mesh is skinned.
+/// It is a list of sets, each with its own weight and target. Pinned vertices keep their place relative to the target: the
+/// cloth's own entity unless [`ClothPins::to`] names another, or the skin when the mesh is skinned.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -42,7 +42,7 @@ pub struct ClothPinSet {
     /// How firmly: 1 = rigidly, 0 = not at all (dimensionless). Default 1, range 0 to 1. Multiplies the weights of the
     /// selection.
     pub weight: f32,
-    /// What holds them; the cloth's own entity if `None`.
+    /// The entity that holds them; the cloth's own if `None`. Default `None`.
     #[entities]
     pub target: Option<Entity>,
 }
@@ -56,8 +56,8 @@ pub enum ClothPinSelect {
     /// Vertices of the mesh by index. Indices past the end are ignored and listed in
     /// [`ClothBuildReport::bad_pins`](crate::ClothBuildReport::bad_pins).
     Vertices(Vec<u32>),
-    /// Vertices of the mesh by index, each with a weight from 0 (free) to 1 (held). What is below or above counts as 0 or 1;
-    /// NaN holds nothing.
+    /// Vertices of the mesh by index, each with a weight from 0 (free) to 1 (held). Weights outside count as 0 or 1; NaN holds
+    /// nothing.
     Weighted(Vec<(u32, f32)>),
     /// Vertices at whose position, in the space of the mesh `[m]`, the predicate holds.
     ///
@@ -67,8 +67,8 @@ pub enum ClothPinSelect {
     Position(PositionPredicate),
     /// A channel of the vertex colour is the weight.
     Color(ClothColorChannel),
-    /// A float attribute of that name is the weight, such as `"_PIN"` in a glTF. Of one with several components the first, or
-    /// the one that is named behind a dot: `"_CLOTH_PAINT.r"`.
+    /// A float attribute of that name is the weight, such as `"_PIN"` in a glTF. An attribute of several components gives the
+    /// first, or the one named behind a dot: `"_CLOTH_PAINT.r"`.
     Attribute(String),
 }
 

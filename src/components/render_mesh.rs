@@ -9,8 +9,8 @@ use bevy::prelude::*;
 /// as a seam, a hem of two layers or a wrinkle, keeps its shape and its normals. Several meshes may follow one cloth.
 ///
 /// Give the cloth no material, so that it is not drawn itself. Author both meshes in the same place: a skinned one in the pose
-/// of its skeleton. Pins, maps, limits and fabric are those of the cloth. The skin of the render mesh is taken off while it
-/// follows, and given back with its authored mesh when this or [`Cloth`](crate::Cloth) is removed, or where
+/// of its skeleton. Pins, maps, limits and fabric are those of the cloth. The render mesh loses its skin while it follows. It
+/// gets skin and authored mesh back when this or [`Cloth`](crate::Cloth) is removed. The same happens where
 /// [`ClothBlend`](crate::ClothBlend) or [`ClothLod`](crate::ClothLod) leave the cloth to its skin.
 ///
 /// In a glTF, `cloth.proxy` on the object that is drawn names the object that is simulated.

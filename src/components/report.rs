@@ -1,4 +1,4 @@
-//! What happened: read-only for users.
+//! Reports: read-only for users.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use super::ClothDetail;
 use crate::solver::rest::BuildReport;
 
-/// What the last simulated frame did, and what happened so far.
+/// Report of the last simulated frame, and totals since the start.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -18,11 +18,11 @@ pub struct ClothReport {
     /// Inner steps in each of them: more than one where the edges of the mesh are short (see
     /// [`ClothSolver::inner_rate`](crate::ClothSolver::inner_rate)).
     pub inner_steps: u32,
-    /// Steps per second `[Hz]` from which this mesh drapes as its fabric does, within three points of its drape coefficient: 11
-    /// m/s over the mean edge. With fewer any fabric hangs limper, since one pass over the membrane cannot carry tension
+    /// Steps per second `[Hz]` from which this mesh drapes as its fabric does, within three points of its drape coefficient. It
+    /// is 11 m/s over the mean edge. With fewer any fabric hangs limper, since one pass over the membrane cannot carry tension
     /// through a fine mesh. Substeps and inner steps count.
     pub drape_rate: f32,
-    /// Share of the bending stiffness that the substeps of the last frame held (dimensionless): less than 1 where the mesh is
+    /// Share of the bending stiffness that the substeps of the last frame held (dimensionless). It is below 1 where the mesh is
     /// very fine for them, or the fabric very stiff. A higher [`substep_rate`](crate::ClothSolver::substep_rate) holds more.
     pub bend_held: f32,
     /// Largest edge length over rest length (dimensionless).
@@ -50,8 +50,8 @@ pub struct ClothReport {
     pub restores: u32,
     /// Times the cloth was taken back to its pose at rest.
     pub resets: u32,
-    /// Edges that cross faces, of this cloth with itself and with others, in the live shape: while [`held`](Self::held),
-    /// another is shown. 0 while it is stopped by an error.
+    /// Edges that cross faces, of this cloth with itself and with others, in the live shape. While [`held`](Self::held),
+    /// another shape is shown. 0 while an error stops the cloth.
     pub crossings: u32,
     /// Edges that cross faces as they were made: pins hold all of it, or its skin goes through itself and holds it. Nothing can
     /// be done about those, and no frame is held for them. The cure is in the pins, or in the weights and the clip of the skin.
@@ -64,8 +64,8 @@ pub struct ClothReport {
     pub regions: u32,
     /// Iterations of untangling in the last frame.
     pub iterations: u32,
-    /// Whether the last frame put work off to the next one, of this cloth or another that it can meet, since it would have been
-    /// too much: see [`ClothUntangling::effort`](crate::ClothUntangling::effort).
+    /// Whether the last frame put work off to the next one, because it was too much: see
+    /// [`ClothUntangling::effort`](crate::ClothUntangling::effort). The work is of this cloth, or of another that it can meet.
     pub deferred: bool,
     /// Time since the cloth was last clean `[s]`.
     pub tangled_for: f32,
@@ -75,8 +75,8 @@ pub struct ClothReport {
     pub held_frames: u32,
     /// Time spent on integrating this cloth in the last frame `[ms]`.
     pub integrate_ms: f32,
-    /// Its share, by particles, of the time spent on looking for crossings among the cloths it can meet, and for what
-    /// may touch in the next frame `[ms]`.
+    /// Its share, by particles, of the time of detection among the cloths it can meet `[ms]`. Detection finds crossings, and
+    /// pairs that may touch in the next frame.
     pub detect_ms: f32,
     /// Its share of the time spent on untangling them `[ms]`.
     pub resolve_ms: f32,

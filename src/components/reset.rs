@@ -2,9 +2,9 @@
 
 use bevy::prelude::*;
 
-/// Puts a cloth back to where it begins: onto its skin, or its shape at rest where what carries it is, without velocity,
-/// contact or fold. On an entity that is no cloth it is for all cloths below, such as those of a
-/// [`ClothCharacter`](crate::ClothCharacter). It is taken off as soon as that is done, in the next frame in which time passes
+/// Puts a cloth back to where it begins, without velocity, contact or fold. It begins on its skin, or in its shape at rest
+/// where its carrier is. On an entity that is no cloth it is for all cloths below, such as those of a
+/// [`ClothCharacter`](crate::ClothCharacter). The plugin removes it when that is done, in the next frame in which time passes
 /// and the cloth is simulated. A cloth that [failed](crate::ClothFailed) since it blew up begins anew, too.
 ///
 /// For games that know when a new scene, a new round or another clip begins. A jump that is far and fast is found without it:

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::checked::Checked;
 use crate::solver::evaluate::{self, EvaluateSettings};
 
-/// What is shown while a cloth is tangled. Time is never skipped: only what is drawn is held, and only for so long.
+/// What is shown while a cloth is tangled. The simulation goes on: the drawn shape is held, and only for so long.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -13,7 +13,7 @@ use crate::solver::evaluate::{self, EvaluateSettings};
 pub struct ClothSkipFrame {
     /// What to do about tangled frames. Default [`ClothSkipPolicy::Bounded`].
     pub policy: ClothSkipPolicy,
-    /// Most frames held in a row under [`ClothSkipPolicy::Bounded`]. Default 2, range 0 to 30. More hides longer tangles, but
+    /// Most frames held in a row under [`ClothSkipPolicy::Bounded`]. Default 2, range 0 to 30. More hides longer tangles, and
     /// the cloth visibly sticks.
     pub max_held_frames: u32,
     /// Most time held in any second under [`ClothSkipPolicy::Bounded`] `[s]`. Default 0.1, range 0 to 1.
@@ -31,7 +31,7 @@ pub enum ClothSkipPolicy {
     /// Hold the tangled part in its last clean shape for a few frames at most, then show the best there is.
     #[default]
     Bounded,
-    /// As Wen et al. 2009: keep the whole last clean shape until the cloth is clean again, but no longer than `max` frames.
+    /// As Wen et al. 2009: keep the whole last clean shape until the cloth is clean again, for `max` frames at most.
     UntilClean {
         /// Most frames held in a row.
         max: u32,

@@ -6,12 +6,12 @@ use super::checked::Checked;
 
 /// When a cloth at rest falls asleep: it is then neither stepped nor looked at nor written, until something wakes it.
 ///
-/// It sleeps when no particle went farther than `threshold · delay` for as long as `delay`, nothing around it changed
-/// meanwhile, and the same is true of every cloth it can meet: those fall asleep and wake together. It wakes when the wind,
-/// gravity, its settings, its pins or a body near it change or move, when another cloth comes near, when it is pushed, grabbed,
-/// teleported or gets another mesh. Gusty wind keeps it awake, and so does a body that takes what the cloth gives it
-/// ([`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay)): a net that slept would let go of what lies in it. All times are
-/// those of the cloth: one that is paused (`ClothSolver::time_scale` of 0) does not fall asleep. Nor does one with
+/// A cloth sleeps when no particle went farther than `threshold · delay` for as long as `delay`, and nothing around it changed
+/// meanwhile. The same must be true of every cloth it can meet: those fall asleep and wake together. It wakes when the wind,
+/// gravity, its settings, its pins or a body near it change or move. It also wakes when another cloth comes near, or when it is
+/// pushed, grabbed, teleported or gets another mesh. Gusty wind keeps it awake. So does a body that takes what the cloth gives
+/// it ([`ClothCoupling::TwoWay`](crate::ClothCoupling::TwoWay)): a net that slept would let go of what lies in it. All times
+/// are those of the cloth: one that is paused (`ClothSolver::time_scale` of 0) does not fall asleep. Nor does one with
 /// [`ClothSleepDisabled`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), serde(default))]

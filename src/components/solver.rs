@@ -13,24 +13,25 @@ use crate::solver::settings::{MembraneModel, Stepping};
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothSolver {
     /// Substeps per second `[Hz]`. Default 360, range 30 to 10,000. Low stretches and lets fast bodies push deeper; cost is
-    /// proportional. Up to eight times as many are taken while a body that moves much faster than the pins is near, where one
-    /// that takes part lies on cloth lighter than it, or where gravity would let cloth fall by more than an edge in one.
+    /// proportional. A cloth takes up to eight times as many while a body near it moves much faster than the pins. The same
+    /// holds where a two-way body lies on lighter cloth, or where cloth would fall by more than an edge in a substep.
     pub substep_rate: f32,
     /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000 (positions round the fall of a shorter step). Where
     /// edges are so short that substeps cannot carry tension along the cloth
-    /// ([`ClothReport::drape_rate`](crate::ClothReport::drape_rate)), each is cut into inner steps for all but contacts: fine
-    /// cloth drapes as its fabric and stretches less. Low hangs limper; 30 is none.
+    /// ([`ClothReport::drape_rate`](crate::ClothReport::drape_rate)), each is cut into inner steps. They solve forces, bending,
+    /// springs and pins, so fine cloth drapes as its fabric and stretches less. Contacts and bounds on lengths are solved once
+    /// in a substep. Low hangs limper; 30 is none.
     pub inner_rate: f32,
     /// Longest frame that is simulated `[s]`. Default 0.1, range 0.001 to 1. Time beyond it is counted in
     /// [`ClothReport::lost_time`](crate::ClothReport::lost_time).
     pub max_frame: f32,
-    /// What holds the cloth together in its plane. Default [`ClothMembrane::Auto`].
+    /// The membrane: resists stretch and shear. Default [`ClothMembrane::Auto`].
     pub membrane: ClothMembrane,
     /// Scale of [`ClothGravity`] (dimensionless). Default 1, range -100 to 100.
     pub gravity_scale: f32,
     /// Pace of this cloth over that of its clock (dimensionless). Default 1, range 0 to 10; 0 stops it.
     pub time_scale: f32,
-    /// What happens when the cloth is moved too far in one frame. Default [`ClothTeleportMode::Keep`].
+    /// Teleport mode: what the cloth does when its carrier jumps. Default [`ClothTeleportMode::Keep`].
     pub teleport: ClothTeleportMode,
     /// Least jump of the carrier in a frame that counts as a teleport `[m]`, if it is faster than 25 m/s. Default 1, range 0.001
     /// to 1e6; three times the cloth's radius counts when that is larger.
@@ -56,11 +57,11 @@ pub enum ClothTeleportMode {
     /// It is carried rigidly and keeps shape and velocity.
     #[default]
     Keep,
-    /// It starts again from its pose at rest.
+    /// It starts again on its animated skin, or in its pose at rest if it has none.
     Reset,
 }
 
-/// What holds a cloth together in its plane.
+/// Membrane: the elements that resist stretch and shear in the plane of a cloth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]

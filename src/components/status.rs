@@ -20,7 +20,7 @@ pub enum ClothStatus {
     New,
 }
 
-/// What a cloth waits for.
+/// Input that a cloth waits for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
@@ -66,9 +66,9 @@ impl WaitingFor {
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[error("{detail}")]
 pub struct ClothError {
-    /// What kind of failure.
+    /// Kind of failure.
     pub kind: ClothErrorKind,
-    /// What exactly, and what helps.
+    /// Exact cause, and what helps.
     pub detail: String,
 }
 
@@ -181,8 +181,8 @@ pub struct ClothHeld {
     pub entity: Entity,
 }
 
-/// Untangling did not succeed for a second, so stronger means are used: first regions and separations for every contour in more
-/// directions, at last the animated pose or the shape at rest, to which the tangled part is drawn. Methods other than
+/// Untangling did not succeed for a second, so stronger means are used. First come regions and separations for every contour,
+/// in more directions. At last the tangled part is drawn to the animated pose or the shape at rest. Methods other than
 /// [`ByEndType`](crate::ClothUntanglingMethod::ByEndType) have only the last of these; with
 /// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled) there is none, and no event.
 #[derive(EntityEvent, Clone, Copy, Debug)]

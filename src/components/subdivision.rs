@@ -6,9 +6,9 @@ use bevy::prelude::*;
 /// bends.
 ///
 /// The cloth is simulated and drawn with a finer copy of its mesh. Normals, texture coordinates, colours, maps and weights of a
-/// skin are interpolated. The vertices of the mesh keep their numbers, so that pins by vertex hold what they did; pins by
-/// position, colour or attribute hold what is between, too. Morph targets are lost. What is flat stays flat until the cloth
-/// bends. A mesh under a [`ClothRenderMesh`](crate::ClothRenderMesh) is made finer, too; one that is drawn by
+/// skin are interpolated. The vertices of the mesh keep their numbers, so pins by vertex hold the same vertices. Pins by
+/// position, colour or attribute hold the new vertices between, too. Morph targets are lost. What is flat stays flat until the
+/// cloth bends. A mesh under a [`ClothRenderMesh`](crate::ClothRenderMesh) is made finer, too; one that is drawn by
 /// [pieces](crate::ClothPiece) is not.
 ///
 /// The copy is made in the frame in which the mesh arrives, whatever [`ClothLoading`](crate::ClothLoading) says. The mesh is

@@ -29,7 +29,7 @@ impl ClothContactEvents {
     }
 }
 
-/// What touches a cloth with [`ClothContactEvents`], which brings it and takes it away. Read it after
+/// Bodies and cloths that touch a cloth with [`ClothContactEvents`], which inserts and removes this component. Read it after
 /// [`ClothSystems::Respond`](crate::ClothSystems::Respond); written by the simulation and not saved.
 ///
 /// ```

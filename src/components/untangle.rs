@@ -1,4 +1,4 @@
-//! How a cloth that crosses itself or another is taken apart.
+//! How cloth that crosses itself or another cloth is untangled.
 
 use bevy::prelude::*;
 
@@ -6,10 +6,10 @@ use super::checked::Checked;
 use crate::solver::island::UntangleSettings;
 use crate::solver::resolve::{Method, ResolveSettings};
 
-/// How a cloth that crosses itself or another is taken apart.
+/// How cloth that crosses itself or another cloth is untangled.
 ///
-/// Cloths that can meet are untangled together, as the one with the most iterations says; of equals, the one whose entity has
-/// the lowest index, as a rule the one that was spawned first. One with [`ClothUntanglingDisabled`] is not moved.
+/// Cloths that can meet form an island and are untangled together, by the settings with the most iterations. Ties go to the
+/// lowest entity index, as a rule the cloth that was spawned first. A cloth with [`ClothUntanglingDisabled`] is not moved.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize), serde(default, deny_unknown_fields))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
@@ -29,31 +29,31 @@ pub struct ClothUntangling {
     /// How far the motion spreads into the cloth around a contour, as a fraction of the contour's length (dimensionless).
     /// Default 0.5, range 0 to 10. 0 moves only the particles at the contour, which the rest of a fine cloth holds back.
     pub spread: f32,
-    /// Iterations without progress after which something else is tried. Default 10, range 1 to 1000.
+    /// Iterations without progress after which another strategy is tried. Default 10, range 1 to 1000.
     pub stall_iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2, range 0 to 16.
     pub relaxations: u32,
     /// Work budget of looks and of untangling in a frame: visits of particles, crossings and pairs of faces for each face.
     /// Default 512, range 16 to 1,000,000. The rest goes on in the next frame, and
-    /// [`ClothReport::deferred`](crate::ClothReport::deferred) tells of it. Lower, heaps stay tangled for longer and piles that
-    /// land hard cross; higher, a frame in which cloth crosses all over takes long. It is counted and not timed, so that every
-    /// machine stops at the same place.
+    /// [`ClothReport::deferred`](crate::ClothReport::deferred) reports it. Too low: heaps stay tangled for longer, and piles
+    /// that land hard cross; too high: a frame in which cloth crosses all over takes long. It is counted and not timed, so that
+    /// every machine stops at the same place.
     pub effort: u32,
-    /// Whether a cloth that is tangled in its first frame is taken apart at once, in 300 iterations at most, over several
-    /// frames if it is much work. Default false: it comes apart before the eyes of the player. While no time passes, as in the
-    /// very first frame of an app and while virtual time is paused, nothing is taken apart and the mesh is shown as it is.
+    /// Whether a cloth that is tangled in its first frame is taken apart at once, in 300 iterations at most. Much work spreads
+    /// over several frames. Default false: it comes apart before the eyes of the player. While no time passes, nothing is taken
+    /// apart and the mesh is shown as it is. That is so in the very first frame of an app, and while virtual time is paused.
     pub at_load: bool,
 }
 
-/// A cloth with this is not moved to come apart: it is left as it is, and others get off it. Contacts stay on, except where the
-/// cloth crosses. Crossings are still counted. Without it, [`ClothUntangling`] says how it comes apart.
+/// Untangling leaves a cloth with this marker as it is, and moves others off it. Contacts stay on, except where the cloth
+/// crosses. Crossings are still counted. Without it, [`ClothUntangling`] says how it comes apart.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothUntanglingDisabled;
 
-/// Methods of taking crossing surfaces apart. Those of others, to compare with, are there with the feature `research`.
+/// Untangling methods. Methods of other papers need the feature `research`; they are for comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[cfg_attr(feature = "presets", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq, Hash)]
@@ -68,7 +68,7 @@ pub enum ClothUntanglingMethod {
     /// One summed gradient per contour (Wen et al. 2009).
     #[cfg(feature = "research")]
     GlobalGradient,
-    /// Per contour, by how it ends; another way when one makes no progress.
+    /// By the end type of each contour; another strategy when one makes no progress.
     #[default]
     ByEndType,
 }

@@ -1,7 +1,7 @@
 //! Where cloth touches cloth and bodies, and how hard.
 //!
-//! Contacts are known between Integrate, which solves them, and Detect, which looks for those of the next frame: what there is
-//! then is remembered, so that it is still seen while time stands still.
+//! Contacts are known between Integrate, which solves them, and Detect, which looks for those of the next frame. They are
+//! remembered from then, so that they are still drawn while time stands still.
 
 use bevy::prelude::*;
 

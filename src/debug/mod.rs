@@ -1,4 +1,4 @@
-//! What the solver sees, drawn as gizmos: one file per item.
+//! Debug drawing of what the solver sees, as gizmos: one file per item.
 //!
 //! ```
 //! # use bevy::prelude::*;
@@ -93,7 +93,7 @@ pub struct ClothDebug {
     /// The pieces that contours cut off. Default false.
     pub regions: bool,
     /// The border of each cloth, by its level of detail: strained, awake, settling, half or a quarter of the substeps, still,
-    /// or asleep; every edge of one without a border. Default false.
+    /// or asleep. A cloth without a border has every edge drawn. Default false.
     pub sleep: bool,
     /// Normals of the particles. Default false.
     pub normals: bool,

@@ -1,5 +1,5 @@
-//! Maps of the extras: how far a cloth goes from its skin, how far it sinks into it, how firmly it is drawn to it; and where
-//! they are painted.
+//! Maps of the extras, and where they are painted. They say how far a cloth goes from its skin, how far it sinks into it, and
+//! how firmly it is drawn to it.
 
 use bevy::prelude::*;
 use serde_json::{Map, Value};

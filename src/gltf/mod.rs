@@ -1,7 +1,7 @@
 //! Cloth authored in a glTF: node and scene extras become components.
 //!
 //! A node whose extras hold `cloth` makes its mesh a cloth, one that holds `collider` makes it a collider; everything else has
-//! defaults. Unknown keys and wrong types are one warning each that names the file, the node and the key, and the rest of the
+//! defaults. Unknown keys and wrong types give one warning each, which names the file, the node and the key. The rest of the
 //! file still works.
 //!
 //! | node extras | value |
@@ -30,22 +30,22 @@
 //! | `gravity` | `[x, y, z]` `[m/s²]` |
 //! | `wind` | `[x, y, z]` `[m/s]` |
 //!
-//! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths: put it on the mesh of a
+//! `"skeleton"` makes a [`ClothBody`] of every skinned mesh at the node or below it, except of cloths. Put it on the mesh of a
 //! character, or on its armature.
 //!
-//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth, shown by a [`ClothPiece`] for
-//! each material: where their vertices lie in the same place, they hang together.
+//! A mesh with several materials, which a glTF stores as one primitive each, becomes one cloth. A [`ClothPiece`] for each
+//! material shows it. Pieces hang together where their vertices lie in the same place.
 //!
 //! Keys of the `cloth` object may also be written flat, as `"cloth.pin"` beside `"cloth"`, for programs that only have flat
 //! properties.
 //!
-//! A `map` names what was painted as `cloth.pin` does; a single number beside it counts where the paint is 1, and 0 where it
-//! is 0. A mesh with `_CLOTH_MAXDIST` and no `cloth.max_distance` has that of 0 to 1 m; `false` switches it off.
+//! A `map` names the paint as `cloth.pin` does. A single number beside it is the value at 1, and the value at 0 is zero. A mesh
+//! with `_CLOTH_MAXDIST` and no `cloth.max_distance` has that of 0 to 1 m; `false` switches it off.
 //!
 //! `_CLOTH_PAINT` holds four maps in one colour: red is `_PIN`, green `_CLOTH_MAXDIST`, blue `_CLOTH_BACKSTOP`, alpha
 //! `_CLOTH_DRIVE`. Each stands in where the mesh does not have the attribute of its own. Red pins without `cloth.pin`, too.
 //!
-//! Bevy only reads vertex attributes that it was told of before it loads. One line does that:
+//! Bevy only reads vertex attributes that are registered before it loads. One line does that:
 //!
 //! ```
 //! # use bevy::prelude::*;

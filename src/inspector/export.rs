@@ -15,8 +15,9 @@ use crate::presets::ClothPreset;
 
 /// The components of a cloth that differ from their defaults, as an expression each: what goes into `commands.spawn((..))`.
 ///
-/// The material is written over the preset that it differs least from. What lies elsewhere follows as comments, where it differs: weights
-/// of pins, which belong to the sets that the program makes, the body of the character, and wind, gravity and budget of the world, which are resources.
+/// The material is written over the preset that it differs least from. Settings that lie elsewhere follow as comments, where
+/// they differ: weights of pins, the body of the character, the world's wind, gravity and budget. The program makes the sets of
+/// pins, and the last three are resources.
 #[must_use]
 pub fn as_rust(settings: &ClothSettings) -> String {
     let mut lines = vec![material_as_rust(&settings.material)];

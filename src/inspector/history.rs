@@ -9,8 +9,8 @@ use crate::solver::state::ClothState;
 pub const SPAN: f64 = 10.0;
 /// Samples per second at most; faster frames are merged, the worst of them stays `[Hz]`.
 const RATE: f64 = 60.0;
-/// A frame joins the last sample within this share of the time for one (dimensionless): a little less than all, so that frames
-/// of just that length are never merged.
+/// A frame joins the last sample within this share of the time for one (dimensionless). It is a little less than all, so that
+/// frames of just that length are never merged.
 const MERGES: f64 = 0.9;
 /// Samples that are kept: the span is full at every frame rate.
 const KEPT: usize = (SPAN * RATE / MERGES) as usize + 1;

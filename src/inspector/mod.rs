@@ -7,10 +7,10 @@
 //! App::new().add_plugins((DefaultPlugins, ClothPlugin::default(), ClothInspectorPlugin::default())).run();
 //! ```
 //!
-//! `I` opens and closes it. Pick a cloth in the list or click it in the scene; every setting has its unit, a range, a mark
-//! where the default is and a button that leads back to it; what is typed and makes no sense is refused with the reason.
-//! Changes take effect at once and without a jump: the library lets a fabric go to its new stiffness over a quarter of a
-//! second. An app that has windows of its own calls [`cloth_inspector`] in one of them.
+//! `I` opens and closes it. Pick a cloth in the list or click it in the scene. Every setting has its unit, a range, a mark
+//! where the default is, and a button that leads back to it. Input that makes no sense is refused with the reason. Changes take
+//! effect at once and without a jump: a fabric ramps to its new stiffness over a quarter of a second. An app that has windows
+//! of its own calls [`cloth_inspector`] in one of them.
 //!
 //! "Copy" shows the text in the panel, and with the feature `clipboard` puts it on the clipboard of the system.
 //!

@@ -1,4 +1,4 @@
-//! The plugin: a window that a key opens, input kept from the game while it is over the panel, and a click that picks a cloth.
+//! The plugin: a window that a key opens, and a click that picks a cloth. Input over the panel is kept from the game.
 
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseMotion};
 use bevy::prelude::*;
@@ -25,11 +25,11 @@ pub struct ClothInspectorPlugin {
     /// Whether the window is open at the start. Default false.
     pub open: bool,
     /// Whether keys and mouse over the panel are kept from the game. Default true. They are taken from `ButtonInput` and from
-    /// the messages and sums of the mouse; `CursorMoved` goes on, and picking (`Pointer` events) without the feature `picking`:
-    /// what listens to those asks `EguiWantsInput`.
+    /// the messages and sums of the mouse; `CursorMoved` goes on, and so do `Pointer` events without the feature `picking`:
+    /// their listeners ask `EguiWantsInput`.
     pub absorbs_input: bool,
-    /// Whether there is a window. Default true. Without, the app calls [`cloth_inspector`] in one of its own, and egui is up to
-    /// the app: the plugin does what the buttons ask for and keeps the history while the panel is drawn.
+    /// Whether there is a window. Default true. Without it, the app calls [`cloth_inspector`] in a window of its own, and egui
+    /// is up to the app. The plugin does what the buttons ask for, and keeps the history while the panel is drawn.
     pub window: bool,
 }
 

@@ -67,8 +67,8 @@ impl Scale {
     }
 }
 
-/// Where a number lies; none when it does not exist now, as the wind of a cloth that has none of its own, or the distances of
-/// its level of detail.
+/// Where a number lies. None when it does not exist now, as the wind of a cloth without its own, or the distances of its level
+/// of detail.
 pub type Field<T> = fn(&mut ClothSettings) -> Option<&mut T>;
 
 /// What kind of value a setting has, and where it lies.

@@ -79,8 +79,8 @@ pub(super) fn fold(positions: &mut [Vec4]) -> bool {
     true
 }
 
-/// Pushes a cloth through the particles of another, all in one frame, where they are nearest: a cloth that is free is brought
-/// near and gets a dent, one that is held turns about what holds it. False when one of them is empty.
+/// Pushes a cloth through the particles of another, all in one frame, where they are nearest. A free cloth is brought near and
+/// gets a dent; a held one turns about what holds it. False when one of them is empty.
 pub(super) fn push(positions: &mut [Vec4], other: &[Vec3]) -> bool {
     let every = |n: usize| n.div_ceil(LOOKED_AT).max(1);
     let center = frame(positions).center;

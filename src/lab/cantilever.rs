@@ -53,7 +53,7 @@ pub fn test(fabric: &Fabric, cells: u32, cut: Cut, substep_rate: f32) -> f32 {
     (end - clamp) / (l0 + (l1 - l0) * (angle - a0) / (a1 - a0))
 }
 
-/// A strip along x of `columns` by `rows` squares of side `edge` `[m]`, its warp along x, or at 45° to it, as it is cut.
+/// A strip along x of `columns` by `rows` squares of side `edge` `[m]`. Its warp runs along x, or at 45° to it, by its `cut`.
 pub(super) fn strip(columns: u32, rows: u32, edge: f32, cut: Cut) -> SourceMesh {
     let mut mesh = SourceMesh::default();
     let at = |i: f32, j: f32| vec3(i * edge, 0.0, (j - 0.5 * rows as f32) * edge);

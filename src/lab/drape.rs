@@ -263,8 +263,9 @@ pub fn rings(edge: f32) -> SourceMesh {
     mesh
 }
 
-/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` `[m]`, turned by `angle` `[rad]`, its warp with
-/// it; diagonals all one way, or turn about. Vertices near the rim and near the edge of the disk are moved onto them.
+/// A disk of radius [`SPECIMEN`] cut from a square grid with edges of `edge` `[m]`. The grid is turned by `angle` `[rad]`, its
+/// warp with it. Diagonals run all one way, or alternate. Vertices near the rim and near the edge of the disk are moved onto
+/// them.
 #[must_use]
 pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
     const SNAP: f32 = 0.3;
@@ -298,7 +299,7 @@ pub fn grid(edge: f32, angle: f32, alternating: bool) -> SourceMesh {
     mesh
 }
 
-/// The disk of [`grid`] with its vertices shaken by up to 0.3 edges, those on the circles along them, and each quad cut along
+/// The disk of [`grid`] with its vertices shaken by up to 0.3 edges, those on the circles along them. Each quad is cut along
 /// its shorter diagonal: no two triangles are alike.
 #[must_use]
 pub fn irregular(edge: f32, seed: u64) -> SourceMesh {

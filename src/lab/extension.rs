@@ -20,9 +20,9 @@ pub const LOAD: f32 = 98.0;
 
 /// Cells across a strip; it is three times as long as wide.
 const ACROSS: u32 = 8;
-/// Side of a cell `[m]`, and substeps per second `[Hz]`: a load that is much heavier than the strip is felt through many cells
-/// only in many substeps.
+/// Side of a cell `[m]`.
 const EDGE: f32 = 0.05;
+/// Substeps per second `[Hz]`. A load that is much heavier than the strip is felt through many cells only in many substeps.
 const RATE: f32 = 6000.0;
 
 /// What theory says of a strip at 45° (dimensionless).

@@ -89,8 +89,8 @@ pub fn bending_length(fabric: &Fabric) -> f32 {
 /// steps.
 const SPEED: f32 = 14.0;
 
-/// Substeps per second `[Hz]` with which the tests of a mesh with edges of `edge` `[m]` run: more than it needs to drape as its
-/// fabric does.
+/// Substeps per second `[Hz]` of the tests of a mesh with edges of `edge` `[m]`: more than it needs to drape as its fabric
+/// does.
 #[must_use]
 pub fn rate(edge: f32) -> f32 {
     (SPEED / edge).max(360.0)

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Fields that are not given have defaults. A file may also hold the fields of a material alone:
-//! `(density: 0.15, stretch_stiffness: 12000.0)`. What is wrong in a file is named by file, line, column and field; a number
-//! that is out of range is used clamped, as anywhere.
+//! `(density: 0.15, stretch_stiffness: 12000.0)`. Errors in a file are named by file, line, column and field. A number that is
+//! out of range is used clamped, as anywhere.
 
 mod apply;
 mod loader;

@@ -1,4 +1,4 @@
-//! From which mesh a cloth was made, what was taken off its entity for that, and how long one waits that could not be made yet.
+//! From which mesh a cloth was made, what was taken off its entity for that, and how long it has waited to be made.
 
 use bevy::math::Mat3;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};

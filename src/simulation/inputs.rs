@@ -23,7 +23,7 @@ use crate::solver::skinned::Skinned;
 use crate::solver::step::FrameInput;
 use crate::solver::wind::Wind;
 
-/// Frames in which a skinned cloth is put where its skin is: the player of its animation poses it in the first or in the
+/// Frames in which a skinned cloth is put where its skin is. The player of its animation poses it in the first or in the
 /// second. In the next the skin takes it along, at its own speed. Then it gets its limits within a quarter of a second, as in
 /// o3de.
 pub(crate) const FIRST_FRAMES: u32 = 2;
@@ -77,9 +77,9 @@ pub(crate) struct ClothInputs {
     /// What is asked of the skin, and what the solver is given of it.
     pub followed: Followed,
     pub skinned: Skinned,
-    /// Frames since it was bound, as far as they count, and how much of its limits it has got since (dimensionless, 0 to 1): a
-    /// skinned cloth begins as its skin.
+    /// Frames since it was bound, as far as they count.
     pub frames: u32,
+    /// How much of its limits it has got since (dimensionless, 0 to 1): a skinned cloth begins as its skin.
     pub fade: f32,
     /// Whether a frame was simulated with nothing of its limits left.
     pub on_skin: bool,

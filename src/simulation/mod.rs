@@ -1,5 +1,5 @@
-//! What the simulation keeps: on a cloth's entity a component per kind of data (rest, state, inputs, scratch, shown), and what
-//! there is around all cloths (bodies, air).
+//! The data of the simulation. A cloth's entity has a component per kind (rest, state, inputs, scratch, shown). Bodies and air
+//! lie around all cloths.
 //!
 //! None of the components is cloned with the entity: the clone binds anew from the mesh that was authored.
 

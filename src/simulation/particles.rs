@@ -43,8 +43,8 @@ impl ClothParticles {
         self.state.positions.is_empty()
     }
 
-    /// Simulated positions in the world `[m]`, one per particle: not in the order of the mesh's vertices, whose particles are
-    /// [`RestShape::particle_of_vertex`](crate::solver::rest::RestShape::particle_of_vertex); with a
+    /// Simulated positions in the world `[m]`, one per particle. The order is not that of the mesh's vertices:
+    /// [`RestShape::particle_of_vertex`](crate::solver::rest::RestShape::particle_of_vertex) has the particle of each. With a
     /// [`ClothDecimation`](crate::ClothDecimation) that may be another vertex nearby.
     pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())

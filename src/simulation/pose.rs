@@ -6,12 +6,12 @@ use bevy::prelude::*;
 use super::particles::ClothParticles;
 
 /// Positions and velocities of the particles of a cloth, for save games. [`ClothParticles::pose`] takes it. On the entity of a
-/// cloth with as many particles, in any process, it is an input: the cloth is put into that pose, and the component is removed.
+/// cloth with as many particles, in any process, it is an input. The cloth is put into that pose, and the component is removed.
 /// Its contacts are found anew.
 ///
-/// A cloth that waits for its mesh, or is stopped, gets its pose when it is simulated; a skinned one after the frames in which
-/// it is put on its skin. Held particles stay with what holds them. A pose that does not fit is named in a warning, and changes
-/// nothing. [`ClothSnapshot`](crate::ClothSnapshot) keeps everything, bit by bit, within one world.
+/// A cloth that waits for its mesh, or is stopped, gets its pose when it is simulated. A skinned cloth gets it after the frames
+/// in which it is put on its skin. Held particles stay with what holds them. A pose that does not fit is named in a warning,
+/// and changes nothing. [`ClothSnapshot`](crate::ClothSnapshot) keeps everything, bit by bit, within one world.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize), reflect(Serialize, Deserialize))]

@@ -6,8 +6,8 @@ use crate::components::{ClothDetail, ClothReport};
 const SETTLED: f32 = 1.0;
 /// Time over which costs are averaged `[s]`.
 const AVERAGED: f32 = 0.25;
-/// What a frame counts for at most, over the mean of those before (dimensionless): where the machine stalls for one, that is no
-/// cost of the cloth, and would keep it still for ever, as what is still is not measured.
+/// Most that a frame counts for, over the mean of those before (dimensionless). A stall of the machine is no cost of the cloth.
+/// It would keep the cloth still for ever, since still cloth is not measured.
 const OUTLIER: f32 = 2.0;
 
 /// What a cloth costs, and what the budget leaves of it.

@@ -2,8 +2,8 @@
 
 use core::ops::{Deref, DerefMut};
 
-/// Reused memory, beside what decides the next frame: what a frame leaves in it is not read by the next, or is found again with
-/// the same bits. So any two are equal, a clone is empty, and nothing of it is recorded.
+/// Reused memory, beside the state that decides the next frame. The next frame does not read its contents, or finds them again
+/// with the same bits. So any two are equal, a clone is empty, and nothing of it is recorded.
 #[derive(Debug, Default)]
 pub(super) struct Buffer<T>(pub T);
 

@@ -1,4 +1,4 @@
-//! How much work there may be in a frame: counted, not timed, so that it is the same on every machine and for any number of
+//! How much work a frame may do. Work is counted, not timed, so that it is the same on every machine and for any number of
 //! threads.
 //!
 //! A *visit* is what is done about one particle, edge, crossing or pair of faces, some ten nanoseconds of it. The work of a

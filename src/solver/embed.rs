@@ -18,11 +18,11 @@ use parry3d::query::PointQuery;
 
 use super::raycast::closest_weights;
 
-/// Most triangles that a vertex follows: those whose points are within an edge of a point of a regular mesh are six to
-/// thirteen, of which the far ones have next to no weight.
+/// Most triangles that a vertex follows. In a regular mesh, six to thirteen triangles have points within an edge of a given
+/// point. The far ones have next to no weight.
 const MOST: usize = 8;
-/// Faces at a vertex from which on it is the hub of a fan, whose faces are no neighbours of each other: all pairs of ten
-/// thousand would take a hundred million steps.
+/// A vertex with more faces than this is the hub of a fan, whose faces are no neighbours of each other. All pairs of ten
+/// thousand faces would take a hundred million steps.
 pub(super) const HUB: usize = 64;
 
 /// Which triangles of a coarse mesh each vertex of a fine one follows.
@@ -80,7 +80,7 @@ impl Embedding {
         Some(embedding)
     }
 
-    /// The same where it is known with which particle each of the `points` goes: it follows triangles around that and around
+    /// The same, where the particle of each of the `points` is known. A point follows triangles around its particle and around
     /// their corners, whatever else is near.
     #[must_use]
     pub(crate) fn along(faces: &[[u32; 3]], positions: &[Vec3], edge: f32, points: &[Vec3], particles: &[u32]) -> Option<Self> {

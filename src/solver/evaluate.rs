@@ -10,8 +10,8 @@
 //!                                      └─ no clean shape, or held too often: Live, tangled
 //! ```
 //!
-//! Held particles follow the anchor: `shown = (1 - α w) live + α w · now · then⁻¹ · clean`, with `w` 1 at the tangle and
-//! falling to 0 over a few rings, and `α` 1 while held, falling to 0 while fading.
+//! Held particles follow the anchor: `shown = (1 - α w) live + α w · now · then⁻¹ · clean`. `w` is 1 at the tangle and falls to
+//! 0 over a few rings. `α` is 1 while held and falls to 0 while fading.
 
 use glam::{Quat, Vec3, Vec4};
 

@@ -12,8 +12,8 @@ pub(crate) fn first_substep() -> f32 {
     Stepping::default().substep_rate.recip()
 }
 
-/// Gives `impulse` `[N·s]` to the particles within `radius` `[m]` of `point` `[m]`, as one piece: each gets the velocity
-/// `J f / Σ m f`, `f = (1 - d²/r²)²`. Returns how many particles took part.
+/// Gives `impulse` `[N·s]` to the particles within `radius` `[m]` of `point` `[m]`, as one piece. Each gets the velocity
+/// `J f / Σ m f`, with `f = (1 - d²/r²)²`. Returns how many particles took part.
 pub(crate) fn impulse(state: &mut ClothState, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
     let share = |x: &Vec4| falloff((x.truncate() - point).length_squared(), radius);
     let mass: f32 = state.positions.iter().filter(|x| x.w > 0.0).map(|x| share(x) / x.w).sum();
@@ -24,8 +24,8 @@ pub(crate) fn impulse(state: &mut ClothState, point: Vec3, impulse: Vec3, radius
     kick(state, |x| velocity * share(&x))
 }
 
-/// Blows the particles within `radius` `[m]` away from `center` `[m]`: each gets the velocity `J f / M`, `M` the mass of all
-/// free particles and `f = (1 - d²/r²)²`, so that `impulse` `[N·s]` is the sum of the magnitudes if all were at `center`.
+/// Blows the particles within `radius` `[m]` away from `center` `[m]`. Each gets the velocity `J f / M`, with `M` the mass of
+/// all free particles and `f = (1 - d²/r²)²`. So `impulse` `[N·s]` is the sum of the magnitudes if all were at `center`.
 /// Directions differ: the net impulse is smaller. Returns how many particles took part.
 pub(crate) fn explosion(state: &mut ClothState, center: Vec3, impulse: f32, radius: f32) -> u32 {
     let mass: f32 = state.positions.iter().filter(|x| x.w > 0.0).map(|x| 1.0 / x.w).sum();

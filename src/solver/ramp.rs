@@ -1,8 +1,8 @@
-//! A fabric that is changed while cloth is made of it: what could make the cloth jump goes to its new value over a quarter of a
-//! second.
+//! A fabric that is changed while cloth is made of it. Values that could make the cloth jump go to the new ones over a quarter
+//! of a second.
 //!
-//! Geometrically, so that a hundred times stiffer is as gentle as a hundred times softer: over a step `dt` of the time `T` that
-//! is left, `v' = v (v₁ / v)^(dt / T)`.
+//! The change is geometric, so that a hundred times stiffer is as gentle as a hundred times softer. Over a step `dt` of the
+//! time `T` that is left, `v' = v (v₁ / v)^(dt / T)`.
 //!
 //! Bounds of elongation move what they hold, however stiff it is: they let a sheet down that hangs, and draw it up. They go at
 //! a speed, `V` at the far end of a cloth of length `L`:
@@ -26,8 +26,8 @@ const SETTLE: f32 = 0.5;
 /// Least rate at which it does `[1/s]`.
 const LEAST_RATE: f32 = 0.005;
 
-/// A bound is out of reach at this many times the worst elongation there is (dimensionless): one that holds an edge may be a
-/// little exceeded.
+/// A bound is out of reach at this many times the worst elongation there is (dimensionless). A bound that holds an edge may be
+/// a little exceeded.
 const REACH: f32 = 1.25;
 /// And by this much more (dimensionless).
 const MARGIN: f32 = 0.005;

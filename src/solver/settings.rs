@@ -56,9 +56,9 @@ pub struct Fabric {
 }
 
 impl Fabric {
-    /// Values from which masses and factors of constraints are computed: density `[kg/m²]`, stiffness against stretch and shear
-    /// `[N/m]` and against bending `[N·m]`, the ratios along the warp (dimensionless), its angle `[rad]`, and whether yarns rub
-    /// (0 or 1). While these and the pins stay, [`prepare`](super::step::prepare) need not be called.
+    /// Values from which masses and factors of constraints are computed. They are density `[kg/m²]`, stiffness against stretch
+    /// and shear `[N/m]` and against bending `[N·m]`. The ratios along the warp (dimensionless) follow, then its angle `[rad]`,
+    /// and whether yarns rub (0 or 1). While these and the pins stay, [`prepare`](super::step::prepare) need not be called.
     #[must_use]
     pub fn prepared(&self) -> [f32; 8] {
         let rubs = f32::from(u8::from(self.bend_hysteresis > 0.0));
@@ -93,9 +93,9 @@ impl Default for Fabric {
     }
 }
 
-/// Speed at which one pass over the membrane in each step has to carry tension along the cloth for it to drape as its fabric
-/// does `[m/s]`: from there on the drape coefficients of silk, cotton and denim on edges of 5 to 15 mm are within three points
-/// of what more steps show.
+/// Speed at which one pass over the membrane in each step has to carry tension along the cloth `[m/s]`. From there on cloth
+/// drapes as its fabric does. Drape coefficients of silk, cotton and denim on edges of 5 to 15 mm are within three points of
+/// those of more steps.
 const TENSION_SPEED: f32 = 11.0;
 
 /// Steps per second `[Hz]` from which a mesh with edges of `mean_edge` `[m]` drapes as its fabric does; it hangs limper with
@@ -109,15 +109,15 @@ pub fn drape_rate(mean_edge: f32) -> f32 {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stepping {
-    /// Substeps per second of simulated time `[Hz]`. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`,
-    /// or up to eight times as many while a body that moves much faster than the pins is near, or where gravity would let cloth
-    /// fall by more than an edge in one.
+    /// Substeps per second of simulated time `[Hz]`. Default 360, range 30 to 10,000. A frame of `dt` takes `ceil(dt · rate)`.
+    /// It takes up to eight times as many while a body that moves much faster than the pins is near. So it does where gravity
+    /// would let cloth fall by more than an edge in one.
     pub substep_rate: f32,
     /// Longest frame that is simulated `[s]`; time beyond it is counted as lost, never simulated in one leap. Default 0.1.
     pub max_frame: f32,
     /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000: the fall in a shorter step is no more than rounding.
-    /// Where the mesh asks for more steps ([`drape_rate`]) than there are substeps, each is cut into inner steps for all but
-    /// contacts and bounds on lengths.
+    /// The mesh may ask for more steps ([`drape_rate`]) than there are substeps. Each substep is then cut into inner steps for
+    /// all except contacts and bounds on lengths.
     pub inner_rate: f32,
     /// What holds the cloth together in its plane. Default [`MembraneModel::Auto`].
     pub membrane: MembraneModel,

@@ -12,8 +12,8 @@ pub struct Verdict {
     pub contour_length: f32,
     /// Contours that cut a piece off a sheet.
     pub regions: u32,
-    /// Edges that crossed faces elsewhere, where so much may cross that each look is at a part of the cloth: as many as when it
-    /// was looked at there.
+    /// Edges that crossed faces elsewhere, where so much may cross that each look is at a part of the cloth. They are counted
+    /// when that part was looked at.
     pub elsewhere: u32,
 }
 

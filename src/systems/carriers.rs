@@ -22,8 +22,8 @@ use crate::simulation::{
 };
 use crate::time::ClothTime;
 
-/// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position: at
-/// 2 m that is 180 units in the last place, at 16 m only 22.
+/// Distance from the origin of the frame at which it is moved along `[m]`. A substep of free fall adds 4e-5 m to a position.
+/// That is 180 units in the last place at 2 m, and only 22 at 16 m.
 const REBASE: f32 = 2.0;
 
 /// Who is a character, and what hangs on whom.
@@ -110,8 +110,8 @@ pub(crate) fn travel(
     }
 }
 
-/// Whether what carries a cloth jumped in the last `dt` `[s]`: far and fast. Further than 1 m and three radii, or by more than
-/// 60 degrees, by default; and faster than anything that moves legally, since a frame may be long.
+/// Whether what carries a cloth jumped in the last `dt` `[s]`: far and fast. By default far is more than 1 m and three radii,
+/// or more than 60 degrees. Fast is faster than anything that moves legally, since a frame may be long.
 fn is_jump(journey: &Motion, inputs: &ClothInputs, dt: f32) -> bool {
     let (least, turn) = inputs.teleport;
     // Written so that what is not a number is a jump.
@@ -120,8 +120,8 @@ fn is_jump(journey: &Motion, inputs: &ClothInputs, dt: f32) -> bool {
 }
 
 /// Carries cloths along with the share of the motion of their carrier that they are not to feel. Cloths of a character go along
-/// as one. Those that can meet a cloth that nothing carries, or another character does, feel all of it: nothing but motion that
-/// is simulated may bring them together.
+/// as one. Cloths that can meet a cloth of another character, or one that nothing carries, feel all of it. Only simulated
+/// motion may bring them together.
 pub(crate) fn inertia(
     time: Res<ClothTime>,
     transforms: Transforms,

@@ -107,8 +107,8 @@ pub(crate) fn couple(
         coupling.clear();
         coupled.begin();
         for body in bodies.iter_mut() {
-            // The bodies of a cloth that sleeps or is carried along are those of an older frame: their places are now those of
-            // others, or of none.
+            // The bodies of a cloth that sleeps or is carried along are those of an older frame. Their places now belong to
+            // others, or to none.
             body.rigid = body.rigid.filter(|_| !*asleep && !*carried).map(|index| coupled.slot_of(index));
         }
         if !world.rigids.is_empty() {

@@ -9,7 +9,7 @@ use crate::notices::Notices;
 use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
 use crate::solver::integrate::pull::Pull;
 
-/// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth: beyond it, springs that
+/// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth. Beyond it, springs that
 /// are solved once a substep give way.
 const MOST_ACCELERATION: f32 = 20.0 * 9.81;
 

@@ -165,8 +165,8 @@ fn scaled(zone: ClothWindZone, scale: Vec3) -> ClothWindZone {
     ClothWindZone { shape, ..zone }
 }
 
-/// Box in the world that a cloth may be in during a frame of `dt` `[s]`, as far as its speed, its anchors and its skin tell,
-/// with its own radius to spare for what wind and bodies do `[m]`; none when it is nowhere.
+/// Box in the world `[m]` that a cloth may be in during a frame of `dt` `[s]`, from its speed, its anchors and its skin. Its
+/// own radius is to spare for wind and bodies. None when the cloth is nowhere.
 fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Vec3, Vec3)> {
     let ClothState { positions, previous, substep, .. } = &particles.state;
     let substeps = if *substep > 0.0 { dt / substep } else { 0.0 };

@@ -4,9 +4,10 @@
 //!   T(s) = T0 + s (T1 - T0)      d(s): distance of T(s) and the part;  |d(s) - d(s')| <= |s - s'| max |x1 - x0|
 //! ```
 //!
-//! As for particles ([`sweep`](super::sweep)), with the nearest point of the whole face in place of one point. All that faces
-//! meet is convex, hence lies behind its tangent plane at the nearest point: a face gets no nearer than its lowest corner over
-//! that, which leaves it most of a way along a surface in one step (the bound on directed motion of Mirtich 1996).
+//! As for particles ([`sweep`](super::sweep)), with the nearest point of the whole face in place of one point. All shapes that
+//! faces meet are convex, hence lie behind their tangent plane at the nearest point. A face gets no nearer than its lowest
+//! corner over that plane. So a face on its way along a surface takes most of that way in one step (the bound on directed
+//! motion of Mirtich 1996).
 
 use glam::Vec3A;
 
@@ -27,8 +28,8 @@ pub(super) fn longest_way(from: &Face, to: &Face) -> f32 {
     square(0).max(square(1)).max(square(2)).sqrt()
 }
 
-/// Share of the way of a face on which no corner gets lower than `level` `[m]` over the tangent plane of a part at its nearest
-/// point.
+/// Share of the way of a face on which no corner gets lower than `level` `[m]`. Heights are over the tangent plane of a part at
+/// its nearest point.
 #[inline]
 fn share_above(level: f32, near: &Near, from: &Face, to: &Face) -> f32 {
     let floor = near.sample.normal.dot(near.point) - near.sample.distance + level;

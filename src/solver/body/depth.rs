@@ -6,8 +6,8 @@ use parry3d::bounding_volume::BoundingVolume;
 use super::geometry::for_each_geometry;
 use super::{Body, motion};
 
-/// How deep each point `[m]` lies in the deepest of the bodies, as they are at the end of the frame `[m]`; 0 outside of all.
-/// Margins do not count, and surfaces have no inside.
+/// How deep each of the `points` `[m]` lies in the deepest of the bodies `[m]`; 0 outside of all. Bodies are where they are at
+/// the end of the frame. Margins do not count, and surfaces have no inside.
 #[must_use]
 pub fn depths(bodies: &[Body], points: &[Vec3]) -> Vec<f32> {
     let (mut depths, mut planes) = (vec![0.0f32; points.len()], Vec::new());

@@ -1,8 +1,8 @@
 //! Signed distance to each primitive, with the outward normal.
 //!
-//! `d(q) < 0` inside, `|∇d| = 1`, `n = ∇d`: exact distances, so that `d` may be used as a safe step along any path
-//! (Hart 1996, sphere tracing). Formulas as in Quilez, "distance functions"; axes as in parry: capsules by their segment,
-//! cylinders and cones along Y around their middle.
+//! `d(q) < 0` inside, `|∇d| = 1`, `n = ∇d`. Distances are exact, so `d` is a safe step along any path (Hart 1996, sphere
+//! tracing). Formulas as in Quilez, "distance functions"; axes as in parry: capsules by their segment, cylinders and cones
+//! along Y around their middle.
 
 use glam::{Vec2, Vec3A};
 

@@ -15,8 +15,8 @@ use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::shape::{HeightField, Shape, SharedShape, TriMesh, Triangle, TypedShape};
 
-/// Sharp edges are found in a box this much longer on every side than the one they are asked for in, so that they are known for
-/// a while (dimensionless).
+/// Sharp edges are found in a box this much longer on every side than the requested one (dimensionless). So they stay valid for
+/// a while.
 const WIDER: f32 = 0.25;
 /// Most sharp edges that are taken of one surface in a frame, in their order: beyond that particles have to do.
 const MOST: usize = 4096;
@@ -92,8 +92,8 @@ impl FeatureEdges {
         self.known.retain_mut(|known| core::mem::take(&mut known.used));
     }
 
-    /// Appends the edges of a part of a shape, which is `surface`, in a box `[m]` that are bent by an angle whose cosine is
-    /// below `flat`, in order.
+    /// Appends the sharp edges of a part of a shape, which is `surface`, in the box `near` `[m]`, in order. Sharp edges are
+    /// bent by an angle whose cosine is below `flat`.
     pub(super) fn near(
         &mut self,
         (shape, part, surface): (&SharedShape, [u32; 2], &dyn Shape),

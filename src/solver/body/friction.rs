@@ -6,14 +6,15 @@
 //! ```
 //!
 //! *Coulomb's law* (Macklin et al. 2014, "Unified particle physics", eq. 24) on the tangential part `t` of `q1 - q0`, with the
-//! normal load `λ`: `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. A resting particle is lifted off and pressed
-//! down by its springs from substep to substep, so `λ` is not the push of this substep but its running mean, and it still acts
-//! within a thin band over the plane. The mean of the load is the mean of the pushes, hence the mean friction is Coulomb's.
+//! normal load `λ`: `t = 0` if `|t| <= μs λ`, else `t (1 - min(μd λ / |t|, 1))`. The springs of a resting particle lift it off
+//! and press it down from substep to substep. So `λ` is the running mean of the push, not the push of this substep, and still
+//! acts within a thin band over the plane. The mean of the load is the mean of the pushes, hence the mean friction is
+//! Coulomb's.
 //!
 //! *Last*, as in the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based
 //! dynamics": all pushes are known then. Cloth above draws a particle just below the edge of a table into its side. The edge of
 //! the table then pushes the edge of the cloth out, and the particle leaves the side. With friction before that push it would
-//! stick there, however hard it is drawn: edges of a cloth of 30² that is pulled off a table get 20 to 40 times as long
+//! stick there, however hard it is drawn. Edges of a cloth of 30² that is pulled off a table get 20 to 40 times as long
 //! **`[measured]`**.
 
 use glam::Vec3A;

@@ -78,8 +78,8 @@ impl<'a> Geometry<'a> {
     }
 }
 
-/// Half of how thick a part of a body is `[m]`: the radius of a ball inside it, of a hull half the shortest side of its box. 0
-/// for surfaces.
+/// Half of the thickness of a part of a body `[m]`: the radius of a ball inside it. For a hull it is half the shortest side of
+/// its box, for surfaces 0.
 pub(super) fn half_thickness(shape: &dyn Shape) -> f32 {
     match shape.as_typed_shape() {
         TypedShape::ConvexPolyhedron(_) => shape.compute_local_aabb().half_extents().min_element(),
@@ -100,8 +100,8 @@ pub(super) fn hull_planes(polyhedron: &ConvexPolyhedron, planes: &mut Vec<Vec4>)
     }
 }
 
-/// Distance to a convex hull: inside it is the nearest face's; outside the nearest face is a lower bound, and only points
-/// closer than `reach` pay for the exact distance to edges and vertices (GJK).
+/// Distance to a convex hull. Inside it is that to the nearest face. Outside, that is a lower bound, and only points closer
+/// than `reach` pay for the exact distance to edges and vertices (GJK).
 pub(super) fn hull(q: Vec3A, reach: f32, planes: &[Vec4], polyhedron: &ConvexPolyhedron) -> Sample {
     let mut best = Vec4::new(0.0, 1.0, 0.0, 0.0);
     let mut highest = f32::MIN;

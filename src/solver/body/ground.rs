@@ -114,10 +114,10 @@ impl Ground {
         self.to_body[0] * way
     }
 
-    /// What friction takes back of the way `[m]` of a contact that moved from `start` `[m]`, in the space of the part, to `now`
-    /// `[m]` in the substep, and was put `floor` `[m]` over `plane` under a mean push of `load` `[m]`. `mobility`: how far a unit
-    /// push moves it `[1/kg]`; `kept`: distance kept `[m]`; `rigid`: the body, if it takes its share. `None`: it was pushed off,
-    /// or moves with the body.
+    /// What friction takes back of the way of a contact in the substep `[m]`. The contact moved from `start` `[m]`, in the
+    /// space of the part, to `now` `[m]`. It was put `floor` `[m]` over `plane` under a mean push of `load` `[m]`. `mobility`:
+    /// how far a unit push moves it `[1/kg]`; `kept`: distance kept `[m]`; `rigid`: the body, if it takes its share. `None`: it
+    /// was pushed off, or moves with the body.
     pub(super) fn hold(
         &self,
         (plane, floor, load): (Plane, f32, f32),

@@ -10,10 +10,10 @@
 //!            friction               of particles, then of faces, when all is pushed out
 //! ```
 //!
-//! All geometry happens in the space of the body. A particle goes from `q0 = X(s0)⁻¹ x_previous` to
-//! `q1 = X(s1)⁻¹ x`, where `X(s)` is the body's pose at the fraction `s` of the frame. In that space the body stands still, so
-//! one path covers a cloth that falls on a body, a body that is driven through a cloth and everything between, and
-//! `q1 - q0` is the motion relative to the surface that friction needs, rotation included.
+//! All geometry happens in the space of the body. A particle goes from `q0 = X(s0)⁻¹ x_previous` to `q1 = X(s1)⁻¹ x`, where
+//! `X(s)` is the body's pose at the fraction `s` of the frame. In that space the body stands still. So one path covers a cloth
+//! that falls on a body, a body that is driven through a cloth, and everything between. `q1 - q0` is the motion relative to the
+//! surface that friction needs, rotation included.
 
 mod advance;
 mod contacts;
@@ -61,8 +61,8 @@ pub use touch::Touch;
 
 /// A rigid body as one cloth sees it in one frame.
 ///
-/// Whoever makes it has dropped sensors, disabled bodies and bodies that the cloth's layers do not meet, and has baked the
-/// scale into the shape ([`shape::scaled`]).
+/// Its maker has dropped sensors, disabled bodies and bodies that the cloth's layers do not meet. It has baked the scale into
+/// the shape ([`shape::scaled`]).
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Body {
@@ -123,8 +123,8 @@ impl Body {
         (swept.mins - bulge).cmple(high).all() && (swept.maxs + bulge).cmpge(low).all()
     }
 
-    /// How many times as far as it may a bone gets in a substep, of `count` in the frame, relative to cloth that goes `along`
-    /// `[m]`. By its fastest corner: a forearm that turns about its elbow is fast at the hand.
+    /// Motion of a bone in one of `count` substeps of the frame, over the most that it may have. Motion is relative to cloth
+    /// that goes `along` `[m]`. By its fastest corner: a forearm that turns about its elbow is fast at the hand.
     pub(crate) fn haste_of_bone(&self, along: Vec3, count: f32) -> f32 {
         let mut inner = f32::INFINITY;
         geometry::for_each_part(&*self.shape.0, |_, _, shape| {

@@ -22,8 +22,8 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// Of the part of a body at `local`, which reaches `radius` `[m]` from its origin, from the share `s0` to the share `s1` of
-    /// the frame.
+    /// Motion of the part of a body at `local`, from the share `s0` to the share `s1` of the frame. The part reaches `radius`
+    /// `[m]` from its origin.
     pub(super) fn new(body: &Body, local: Pose, radius: f32, s0: f32, s1: f32) -> Self {
         let start = blend(&body.from, &body.to, s0) * local;
         let end = blend(&body.from, &body.to, s1) * local;
@@ -146,8 +146,8 @@ pub(super) fn valid(pose: Pose) -> Option<Pose> {
     Some(Pose::from_parts(pose.translation, pose.rotation.normalize()))
 }
 
-/// Pose at the fraction `s` of the frame. Rotations are blended linearly and normalized: within a frame the difference from
-/// constant angular speed is small, and there is no transcendental function in it, so every machine gives the same bits.
+/// Pose at the fraction `s` of the frame. Rotations are blended linearly and normalized. Within a frame the difference from
+/// constant angular speed is small. The blend has no transcendental function, so every machine gives the same bits.
 pub(super) fn blend(from: &Pose, to: &Pose, s: f32) -> Pose {
     Pose::from_parts(from.translation.lerp(to.translation, s), from.rotation.lerp(to.rotation, s).normalize())
 }
@@ -163,8 +163,8 @@ fn chord(a: Quat, b: Quat) -> f32 {
     ANGLE_PER_CHORD * difference.length()
 }
 
-/// Box around a shape in both poses `[m]`, how much farther it may bulge between them `[m]`, and how far it reaches from its
-/// own origin `[m]`.
+/// Box around a shape in both poses `[m]`. Then how much farther the shape may bulge between them `[m]`, and how far it reaches
+/// from its own origin `[m]`.
 pub(super) fn swept_box(shape: &dyn Shape, from: &Pose, to: &Pose) -> (Aabb, f32, f32) {
     let local = shape.compute_local_aabb();
     let radius = local.mins.abs().max(local.maxs.abs()).length();

@@ -74,8 +74,8 @@ impl Convex<'_> {
         (sample.normal != Vec3A::ZERO && sample.distance.is_finite()).then_some(Near { weights, point, sample })
     }
 
-    /// What GJK found, which stops early at round shapes, after projections in turn onto part and face: they approach the
-    /// closest points of any two convex sets.
+    /// The closest point by GJK, which stops early at round shapes, after alternating projections onto part and face. These
+    /// approach the closest points of any two convex sets.
     fn refined(&self, face: &Face, weights: [f32; 3]) -> Option<Near> {
         let mut best = self.near(face, weights)?;
         for _ in 0..PROJECTIONS {

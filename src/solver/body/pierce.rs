@@ -10,7 +10,8 @@
 //! they are out of it. Those that the skin has outside of the bone, and has limits for, it draws through it, as a tangle is
 //! drawn ([`Skinned::draw`]).
 //!
-//! What its skin holds so close to a bone that no place it may go to is far enough away is kept only as far away as it may go:
+//! The skin may hold a particle so close to a bone that no place within its limit keeps the distance. Such a particle is kept
+//! only as far away as it may go:
 //!
 //! ```text
 //!   kept = min(thickness + margin, distance of the target + maximum distance from it)

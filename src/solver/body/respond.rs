@@ -9,12 +9,12 @@
 //! ```
 //!
 //! *No bounce.* Velocity is `(q1 - q0) / h`. A particle that was outside (`g0 >= 0`) ends on the plane with the approaching
-//! velocity `-g0 / h`: a plastic impact. One that was inside already (`g0 < 0`: overlap at the start, a teleported body) is
-//! brought out at the speed `v = RECOVERY_SPEED` at most, and `q0` is moved out with it, so that the recovery itself leaves no
+//! velocity `-g0 / h`: a plastic impact. A particle that was inside already (`g0 < 0`: overlap at the start, a teleported body)
+//! is brought out at the speed `v = RECOVERY_SPEED` at most. `q0` is moved out with it, so that the recovery itself leaves no
 //! velocity (the split impulses of Catto 2006, in position form).
 //!
-//! *Bounce.* With a restitution `e` above 0, one that was outside and comes in with more than [`IMPACT_SPEED`], by `a` in the
-//! substep, goes to `g0 + e a`: its velocity is then `e a / h` away from the surface, and the impulse `(1 + e) a m / h` is in
+//! *Bounce.* With a restitution `e` above 0, a particle may come in from outside with more than [`IMPACT_SPEED`], by `a` in the
+//! substep. It then goes to `g0 + e a`, so its velocity is `e a / h` away from the surface. The impulse `(1 + e) a m / h` is in
 //! the push that moves bodies and bears friction. It turns where it was when the substep began. Only what its speed brings in
 //! counts: what springs press on a body does not bounce.
 

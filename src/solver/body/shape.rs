@@ -299,8 +299,8 @@ fn trimesh_with(vertices: Vec<Vec3>, mut triangles: Vec<[u32; 3]>, flags: TriMes
     }
 }
 
-/// A terrain with two sides: `rows x columns` heights, row by row along Z, each row along X, over a rectangle of `extent.x` by
-/// `extent.z` `[m]` around the origin; heights are multiplied by `extent.y`.
+/// A terrain with two sides: `rows x columns` heights, row by row along Z, each row along X. They stand over a rectangle of
+/// `extent.x` by `extent.z` `[m]` around the origin. Heights are multiplied by `extent.y`.
 pub fn heightfield(rows: usize, columns: usize, heights: &[f32], extent: Vec3) -> Result<SharedShape, ShapeError> {
     if rows < 2 || columns < 2 || rows.checked_mul(columns) != Some(heights.len()) || heights.len() > (1 << 30) {
         return Err(ShapeError::Grid { rows, columns, heights: heights.len() });

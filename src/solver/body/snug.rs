@@ -4,9 +4,8 @@
 //!   kept from the bone = min(thickness + margin, distance in the bind pose)
 //! ```
 //!
-//! The margin is there for what of the body sticks out of its bones. Where cloth was made closer than that, nothing does;
-//! pushed out all the same, a whole sleeve would be stretched over its arm, and what lies between arm and chest would have no
-//! room.
+//! The margin is there for the flesh that sticks out of the bones. Where cloth was made closer than that, nothing sticks out.
+//! Pushed out all the same, a whole sleeve would be stretched over its arm, and cloth between arm and chest would have no room.
 
 use glam::{Vec3, Vec3A};
 

@@ -1,8 +1,8 @@
 //! First touch along a path, by conservative advancement.
 //!
-//! `d` is 1-Lipschitz: from a point at the distance `d` a step of `d` cannot cross the surface, and a step of `d - r` cannot
-//! come nearer than `r` (Hart 1996; Mirtich 1996). Works on solids and on two-sided surfaces alike, knows no cracks between
-//! triangles, and needs no memory of the side: the path starts on the right one.
+//! `d` is 1-Lipschitz. From a point at the distance `d`, a step of `d` cannot cross the surface. A step of `d - r` cannot come
+//! nearer than `r` (Hart 1996; Mirtich 1996). The trace works on solids and on two-sided surfaces alike, and has no cracks
+//! between triangles. It needs no memory of the side: the path starts on the right one.
 
 use glam::Vec3A;
 

@@ -9,9 +9,9 @@ use super::{Body, motion};
 /// Times that all bodies are gone through: out of one may be into another.
 const ROUNDS: u32 = 2;
 
-/// Moves points `[m]`, one of each particle of a cloth, out of bodies, as they are at the end of the frame, to the distance
-/// `keep` `[m]` on top of their margins. What is deeper than half of the way to the middle of a body is moved ever less, and at
-/// its middle not at all: there out is as well the other way. `planes` is a buffer.
+/// Moves `points` `[m]`, one for each particle of a cloth, out of bodies to the distance `keep` `[m]` on top of their margins.
+/// Bodies are where they are at the end of the frame. Points deeper than half of the way to the middle of a body are moved ever
+/// less. A point at the middle is not moved: the way out on the other side is as short. `planes` is a buffer.
 pub(in crate::solver) fn take_out(bodies: &[Body], keep: f32, points: &mut [Vec3], planes: &mut Vec<Vec4>) {
     for _ in 0..ROUNDS {
         for body in bodies {

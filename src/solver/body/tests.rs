@@ -332,8 +332,8 @@ fn a_moving_and_a_turning_body_carry_what_lies_on_them() {
     let end = pose(60);
     let slip = scene.positions.iter().zip(&start).map(|(x, s)| (end.inverse_transform_point(x.truncate()) - *s).length());
     let slip = slip.fold(0.0_f32, f32::max);
-    // A body's velocity is constant within a frame, so it jumps by a dt = 0.03 m/s, which friction needs 0.03² / (2 μ g) = 0.07
-    // mm to catch up with.
+    // A body's velocity is constant within a frame, so it jumps by a dt = 0.03 m/s. Friction needs 0.03² / (2 μ g) = 0.07 mm to
+    // catch up with that.
     assert!(slip < 3.0e-3, "slipped {:.2} mm on the body over 1 s", slip * 1e3);
 }
 

@@ -16,13 +16,14 @@
 //! Δx = w J,   Δd = -J / M,   Δθ = -I⁻¹ (r × J)
 //! ```
 //!
-//! (XPBD for rigid bodies, Müller et al. 2020, eq. 2 to 9, for a whole vector instead of one direction.) The body moves within
-//! the substeps, so that one lighter than the cloth is as stable as a heavier one, and no momentum is lost: what a particle
+//! This is XPBD for rigid bodies (Müller et al. 2020, eq. 2 to 9), for a whole vector instead of one direction. The body moves
+//! within the substeps, so that one lighter than the cloth is as stable as a heavier one. No momentum is lost: what a particle
 //! gains the body loses.
 //!
-//! All contacts of a body in a substep are solved at once, so that none comes first: each is given a body of `1/n` of the mass,
-//! and the body moves by the mean of what they make of it (mass splitting, Tonge et al. 2012), which is the sum of the impulses
-//! over the whole mass. Several cloths at one body are stepped without knowing of each other, and share it in the same way.
+//! All contacts of a body in a substep are solved at once, so that none comes first. Each of the `n` contacts is given a body
+//! of `1/n` of the mass. The body moves by the mean of these motions (mass splitting, Tonge et al. 2012). That mean is the sum
+//! of the impulses over the whole mass. Several cloths at one body are stepped without knowing of each other, and share it in
+//! the same way.
 
 mod pins;
 
@@ -137,7 +138,8 @@ impl RigidState {
         self.movable
     }
 
-    /// The pose of a part whose way leads it to `pose` at the share `s` of the frame, at the start of the substep or now.
+    /// The pose of a part, at the start of the substep or now. Without cloth its way leads it to `pose` at the share `s` of the
+    /// frame.
     pub(crate) fn moved(&self, pose: Pose, s: f32, at_start: bool) -> Pose {
         if !self.movable {
             return pose;
@@ -252,8 +254,8 @@ impl Coupling {
         })
     }
 
-    /// Mass of body `slot` `[kg]` along the axis along which it is least, or the cloth's share of it where several give it
-    /// something; infinite if cloth cannot move it.
+    /// Mass of body `slot` `[kg]` along the axis along which it is least, or the cloth's share of that on a body of several
+    /// cloths. Infinite if cloth cannot move the body.
     pub(crate) fn mass(&self, slot: u32) -> f32 {
         self.slots.get(slot as usize).map_or(f32::INFINITY, |slot| slot.rigid.inverse_mass.max_element().recip())
     }

@@ -1,14 +1,14 @@
 //! Pins on bodies that take what cloth gives them.
 //!
-//! *On a body that cloth can move* a pin is a particle that carries a share of the body: with `n` of them its inverse mass is
-//! `n (1/M + r² |I⁻¹|)`, no less than that of the body there. Springs move it; then all of them are drawn together into one
-//! rigid motion, `Σ J_i` with `J_i = Δx_i / w_i`, as in mass splitting (Tonge et al. 2012): their momentum stays, and a body
-//! lighter than the cloth does not shake.
+//! *On a body that cloth can move* a pin is a particle that carries a share of the body. With `n` pins its inverse mass is
+//! `n (1/M + r² |I⁻¹|)`, no less than that of the body there. Springs move it. Then all pins are drawn together into one rigid
+//! motion, `Σ J_i` with `J_i = Δx_i / w_i`, as in mass splitting (Tonge et al. 2012). Their momentum stays, and a body lighter
+//! than the cloth does not shake.
 //!
-//! *On a body that nothing moves* a pin has no inverse mass, and its share is what the cloth is lacking. What springs, bends
-//! and tethers give to each other adds up to nothing, so all that they gave to the free particles in a substep the pins have
-//! lost: `F = -Σ m Δx / h`, and its moment. That is exact for the cloth as a whole. How much of it each pin bears follows the
-//! strain of the edges at it, corrected so that force and moment fit.
+//! *On a body that nothing moves* a pin has no inverse mass, and its share is what the cloth is lacking. The impulses of
+//! springs, bends and tethers add up to zero. So the pins lost all that these gave to the free particles in a substep:
+//! `F = -Σ m Δx / h`, and its moment. That is exact for the cloth as a whole. How much of it each pin bears follows the strain
+//! of the edges at it, corrected so that force and moment fit.
 
 use glam::{DVec3, Mat3, Quat, Vec3, Vec4};
 use parry3d::math::Pose;

@@ -1,12 +1,12 @@
-//! Faces of which one lies on one side of the plane of the other, farther off than rounding can tell: they do not cross, and
-//! need not be asked for exact signs. Most faces of layers do.
+//! Pairs of faces of which one lies on one side of the plane of the other, farther off than any rounding error. Such faces do
+//! not cross, and need no exact signs. Most faces of layers are such.
 
 use glam::{BVec4A, Vec3A, Vec4};
 
 use super::four::Four;
 
-/// Height over the plane of a face from which on its sign is sure in `f32`, as a share of what the lengths of edges and way
-/// come to (dimensionless): five times what rounding can be.
+/// From this height over the plane of a face on, its sign is sure in `f32`. The height is a share of the product of the lengths
+/// of edges and way (dimensionless), and five times the rounding error.
 const BESIDE: f32 = 1.0e-5;
 
 /// Whether all corners of face `g` lie on one side of the plane of face `f`, except those that they have in `common`.

@@ -155,8 +155,8 @@ impl Detector {
     }
 
     /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`. Calls `also` with every two leaves that
-    /// have faces whose boxes come within `margin` `[m]`, to ask of those that may cross; no more once something is known to
-    /// cross.
+    /// have faces whose boxes come within `margin` `[m]`, to ask about those that may cross. Once an edge is known to cross a
+    /// face, `also` is called no more.
     pub fn detect_and(
         &mut self,
         surface: &Surface,
@@ -197,8 +197,8 @@ impl Detector {
         self.parts.is_whole
     }
 
-    /// Edges that crossed faces elsewhere, where the last look was at a part of the cloth only: when it was looked at there, or
-    /// 1 while nobody did.
+    /// Number of edges that crossed faces elsewhere, when that was looked at, where the last look was at a part of the cloth
+    /// only. At least 1 while some of the cloth was never looked at.
     #[must_use]
     pub fn elsewhere(&self) -> u32 {
         self.parts.elsewhere
@@ -247,8 +247,8 @@ impl Detector {
         debug_assert!(self.crossings.windows(2).all(|pair| (pair[0].edge, pair[0].face) < (pair[1].edge, pair[1].face)));
     }
 
-    /// Some points lie exactly in a plane, as borders that are pinned along a line do. Asks the pairs that met such a tie
-    /// again, with a direction for each of their particles; every pair that asks about the same four points met the same tie.
+    /// Some points lie exactly in a plane, as borders that are pinned along a line do. Pairs that met such a tie are asked
+    /// again, with a direction for each of their particles. Every pair that asks about the same four points met the same tie.
     #[cold]
     fn cross_doubtful(&mut self, surface: &Surface, positions: &[Vec4]) {
         let Self { asks, ties, doubtful, crossings, .. } = self;
@@ -422,7 +422,7 @@ fn cross_close_faces(
 }
 
 /// Whether a plane across the line between the centres has the faces on different sides, at least `gap` `[m]` apart, a shared
-/// particle aside: a cheap way to dismiss almost all neighbours in a smooth sheet.
+/// particle aside. This test is cheap, and dismisses almost all neighbours in a smooth sheet.
 #[inline]
 pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Option<[bool; 3]>, gap: f32) -> bool {
     let at = |v: u32| Vec3A::from_vec4(positions[v as usize]);
@@ -442,8 +442,8 @@ pub(super) fn are_apart(positions: &[Vec4], f: [u32; 3], g: [u32; 3], shared: Op
     low.min_element() > border + slack && high.max_element() < border - slack
 }
 
-/// Sides of three points, `None` for one shared with the plane; nothing when no crossing is possible: all are clear of the
-/// plane on one side, or all lie in it.
+/// Sides of three points, `None` for one shared with the plane. Returns nothing when no crossing is possible, as all points are
+/// clear of the plane on one side, or all lie in it.
 #[inline]
 fn sides(plane: &Plane, points: &[Point; 3], shared: [bool; 3], ties: &mut Ties) -> Option<[Option<Side>; 3]> {
     let mut sides = [None; 3];

@@ -5,15 +5,15 @@
 //! ```
 //!
 //! A floating-point filter decides almost every case (Shewchuk 1997, *Adaptive precision floating-point arithmetic and fast
-//! robust geometric predicates*: the rounded determinant has the right sign when it exceeds `(7 + 56 ε) ε` times its
-//! permanent); the rest is summed exactly as an expansion. Positions are `f32`, so a product of two differences is exact in
-//! `f64` almost always.
+//! robust geometric predicates*). The rounded determinant has the right sign when it exceeds `(7 + 56 ε) ε` times its
+//! permanent. In the other cases it is summed exactly as an expansion. Positions are `f32`, so a product of two differences is
+//! exact in `f64` almost always.
 //!
-//! Four points in one plane are a tie. Counting ties as positive in a fixed order of the ids is not enough: a particle lying
-//! exactly on a flat sheet is then above one of its faces and below the next, and contours break
+//! Four points in one plane are a tie. Counting ties as positive in a fixed order of the ids is not enough. A particle that
+//! lies exactly on a flat sheet is then above one of its faces and below the next. So contours break
 //! **`[measured: 25 pieces instead of 1]`**. Instead every particle is thought to be moved by an infinitesimal multiple of its
-//! own direction (Edelsbrunner and Mücke 1990, *Simulation of simplicity*), so the answers are those of real surfaces in
-//! general position. The direction is the normal, longer for each further cloth, plus a little noise: cloths that only touch
+//! own direction (Edelsbrunner and Mücke 1990, *Simulation of simplicity*). So the answers are those of real surfaces in
+//! general position. The direction is the normal, longer for each further cloth, plus a little noise. Cloths that only touch
 //! are thought apart, and count as not crossing.
 //!
 //! ```text

@@ -15,7 +15,7 @@ pub(super) struct Parts {
     pub most: Effort,
     /// Whether the last look was at all of the cloth.
     pub is_whole: bool,
-    /// Crossings elsewhere, when it was looked at there; 1 while nobody did.
+    /// Crossings elsewhere, when it was looked at there; at least 1 while nobody did.
     pub elsewhere: u32,
     /// Crossings found in this round, and in all of the round before, if there was one.
     round: u32,

@@ -58,8 +58,8 @@ impl Default for ProximitySettings {
 }
 
 impl Detector {
-    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`; those that come last are
-    /// left out where there is too much work.
+    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`. Where there is too much
+    /// work, the last pairs are left out.
     pub fn proximities(
         &mut self,
         surface: &Surface,

@@ -5,8 +5,8 @@
 //! while no particle has gone farther than half of `reach`   ─►  only these can cross
 //! ```
 //!
-//! No particle may go farther than a tenth of the height that the faces around it had at the look, so that normals by which
-//! flat cloth was dismissed turn by some 0.2 radians meanwhile.
+//! No particle may go farther than a tenth of the height that the faces around it had at the look. So the normals that
+//! dismissed flat cloth turn by some 0.2 radians meanwhile.
 
 use glam::{Vec3A, Vec4};
 

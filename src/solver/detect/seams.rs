@@ -12,8 +12,8 @@ pub(crate) fn rest_box(surface: &Surface, particles: impl Iterator<Item = u32>) 
     })
 }
 
-/// Edges at which normals say nothing about whether cloth lies on itself: more than two faces meet there, or the fronts of two
-/// face different sides.
+/// Edges at which normals do not tell whether cloth lies on itself. More than two faces meet there, or the fronts of two faces
+/// are on different sides.
 pub(crate) fn seams(surface: &Surface) -> Vec<bool> {
     let topology = &surface.topology;
     let mut seams = vec![false; topology.edges.len()];
@@ -43,8 +43,8 @@ pub(crate) fn runs_along_a_side(surface: &Surface, [low, high]: [Vec3; 2], borde
     })
 }
 
-/// Particles around which cloth may lie over itself although normals agree: at `seams`, and at borders of the mesh but those
-/// along the sides of its box at rest.
+/// Particles around which cloth may lie over itself although normals agree. They are at `seams`, and at borders of the mesh
+/// except those along the sides of its box at rest.
 pub(crate) fn loose(surface: &Surface, seams: &[bool]) -> Vec<bool> {
     let topology = &surface.topology;
     let wholes: Vec<[Vec3; 2]> = surface.parts.iter().map(|part| rest_box(surface, part.particles.clone())).collect();

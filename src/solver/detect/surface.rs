@@ -5,7 +5,7 @@
 //! particles [0 ....... n0)[n0 .... n1)[n1 .. n2)      edges and faces likewise, each cloth a contiguous range
 //! ```
 //!
-//! Because ranges are contiguous, comparing global ids orders whole cloths: two cloths that only touch give every tie of the
+//! Because ranges are contiguous, comparing global ids orders whole cloths. So two cloths that only touch give every tie of the
 //! orientation test the same sign, and count as not crossing.
 
 use core::ops::Range;
@@ -176,8 +176,8 @@ impl Surface {
         self.mean_edge = (sum / edges.len().max(1) as f64) as f32;
     }
 
-    /// Finds the squares of the least heights of the faces around each particle `[m²]`, with particles `at` their positions
-    /// `[m]`; infinite where there is no face.
+    /// Finds the squares of the least heights of the faces around each particle `[m²]`, infinite where there is no face.
+    /// Particles are `at` their positions `[m]`.
     pub(crate) fn least_heights_squared(&self, at: impl Fn(u32) -> Vec3A, squares: &mut Vec<f32>) {
         squares.clear();
         squares.resize(self.len(), f32::INFINITY);

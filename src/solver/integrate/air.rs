@@ -1,8 +1,8 @@
 //! Air that goes with the cloth.
 //!
-//! A sheet that waves with a wavelength `λ` moves the air on both of its sides with it, out to some `λ / 2π`: across its plane
-//! it has the mass of `m = ρ_air λ / π` per area on top of its own `ρ` (potential flow over a wavy wall), which has inertia and
-//! no weight. So light fabric floats: silk of 0.06 kg/m² carries as much air again. Folds of cloth have the wavelength of a
+//! A sheet that waves with a wavelength `λ` moves the air on both of its sides with it, out to some `λ / 2π`. Across its plane
+//! it has the mass of `m = ρ_air λ / π` per area on top of its own `ρ` (potential flow over a wavy wall). That mass has inertia
+//! and no weight. So light fabric floats: silk of 0.06 kg/m² carries as much air again. Folds of cloth have the wavelength of a
 //! sheet that hangs by its own weight (Cerda and Mahadevan 2003):
 //!
 //! ```text

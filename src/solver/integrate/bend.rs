@@ -1,10 +1,10 @@
 //! Bending: a step of the quadratic energy with as many stages as the mesh and the stiffness need.
 //!
-//! `E = ½ Σ B_e A_e |v / A_e - κ₀ n|²`, `v = Σ c_i x_i`, has a constant matrix `K`. With `Z = h² W K`, `W` the inverse masses,
-//! an explicit step `x - Z x` is unstable once an eigenvalue of `Z` passes 4/3: at 5 mm and 360 Hz cotton has 150. A polynomial
-//! `R(Z)` with `R(0) = 1` and `R'(0) = -1` that is small up to that eigenvalue is as stable as an implicit step, which is
-//! `1 / (1 + Z)`, and needs no factorization. Chebyshev polynomials reach farthest (van der Houwen and Sommeijer 1980; Verwer
-//! 1996), shifted by `a`:
+//! `E = ½ Σ B_e A_e |v / A_e - κ₀ n|²`, `v = Σ c_i x_i`, has a constant matrix `K`. Let `Z = h² W K`, with `W` the inverse
+//! masses. An explicit step `x - Z x` is unstable once an eigenvalue of `Z` passes 4/3. At 5 mm and 360 Hz cotton has 150. Take
+//! a polynomial `R(Z)` with `R(0) = 1` and `R'(0) = -1` that is small up to that eigenvalue. It is as stable as an implicit
+//! step, which is `1 / (1 + Z)`, and needs no factorization. Chebyshev polynomials reach farthest (van der Houwen and Sommeijer
+//! 1980; Verwer 1996), shifted by `a`:
 //!
 //! ```text
 //! R(z) = a + (1 - a) T_s(w₀ - w₁ z) / T_s(w₀)          stable up to z = (1 + w₀) / w₁, some 0.9 s²
@@ -12,8 +12,8 @@
 //!       μ = 2 w₀ T_(j-1)(w₀) / T_j(w₀),  μ̃ = 2 w₁ T_(j-1)(w₀) / T_j(w₀),  D_0 = 0,  D_1 = -w₁ / w₀ r
 //! ```
 //!
-//! The shift: positions carry velocities, so that a mode with `q = R(z)` goes as `λ² - 2 q λ + q = 0`. Both roots lie within
-//! the unit circle for `q` from -1/3 to 1 only, and nothing swings from substep to substep for `q` from 0 on.
+//! The shift: positions carry velocities, so a mode with `q = R(z)` goes as `λ² - 2 q λ + q = 0`. Both roots lie within the
+//! unit circle for `q` from -1/3 to 1 only. For `q` from 0 on, no mode swings from substep to substep.
 //!
 //! What bends also rubs, yarn on yarn. A second spring, of stiffness `GRIP · B`, between the curvature and one that follows it
 //! at most `κ_y` behind is that dry friction (Prandtl's element; Miguel et al. 2013). Its moment is Kawabata's
@@ -23,11 +23,11 @@
 //! M = B (κ - κ_rest) + GRIP · B (κ - κ_set)        |κ - κ_set| <= κ_y
 //! ```
 //!
-//! Flat cloth that was pressed to `κ_p` and is let go stays at `(κ_p - κ_y) / 2`, but at `κ_y = HB / B` at most, from
-//! `κ_p = 3 κ_y` on.
+//! Flat cloth that was pressed to `κ_p` and is let go stays at `(κ_p - κ_y) / 2`. From `κ_p = 3 κ_y` on it stays at
+//! `κ_y = HB / B`, the most.
 //!
-//! What keeps the curvature points where it did when it was found, once a frame: cloth that turns by a large angle in a frame
-//! is braked by it, the more the stiffer and the more bent it is.
+//! The force that keeps the curvature is found once a frame, and keeps its direction until the next. So it brakes cloth that
+//! turns by a large angle in a frame, the more the stiffer and the more bent it is.
 
 use glam::Vec4;
 
@@ -36,9 +36,9 @@ use super::rows::Rows;
 use crate::solver::rest::{Bends, LANES, Weave};
 use crate::solver::settings::Fabric;
 
-/// Stiffness of the friction between yarns over that of the fabric (dimensionless): a fabric that begins to bend is about twice
-/// as stiff as one that goes on bending (Kawabata 1980). Then what friction holds, `HB / B`, is also how far the curvature goes
-/// before it slips.
+/// Stiffness of the friction between yarns over that of the fabric (dimensionless). A fabric that begins to bend is about twice
+/// as stiff as one that goes on bending (Kawabata 1980). Then the curvature that friction holds, `HB / B`, is also how far the
+/// curvature goes before it slips.
 const GRIP: f32 = 1.0;
 
 /// The `a` of the polynomial, about which it swings, and `T_s(w₀)`: it swings by `(1 - MIDDLE) / SWING`, from 0 to 0.85.
@@ -48,12 +48,12 @@ const SWING: f32 = 1.353;
 /// Most stages in a substep: what needs more is made softer, and [`BendFactors::held`] tells.
 const MOST_STAGES: u32 = 32;
 
-/// Share of the reach of the most stages that is made use of (dimensionless): the eigenvalue is an estimate, and beyond the
-/// reach they grow without bound.
+/// Share of the reach of the most stages that is used (dimensionless). The eigenvalue is an estimate, and beyond the reach the
+/// stages grow without bound.
 const WITHIN: f32 = 0.9;
 
-/// Curvature that friction holds in any cloth `[1/m]`, far less than measured in any: 0, and it trembles for long; much more,
-/// and folds creep to their place.
+/// Curvature that friction holds in any cloth `[1/m]`, far less than measured in any. At 0 cloth trembles for long; at much
+/// more, folds creep to their place.
 const TREMBLE: f32 = 4.0;
 
 /// Share of a rate that one element may take (dimensionless), since elements overlap.
@@ -296,8 +296,8 @@ fn grip(fabric: &Fabric) -> f32 {
     if fabric.bend_hysteresis > 0.0 { GRIP } else { 0.0 }
 }
 
-/// A row of the matrix times a vector whose entry of the row itself is `own`, in four sums: each would wait for the one before
-/// it otherwise.
+/// A row of the matrix times a vector whose entry of the row itself is `own`. It has four sums, as each term of a single one
+/// would wait for the one before it.
 #[inline(always)]
 fn product(columns: &[[u32; LANES]], row: &[[f32; LANES]], x: &[Vec4], own: Vec4) -> Vec4 {
     let mut sum = [Vec4::ZERO; LANES];

@@ -1,8 +1,8 @@
 //! The coarse level: hubs are no farther from each other than along the cloth, and the cloth between them moves with them.
 //!
-//! A link is an upper bound, `|d| <= (1 + limit / 2) L`, solved as a rigid constraint between hubs of the mass
-//! `M_i = Σ_p w_pi m_p`, so that `Δx_p = Σ_i w_pi Δ_i` keeps the momentum of the cloth. Slack links do nothing: folds and
-//! wrinkles are the cloth's own.
+//! A link is an upper bound, `|d| <= (1 + limit / 2) L`. It is solved as a rigid constraint between hubs of the mass
+//! `M_i = Σ_p w_pi m_p`. So `Δx_p = Σ_i w_pi Δ_i` keeps the momentum of the cloth. Slack links do nothing: folds and wrinkles
+//! are the cloth's own.
 
 use glam::Vec4;
 

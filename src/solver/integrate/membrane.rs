@@ -1,8 +1,8 @@
 //! The membrane in triangles: stretch along warp and weft, shear between them, on a mesh that is cut in any way.
 //!
-//! `F = [F_warp F_weft]` is the deformation gradient of a triangle, linear in its corners. Three constraints of it
-//! (strain-based dynamics, Müller et al. 2014, with the lengths of Kim 2020, eq. 18) store the energy of a fabric whose threads
-//! stretch apart from each other:
+//! `F = [F_warp F_weft]` is the deformation gradient of a triangle, linear in its corners. Its constraints are those of
+//! strain-based dynamics (Müller et al. 2014), with the lengths of Kim 2020, eq. 18. The three store the energy of a fabric
+//! whose threads stretch apart from each other:
 //!
 //! ```text
 //! E = ½ A (K_warp C_warp² + K_weft C_weft² + G C_shear²)      A: area at rest

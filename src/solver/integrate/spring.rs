@@ -8,8 +8,8 @@
 //! Δx_b = -w_b s d
 //! ```
 //!
-//! `L/|d|` is taken as `(q + 3) / (3 q + 1)` with `q = |d|²/L²`: equal to second order at `|d| = L`, monotone, never below 1/3,
-//! so it has the same fixed point, needs no square root, and cannot fling apart two particles at one place.
+//! `L/|d|` is taken as `(q + 3) / (3 q + 1)` with `q = |d|²/L²`: equal to second order at `|d| = L`, monotone, never below 1/3.
+//! So it has the same fixed point, needs no square root, and cannot fling apart two particles at one place.
 //!
 //! Beyond `(1 + limit) L` the spring does not yield (Provot 1995): `s` is at least `(1 - (1 + limit) L/|d|) / (w_a + w_b)`.
 //!
@@ -21,9 +21,9 @@ use super::XYZ;
 use crate::solver::rest::{LANES, Springs};
 use crate::solver::settings::Fabric;
 
-/// Stiffness of a diagonal over what `k = K · ΣA / L²` makes of the shear stiffness `G` (dimensionless): sheared by `γ`, the
-/// diagonal of a square of side `a` lengthens by `γ a / √2`, and stores the `½ G γ² a²` of the square with `k = 2 G`, where
-/// `ΣA / L²` is ½.
+/// Stiffness of a diagonal over the `k = K · ΣA / L²` of the shear stiffness `G` (dimensionless). Sheared by `γ`, the diagonal
+/// of a square of side `a` lengthens by `γ a / √2`. It stores the `½ G γ² a²` of the square with `k = 2 G`, where `ΣA / L²` is
+/// ½.
 const DIAGONAL: f32 = 4.0;
 
 /// What a spring yields and how its ends share that; depends on masses, stiffness and substep.

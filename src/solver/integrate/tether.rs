@@ -1,7 +1,7 @@
 //! Tethers: no particle is farther from a pin than along the cloth at rest (long-range attachments, Kim et al. 2012).
 //!
-//! `|x - x_pin| ≤ scale · geodesic distance`; the pin does not move, so a tether costs one particle one projection, and a
-//! hanging sheet of any resolution carries its weight at once.
+//! `|x - x_pin| ≤ scale · geodesic distance`. The pin does not move, so a tether costs one particle one projection. A hanging
+//! sheet of any resolution carries its weight at once.
 
 use glam::{Mat4, Vec4};
 
@@ -72,9 +72,9 @@ impl Tethers {
         tethers
     }
 
-    /// By how much the tethers of some particles are longer than `scale` (dimensionless), the most, over their length at rest;
-    /// of those that are so by more than `least` `[m]`. 0 of none. Only the shortest tether of each particle counts, to whose
-    /// pins it is drawn hardest.
+    /// The largest excess of the tethers of some particles over `scale` times their length at rest, as a share of that length
+    /// (dimensionless). Only an excess of more than `least` `[m]` counts; 0 if there is none. Only the shortest tether of each
+    /// particle counts, to whose pins it is drawn hardest.
     #[must_use]
     pub(crate) fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
         let list = self.particle.as_flattened();

@@ -7,8 +7,8 @@ use crate::solver::respond::{Moment, NeighborList};
 use crate::solver::verdict::Verdict;
 
 impl Island {
-    /// Takes in where the cloths are after they were stepped, and looks for crossings and for what may touch in the next frame,
-    /// the longest of the frames that they will take.
+    /// Takes in where the cloths are after they were stepped. Then looks for crossings, and for pairs that may touch in the
+    /// next frame, the longest of the frames that the cloths will take.
     pub(super) fn detect(&mut self, cloths: &[Member<'_>]) {
         core::mem::swap(&mut self.touch, &mut *self.touch_before);
         core::mem::swap(&mut self.takes_part, &mut *self.took_part);
@@ -126,8 +126,8 @@ impl Island {
         self.known = all && self.crossings().is_empty();
     }
 
-    /// The same, where cloth has hardly moved since the last time: nothing crosses but faces that were close then, and only for
-    /// what moved is looked anew. False where that is not so, or something crosses.
+    /// The same, where cloth has hardly moved since the last time. Only faces that were close then can cross, and only for
+    /// cloth that moved pairs are looked for anew. False where cloth has moved farther, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
         let Self {
             surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..

@@ -78,7 +78,8 @@ impl Island {
         report
     }
 
-    /// Begins to take apart what is to be taken apart at load, or goes on with it, as far as the work of a frame allows.
+    /// Begins to take apart the tangles that are to be taken apart at load, or goes on with it. It stops where the work of a
+    /// frame is spent.
     pub(super) fn load_in_frame(&mut self, settings: &UntangleSettings, cloths: &[Member<'_>]) {
         let begins = cloths.iter().any(|m| m.at_load);
         let known = self.loading.take().or_else(|| begins.then(LoadReport::default));
@@ -87,8 +88,8 @@ impl Island {
         }
     }
 
-    /// Takes what was gathered apart in at most `most` iterations, those that the report tells of included, as far as the work
-    /// of a frame allows. Whether there is more to be done.
+    /// Takes the gathered cloth apart, as far as the work of a frame allows, in at most `most` iterations. Those that the
+    /// report counts already are included. Returns whether there is more to be done.
     fn load(&mut self, settings: &UntangleSettings, most: u32, report: &mut LoadReport, cloths: &[Member<'_>]) -> bool {
         let mut relax = |part: usize, positions: &mut [Vec4]| {
             if let Some(m) = cloths.get(part) {

@@ -22,8 +22,8 @@ impl Island {
         resolver.points().iter().enumerate().map(move |(i, &point)| (kind(i), point))
     }
 
-    /// The boxes of the search tree down to a `depth`, each with its own `[m]`: around where particles are and are foreseen to
-    /// be, less the motion that all share; as of the last look.
+    /// The boxes of the search tree `[m]` down to a `depth`, each with its own depth, as of the last look. They are around
+    /// where particles are and are foreseen to be, less the motion that all share.
     pub fn boxes(&self, depth: u32) -> impl Iterator<Item = (u32, Bounds)> + '_ {
         self.untangler.detector.tree_ref().boxes(depth)
     }

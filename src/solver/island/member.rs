@@ -21,8 +21,8 @@ pub struct Member<'a> {
     pub scratch: &'a mut Scratch,
     /// What [`Integrate`](super::Stage::Integrate) did with it.
     pub report: &'a mut Option<StepReport>,
-    /// Where its animation puts its particles; none: the shape at rest is what it is drawn to when nothing else takes it out of
-    /// a tangle.
+    /// Where its animation puts its particles. Without one, the cloth is drawn to its shape at rest when nothing else takes it
+    /// out of a tangle.
     pub animation: Option<&'a dyn Animation>,
     /// From its frame of simulation to that of the island `[m]`.
     pub offset: Vec3,

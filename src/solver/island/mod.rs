@@ -54,12 +54,12 @@ const MOST_ROUNDS: usize = 8;
 /// of the cloth.
 const LONGEST_LOOK: f32 = 1.0 / 30.0;
 
-/// Time between looks for what strayed within a frame, to the nearest substep `[s]`, where what slips by in between can be
-/// rolled back at its end: not where a fast body is by then. Looking in every substep costs twice as much for a flag in the
-/// wind or a sheet that falls on a ball.
+/// Time between looks for stray cloth within a frame, to the nearest substep `[s]`. It holds where a pair that slips by in
+/// between can be rolled back at the end of the frame. It does not where a fast body is by then. Looking in every substep costs
+/// twice as much for a flag in the wind or a sheet that falls on a ball.
 const LOOK_AGAIN: f32 = 1.0 / 120.0;
-/// Pairs on each particle from which on cloth is crowded, and looked at in every substep: ten sheets that fall on a ball,
-/// looked at less often, cross.
+/// From this number of pairs on each particle on, cloth is crowded, and looked at in every substep. Ten sheets that fall on a
+/// ball, looked at less often, cross.
 const CROWDED: usize = 2;
 
 /// How an island is untangled in a frame.
@@ -72,10 +72,11 @@ pub struct UntangleSettings {
     pub iterations: u32,
     /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
     pub relaxations: u32,
-    /// Most work of a frame beyond what is in proportion to its size, in visits for each face, each of one particle, edge,
-    /// crossing or pair: of each look, of the looks within it, and of untangling. Default 512, range 16 to 1,000,000. What is
-    /// more goes on in the next frame. A garment of many layers that starts tangled takes 170; less keeps them tangled for
-    /// longer, and lets piles that land hard cross. More holds up the frame where a heap crosses all over.
+    /// Most work of a frame beyond the work in proportion to its size, in visits for each face. A visit is to one particle,
+    /// edge, crossing or pair. The bound holds for each look, for the looks within the frame, and for untangling. Default 512,
+    /// range 16 to 1,000,000. Work beyond it goes on in the next frame. A garment of many layers that starts tangled takes 170.
+    /// Less keeps the layers tangled for longer, and lets piles that land hard cross. More holds up the frame where a heap
+    /// crosses all over.
     pub effort: u32,
 }
 
@@ -214,9 +215,9 @@ impl Island {
         &self.contacts
     }
 
-    /// Calls `found` for every pair of different cloths that touched in the last substep: both cloths, a point between them
-    /// `[m]` in the frame of the island, the unit normal towards the first, and the mean push per substep times the mass it
-    /// moves `[kg·m]`.
+    /// Calls `found` for every pair of different cloths that touched in the last substep. Its arguments are both cloths, a
+    /// point between them `[m]` in the frame of the island, and the unit normal towards the first. The last is the mean push
+    /// per substep times the mass it moves `[kg·m]`.
     pub fn touches(&self, mut found: impl FnMut([usize; 2], Vec3, Vec3, f32)) {
         for (ids, weights, normal, drive) in self.contacts.pushes() {
             let parts = [ids[0], ids[3]].map(|v| usize::from(self.surface.part(v)));

@@ -1,4 +1,4 @@
-//! A cloth of the island gets a shape at rest that is a multiple of the one before, as where the scale of its entity breathes.
+//! A cloth of the island gets a shape at rest that is a multiple of the one before, when the scale of its entity changes.
 
 use super::Island;
 

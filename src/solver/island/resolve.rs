@@ -197,8 +197,8 @@ impl Island {
         self.put_back(MOST_ROUNDS, Rollback::follow_pins);
     }
 
-    /// Puts back what crosses and looks again, some `rounds` at most and as often as there may be work for, until nothing is
-    /// left to put; whether there was any.
+    /// Puts crossing cloth back and looks again, until nothing is left to put. It ends after `rounds` rounds, or when the work
+    /// of the frame is spent. Returns whether anything was put back.
     fn put_back(
         &mut self,
         rounds: usize,
@@ -219,9 +219,10 @@ impl Island {
         any
     }
 
-    /// When bodies pushed what was rolled back, and something crosses again: it goes to the very place where it was when
-    /// nothing did; where that is not enough, the cloths that cross stay where they were, as a whole. Whether anything does,
-    /// and is to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    /// For the case that bodies pushed particles that were rolled back, and something crosses again. The crossing particles go
+    /// to the very place where they were when nothing crossed. Where that is not enough, the cloths that cross stay where they
+    /// were, as a whole. Returns whether anything was put back, and is to be [scattered](Self::scatter) once more. Call it
+    /// after [`Self::regather`].
     pub(super) fn stay(&mut self) -> bool {
         if !(self.stale && self.rollback.rolled_back()) {
             return false;
@@ -243,8 +244,8 @@ impl Island {
         self.untangler.resolver.inspect_layers();
     }
 
-    /// Draws the tangled particles of cloth `part`, as weighed by the last [`Self::evaluate`], to a pose `[m]` in the cloth's
-    /// own frame, by a fraction of the way: [`Escalation::Blend`]. All others weigh at least `least`.
+    /// Draws the tangled particles of cloth `part` to a pose `[m]` in the cloth's own frame, by a fraction of the way:
+    /// [`Escalation::Blend`]. Weights are those of the last [`Self::evaluate`]; all others weigh at least `least`.
     pub(super) fn blend(&mut self, part: usize, pose: &[Vec3], offset: Vec3, fraction: f32, least: f32) {
         let range = self.range(part);
         if pose.len() != range.len() || self.weights.len() != self.positions.len() || self.total.is_clean() {

@@ -23,8 +23,8 @@ impl Island {
     /// others meet it where it is.
     pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
         if self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
-            // Twice as many substeps for a while, as in an integrator that rejects a step; except on bodies, where a character's
-            // cape then was twice as often in a bone. Light cloth in gusts, eight seeds each at 40² and 30²: 280 of 4,800 frames
+            // Twice as many substeps for a while, as in an integrator that rejects a step. Not on bodies: a character's cape
+            // then was twice as often in a bone. Light cloth in gusts, eight seeds each at 40² and 30²: 280 of 4,800 frames
             // cross without it, 51 with this.
             self.refined_for = RESPONSE_TIME;
         }
@@ -149,8 +149,8 @@ impl Island {
         }
     }
 
-    /// Shortens what contacts and the CCD hold far beyond its strain limit, and keeps it apart again, in turns: springs draw
-    /// cloth together before it touches, and in the next substep would draw it through again.
+    /// Shortens edges that contacts and the CCD hold far beyond the strain limit, and keeps cloth apart again, in turns.
+    /// Springs draw cloth together before it touches, and in the next substep would draw it through again.
     fn limit_strain(&mut self, cloths: &mut [Member<'_>]) {
         if self.contacts.is_empty() {
             return;
@@ -228,8 +228,8 @@ impl Island {
     }
 
     /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that
-    /// [`Stepped::finish`] moved it, which gave it no speed. To be stopped there gives a settling cloth none either; to others
-    /// it is a brake: without it edges of a strip that is overwound get seven times as long.
+    /// [`Stepped::finish`] moved it, which gave it no speed. To be stopped there gives a settling cloth none either. For other
+    /// cloth the stop is a brake: without it edges of a strip that is overwound get seven times as long.
     fn clamp_motion(&mut self, cloths: &mut [Member<'_>], finished: bool) {
         if self.contacts.is_empty() {
             return;
@@ -259,8 +259,9 @@ impl Island {
         }
     }
 
-    /// Looks for pairs again where cloth will not be in the next substep, which takes a share `each` of the time looked ahead,
-    /// where it was foreseen to be; everywhere when that time is up. Otherwise only when that is `due`.
+    /// Looks for pairs again everywhere when the time looked ahead is up. Before that only when it is `due`, and where cloth
+    /// will leave the place foreseen for it in the next substep. The next substep takes a share `each` of the time looked
+    /// ahead.
     fn look_ahead(&mut self, cloths: &[Member<'_>], each: f32, due: bool) {
         let (next, over) = (self.share + each, self.share + 0.5 * each > 1.0);
         if !over && (!due || self.within.is_spent()) {

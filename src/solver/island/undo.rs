@@ -1,6 +1,6 @@
 //! Reverts a step of untangling that makes contours much longer than their shortest length since the cloth was clean. Cloth
-//! that is pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes: it waits until there
-//! is room, or for the last resort. A step that makes contours shorter is never reverted; contours that something else made
+//! that is pressed from all sides, as in a knot, or that is pinned crossed, crosses more wherever it goes. It waits until there
+//! is room, or for the last resort. A step that makes contours shorter is never reverted. Contours that something else made
 //! much longer may only get shorter.
 
 use glam::Vec4;
@@ -8,9 +8,9 @@ use glam::Vec4;
 use crate::solver::detect::Surface;
 use crate::solver::resolve::Contour;
 
-/// Contours that get more than so many times as long as they were at least (dimensionless), and more than so many mean edges
-/// longer, are much longer. On its way apart a tangle may get somewhat longer: less would stop what works; much more lets it
-/// get hopeless.
+/// Contours are much longer at more than `WORSE_TIMES` times their least length (dimensionless), and more than `WORSE_EDGES`
+/// mean edges over it. On its way apart a tangle may get somewhat longer. Less would stop steps that work; much more lets the
+/// tangle get hopeless.
 const WORSE_TIMES: f32 = 1.7;
 const WORSE_EDGES: f32 = 8.0;
 
@@ -68,8 +68,8 @@ impl Undo {
         }
     }
 
-    /// Puts cloths whose contours got much longer, all that are tangled with each other at once, back where they were, without
-    /// a change of velocity; whether there were any.
+    /// Puts cloths whose contours got much longer back where they were, without a change of velocity. All that are tangled with
+    /// each other are put back at once. Returns whether there were any.
     pub(super) fn end<'a>(
         &mut self,
         surface: &Surface,

@@ -1,8 +1,8 @@
 //! The contour graph: crossings linked into intersection curves, their two sides, and how they end.
 //!
-//! A node is a crossing (edge `e`, face `f`). Each face `g` at `e` forms one segment with `f`; at the segment's other end
-//! stands the crossing of another edge of `g` with `f` (the walk keeps the side) or of an edge of `f` with `g` (the walk flips
-//! it). That parity tells the two sheets apart even where a cloth crosses itself.
+//! A node is a crossing (edge `e`, face `f`). Each face `g` at `e` forms one segment with `f`. At the segment's other end is
+//! the crossing of another edge of `g` with `f` (the walk keeps the side). Or it is that of an edge of `f` with `g` (the walk
+//! flips it). That parity tells the two sheets apart even where a cloth crosses itself.
 //!
 //! ```text
 //!      e  ┊g┊  e'            degree: 2 on inner edges, 1 on border edges, one less per loop vertex

@@ -6,8 +6,9 @@ use super::contour::ContourGraph;
 use super::separation::{Member, nodes};
 use super::view::View;
 
-/// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless), about that of
-/// normals within 80° of it: all around a tube it is none, and what brings one flank of it in drives the other one out.
+/// Least length of the mean unit normal of a side along contours that one direction may undo (dimensionless). Normals within
+/// 80° of the mean have about that. All around a tube it is zero, and a direction that brings one flank of it in drives the
+/// other one out.
 pub(super) const ONE_WAY: f32 = 0.7;
 
 /// Where a side faces at each crossing of some contours.

@@ -1,7 +1,7 @@
 //! How the length of a contour changes when its surfaces move (Volino and Magnenat-Thalmann 2006; Wen et al. 2009).
 //!
-//! At a crossing of an edge with unit direction `E` and a face with unit normal `N`, each face `i` at the edge starts a segment
-//! of the contour in the unit direction `Rᵢ`, pointing from the crossing into that face:
+//! An edge with unit direction `E` crosses a face with unit normal `N`. Each face `i` at the edge starts a segment of the
+//! contour. Its unit direction `Rᵢ` points from the crossing into that face:
 //!
 //! ```text
 //!   Rᵢ = ± N × Mᵢ / |N × Mᵢ|         Mᵢ normal of face i, sign from the in-plane inward normal

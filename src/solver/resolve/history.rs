@@ -1,5 +1,5 @@
-//! The traditional method (1995): every close pair of a particle and a face remembers on which side it was first seen, and is
-//! pushed back there when it is found on the other.
+//! The traditional method (1995). Every close pair of a particle and a face remembers on which side it was first seen. Found on
+//! the other side, it is pushed back.
 //!
 //! ```text
 //!   s = sign((x - c) · N)  when the pair is first seen        push by (thickness - s (x - c)·N) / 2 along s N, both ways
@@ -25,7 +25,7 @@ pub(crate) struct History {
 pub(crate) type Push = (u32, Vec3);
 
 impl History {
-    /// Looks for close pairs within `reach` `[m]`, remembers new ones, and returns where those on the wrong side should be
+    /// Looks for close pairs within `reach` `[m]` and remembers new ones. Returns where those on the wrong side should be
     /// pushed, until they are `thickness` `[m]` on the right one. Pairs that `meter` leaves out are forgotten.
     pub(crate) fn pushes(
         &mut self,

@@ -4,9 +4,9 @@
 //! crossings ─► contour graph ─► what was decided for each contour ─► displacements, capped ─► positions and previous together
 //! ```
 //!
-//! One call to [`Resolver::advance`] is one iteration: it moves every tangled particle by at most a fraction of an edge and
-//! leaves the cloth to its springs. Positions and previous positions move together, so untangling injects no velocity; what is
-//! left of the motion of both sides into each other is taken out as in an inelastic collision.
+//! One call to [`Resolver::advance`] is one iteration. It moves every tangled particle by at most a fraction of an edge and
+//! leaves the cloth to its springs. Positions and previous positions move together, so untangling injects no velocity. The
+//! remaining motion of both sides into each other is taken out as in an inelastic collision.
 //!
 //! | end type | first | when that makes no progress |
 //! |---|---|---|
@@ -82,7 +82,7 @@ pub enum Method {
     #[cfg(feature = "research")]
     GlobalGradient,
     /// Per contour, by how it ends: the cheapest way apart, region push, summed gradient with the exact vertex gradient, or
-    /// gradient along stretches; another of these when one makes no progress. Layers of clothing come into their order.
+    /// gradient along stretches. Another of these is used when one makes no progress. Layers of clothing come into their order.
     #[default]
     ByEndType,
 }

@@ -20,8 +20,8 @@ const STRAIN: f32 = 0.1;
 const SLOPE: f32 = 0.3;
 /// Room left between the sheets beside their thickness, as a fraction of an edge.
 const ROOM: f32 = 0.5;
-/// Least room, as a fraction of an edge: between sides of one cloth that lie closer at rest, more would push them into the next
-/// layer.
+/// Least room, as a fraction of an edge. It is for sides of one cloth that lie closer at rest: more would push them into the
+/// next layer.
 const LEAST_ROOM: f32 = 0.02;
 
 /// A displacement being carried out.

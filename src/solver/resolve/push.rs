@@ -130,8 +130,8 @@ impl Resolver {
     }
 }
 
-/// Cuts a sheet along a contour: edges of odd parity on `side`, loop vertices, and where the contour ends inside the sheet a
-/// prolongation to the nearest border. `None` when there is no way to close the cut.
+/// Cuts a sheet along a contour: edges of odd parity on `side`, and loop vertices. Where the contour ends inside the sheet, a
+/// prolongation to the nearest border is cut, too. `None` when there is no way to close the cut.
 fn cut(graph: &ContourGraph, flood: &mut Flood, view: View<'_>, contour: usize, side: u8) -> Option<()> {
     let c = graph.contours[contour];
     let both = c.kind == ContourKind::Ll;

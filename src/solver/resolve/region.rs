@@ -1,7 +1,7 @@
 //! The piece of a sheet that a contour cuts off (Baraff, Witkin and Kass 2003; Wicke et al. 2006).
 //!
-//! Cut the sheet's edges of odd crossing parity, and loop vertices; flood both sides alternately, always the one with less
-//! area, and stop when the smaller is exhausted: the cost is the small region.
+//! Cut the sheet's edges of odd crossing parity, and loop vertices. Flood both sides alternately, always the one with less
+//! area, and stop when the smaller is exhausted. The cost is the small region.
 //!
 //! ```text
 //!   . . . . . .        floods start at the two ends of one cut edge;
@@ -155,9 +155,9 @@ impl Flood {
         self.seen[particle as usize] == self.stamp + self.chosen as u32
     }
 
-    /// Floods from both ends of a cut edge, around cut particles. Returns the region without pins, if only one has some;
-    /// else the smaller by area; of two about as large, the one that holds the particle `keep`, if given. `None` when the cut
-    /// does not separate.
+    /// Floods from both ends of a cut edge, around cut particles. Returns the region without pins, if only one has some; else
+    /// the smaller by area. Of two about as large, the one that holds the particle `keep` is taken, if given. `None` when the
+    /// cut does not separate.
     pub fn smaller(&mut self, surface: &Surface, positions: &[Vec4], edge: u32, keep: Option<u32>) -> Option<Region> {
         self.next_stamp();
         let ends = surface.topology.edges[edge as usize];

@@ -1,8 +1,9 @@
 //! The cheapest way apart: of a few candidate directions, the one along which the least area has the least way to go.
 //!
-//! A capped version of *Type-Free Global Intersection Analysis* (2026): candidates are both normals of both sides at the
-//! contour, and the direction taken before; between two cloths that face many ways along the contour, as tubes do, each
-//! particle goes along the normal of what it meets, in or out. What is chosen is carried out over several iterations.
+//! This is a capped version of *Type-Free Global Intersection Analysis* (2026). Candidates are both normals of both sides at
+//! the contour, and the direction taken before. Two cloths may face many ways along the contour, as tubes do. Each particle
+//! then goes along the normal of the face that it meets, in or out. The chosen displacement is carried out over several
+//! iterations.
 
 use glam::Vec3;
 
@@ -19,8 +20,8 @@ use crate::solver::verdict::Escalation;
 const HYSTERESIS: f32 = 0.25;
 
 impl Resolver {
-    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`, together with all other
-    /// contours between the same two cloths if one direction undoes them all. Returns whether there is one.
+    /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`. All other contours
+    /// between the same two cloths are taken with it if one direction undoes them all. Returns whether there is one.
     pub(super) fn separate(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
         let mut set = core::mem::take(&mut self.set);
         set.clear();

@@ -11,8 +11,8 @@
 //! Or each particle goes along the normal of the face that it meets, where no one direction takes all of one side out
 //! ([`Course`]).
 //!
-//! No ray is cast through a tree: from the face that the contour crosses on, the projection of a particle is found by walking
-//! over neighbouring faces, so that another sheet in the way is not taken for this one.
+//! No ray is cast through a tree. From the face that the contour crosses on, a walk over neighbouring faces finds the
+//! projection of a particle. So another sheet in the way is not taken for this one.
 
 use glam::Vec3;
 
@@ -58,8 +58,8 @@ pub(super) struct Stray {
 pub(super) enum Course {
     /// Side 0 along a unit vector, side 1 against it.
     Along(Vec3),
-    /// Each particle along the normal of the face beside what it meets: side 0 along that of side 1, times the first sign, side
-    /// 1 along that of side 0, times the second. Around a tube no one direction takes all of one side out.
+    /// Each particle along the normal of the face beside what it meets. Side 0 goes along that of side 1, times the first sign.
+    /// Side 1 goes along that of side 0, times the second. Around a tube no one direction takes all of one side out.
     Facing([f32; 2]),
 }
 
@@ -86,8 +86,9 @@ pub(super) fn nodes<'a>(graph: &'a ContourGraph, set: &'a [Member]) -> impl Iter
     })
 }
 
-/// Largest area `[m²]` that belongs to contours of some length `[m]` in a mesh of such edges `[m]`, where it reaches so far
-/// through `[m]`: a strip as wide as they are long. What is larger is no flap or dent but a whole sheet that lies close.
+/// Largest area `[m²]` that belongs to contours of a `length` `[m]`, in a mesh with edges of `edge` `[m]`, where it reaches
+/// `depth` `[m]` through. It is a strip as wide as they are long. What is larger is no flap or dent but a whole sheet that lies
+/// close.
 pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
     let wide = length + LONGER * edge;
     wide * (wide + depth)
@@ -135,8 +136,8 @@ pub(super) struct Separation {
 }
 
 impl Separation {
-    /// Looks from both sides, side 0 along the direction and side 1 against it, at what faces it at all; gives up beyond a cost
-    /// of `most`. Returns whether the ways undo the contours.
+    /// Looks from both sides, side 0 along the direction and side 1 against it, at faces that face it at all. Gives up beyond a
+    /// cost of `most`. Returns whether the ways undo the contours.
     pub(super) fn look(&mut self, view: View<'_>, graph: &ContourGraph, set: &[Member], course: Course, most: f32) -> bool {
         self.begin(view, graph, set);
         self.largest = largest_area(self.length, self.edge, self.length + ABOUT * self.edge);
@@ -207,8 +208,8 @@ impl Separation {
         self.undone = undone as f32 / f32::max(all as f32, 1.0);
     }
 
-    /// Gives the ends of an edge that passes an edge of a face, while no particle of either is behind the other, the way until
-    /// the two edges meet.
+    /// An edge may pass an edge of a face while no particle of either is behind the other. Gives the ends of such an edge the
+    /// way until the two edges meet.
     fn lift(&mut self, view: View<'_>, side: usize, along: Vec3, edge: [u32; 2], face: u32) -> bool {
         let at = |v: u32| view.positions[v as usize].truncate();
         let [p, q] = edge.map(at);

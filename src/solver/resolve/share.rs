@@ -2,8 +2,8 @@
 
 use glam::Vec4;
 
-/// How much each of two bodies moves, sum 2, from their masses: the lighter moves more, one that holds pins only when the other
-/// does too.
+/// How much each of two bodies moves, sum 2, from their masses. The lighter one moves more, and one that holds pins only when
+/// the other does too.
 pub(super) fn shares(masses: [Load; 2]) -> [f32; 2] {
     let yields = |l: Load| l.mass > 0.0;
     match (yields(masses[0]), yields(masses[1])) {

@@ -7,12 +7,14 @@
 //! ```
 //!
 //! Dividing planes are those of Offset Geometric Contact (Chen et al. 2025) and of trust regions, asked for only where a pair
-//! would pass. The mean motion is kept, hence momentum too, and a pile falls as fast as it likes; what is cut off is lost as in
-//! a plastic impact. Pairs share particles, so passes are repeated until none cuts anything. Pairs that still pass are bounded:
-//! relative to the mean motion of free particles, or of the bodies that some lie on, each moves at most half of the gap that may
-//! close (Offset Geometric Contact, section 3.5), so that two that are bound do not meet. Momentum is not kept there.
+//! would pass. The mean motion is kept, hence momentum too, and a pile falls at any speed. The motion that is cut off is lost,
+//! as in a plastic impact. Pairs share particles, so passes are repeated until none cuts anything. Particles of pairs that
+//! still pass are bounded. Each moves at most half of the gap that may close (Offset Geometric Contact, section 3.5), so that
+//! two bounded ones do not meet. This motion is relative to the mean motion of free particles, or of the bodies that some lie
+//! on. Momentum is not kept there.
 //!
-//! Bodies bear what lies on them: the mean motion of a pair takes none of its particles farther into a body than the body put it.
+//! Bodies bear the cloth that lies on them. The mean motion of a pair takes none of its particles farther into a body than the
+//! body put it.
 //!
 //! What is held cannot be cut: what meets it moves as it does, and is as held for what it meets in turn. Between two that are
 //! held and close, cloth has nowhere to go.
@@ -35,8 +37,8 @@ const MOST_PASSES: u8 = 30;
 /// In place of a pass: a particle moves with what is held, and nothing else moves it.
 const WITH_HELD: u8 = u8::MAX;
 
-/// Distance that is kept, as a share of that at the start, and at least [`TOUCHING`] thicknesses: much closer, nobody could
-/// say which side is which.
+/// Distance that is kept, as a share of that at the start, and at least [`TOUCHING`] thicknesses. Much closer, the sides could
+/// not be told apart.
 const KEPT: f32 = 0.2;
 
 impl Contacts {
@@ -244,8 +246,8 @@ impl Ways<'_> {
 struct Gaps<'a, F> {
     pairs: &'a [Contact],
     start: &'a [Vec4],
-    /// Of each pair the unit normal of a plane between the two primitives, and in `w` how far they are apart along it `[m]`;
-    /// not a number where nobody asked, and empty until one is asked again.
+    /// For each pair, the unit normal of a plane between the two primitives, and in `w` how far they are apart along it `[m]`.
+    /// Not a number for pairs that were not asked for, and empty until one is asked for again.
     dividers: &'a mut Vec<Vec4>,
     /// Whether a pair may pass.
     is_free: F,
@@ -299,8 +301,8 @@ fn separation(n: Vec3, first: usize, points: &[Vec4; 4]) -> f32 {
     if first == 1 { low - high.max(b) } else { low.min(b) - high }
 }
 
-/// Unit normal of a plane between the two primitives: of the face, or across both edges, where the closest points are inside,
-/// which stays exact however close they are; else from one closest point to the other.
+/// Unit normal of a plane between the two primitives. Where the closest points are inside, it is that of the face, or across
+/// both edges, which stays exact however close they are. Else it points from one closest point to the other.
 fn dividing(pair: &Contact, from: &[Vec4; 4]) -> Vec3 {
     let at = from.map(|x| x.truncate() - from[0].truncate());
     let [p, q, r, s] = at;

@@ -7,14 +7,14 @@
 //!   C*  = 0, or below where the pair began the substep closer: recovered at a limited speed, without velocity
 //! ```
 //!
-//! The sum is no less than `mᵢ⁻¹ / 16`, so that in a pass nothing goes farther than four times `C`; what is cut short goes on
-//! in the next. Pushes of all passes add up. After them the pair begins with the friction of the last substep (warm starting).
-//! When bodies have pushed, too, friction acts on the way of the whole substep, under the mean of all pushes. Recovery and friction are those of bodies ([`push_out`], [`Friction::hold`]), for
-//! `δ` in place of a particle.
+//! The sum is no less than `mᵢ⁻¹ / 16`, so that in a pass no particle goes farther than four times `C`. A push that is cut
+//! short goes on in the next pass. Pushes of all passes add up. After them the pair begins with the friction of the last
+//! substep (warm starting). When bodies have pushed, too, friction acts on the way of the whole substep, under the mean of all
+//! pushes. Recovery and friction are those of bodies ([`push_out`], [`Friction::hold`]), for `δ` in place of a particle.
 //!
-//! Pairs share particles, and push each of them more often than is needed: what met fast is then given the speed apart that its
-//! restitution says (the velocity pass of Müller et al. 2020, "Detailed rigid body simulation with extended position based
-//! dynamics", section 3.6); without restitution it is given none.
+//! Pairs share particles, and push each of them more often than is needed. Pairs that met fast are then given the speed apart
+//! of their restitution; without restitution they are given none. This is the velocity pass of Müller et al. 2020, "Detailed
+//! rigid body simulation with extended position based dynamics", section 3.6.
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -97,9 +97,9 @@ impl Constraint {
         self.move_by(-self.tangent_push, now);
     }
 
-    /// Applies friction for the way of the whole substep; none to a pair that has come apart since. If the load that is left of
-    /// it bore friction, folds of crumpled sheets that lie on a floor would give by up to 20 mm now and then, and so by 0.6
-    /// **`[measured]`**.
+    /// Applies friction for the way of the whole substep; none to a pair that has come apart since. If the remaining load of
+    /// such a pair bore friction, folds of crumpled sheets on a floor would sometimes give by up to 20 mm. Without it they give
+    /// by 0.6 **`[measured]`**.
     #[inline]
     pub(super) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
         let end = self.delta(now);
@@ -171,7 +171,7 @@ mod tests {
 
     use super::*;
 
-    /// Two particles of 1 kg that are kept 1 m apart: the upper one comes 0.1 m too close in a substep, and goes 0.04 m aside.
+    /// Two particles of 1 kg that are kept 1 m apart. The upper one comes 0.1 m too close in a substep, and goes 0.04 m aside.
     fn over(friction: f32) -> (Constraint, Vec<Vec4>, Vec<Vec4>) {
         let constraint = Constraint {
             pair: 0,

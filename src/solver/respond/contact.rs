@@ -8,7 +8,7 @@
 //!  ---o-------
 //! ```
 //!
-//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none; cloth that lies on a body is made heavier for other
+//! `Σ wᵢ = 0`, hence two free cloths exchange momentum and make none. Cloth that lies on a body is made heavier for other
 //! cloth, and the body takes the difference.
 
 use core::cmp::Ordering;
@@ -22,8 +22,8 @@ use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 use crate::solver::scales::{LEAST_MOBILITY, TOUCHING};
 
-/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless): 1
-/// leaves a pile of three on a ball creeping for 10 to 20 s; two over the edges of a box rest sooner with it.
+/// Mobility of cloth that lies on a body, or on cloth that does, as a share of that of the cloth it carries (dimensionless). At
+/// 1 a pile of three on a ball creeps for 10 to 20 s, while two over the edges of a box rest sooner.
 const SUPPORT: f32 = 0.02;
 /// Beyond this many thicknesses along the last normal, closest points are not asked for.
 const FAR: f32 = 1.2;
@@ -161,8 +161,8 @@ impl Contact {
         })
     }
 
-    /// Whether no closest points need be asked for: a plane across the last normal keeps the pair too far apart to touch, or
-    /// the last closest points are [far](FAR) apart along it.
+    /// Whether no closest points are needed. A plane across the last normal keeps the pair too far apart to touch, or the last
+    /// closest points are [far](FAR) apart along it.
     #[inline]
     fn is_apart(&self, x: &[Vec4; 4]) -> bool {
         let [x, y, z, w] = *x;
@@ -184,9 +184,9 @@ impl Contact {
         if own > 0.0 { own.max(lightest * LEAST_MOBILITY) } else { 0.0 }
     }
 
-    /// Passes on to the side above how close to a body it lies, and makes the one that carries it heavier, which would only
-    /// push it back (mass scaling as in Macklin et al. 2014, section 5.2). Not within a cloth: it presses its folds together
-    /// itself, much more than gravity does, and where nothing takes the reaction they would lift themselves off a floor, and
+    /// Passes on to the side above how close to a body it lies. The side that carries it would only push it back, and is made
+    /// heavier (mass scaling as in Macklin et al. 2014, section 5.2). Not within a cloth, which presses its folds together
+    /// itself, much more than gravity does. Where nothing takes the reaction, the folds would lift themselves off a floor, and
     /// fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {

@@ -1,8 +1,8 @@
 //! Stack depth: how many layers of cloth lie between a particle and a body.
 
-/// Steps for each layer `[substeps]`. It is also after how many substeps (22 ms at the default rate) what has left a body lies
-/// on nothing: longer carries bouncing cloth in the air; shorter hides deep piles from their ground, since each pass brings
-/// support up by one layer.
+/// Steps for each layer `[substeps]`. After as many substeps (22 ms at the default rate), a particle that has left a body lies
+/// on nothing. A longer time carries bouncing cloth in the air. A shorter one hides deep piles from their ground, since each
+/// pass brings support up by one layer.
 const LAYER: u8 = 8;
 
 /// [`LAYER`] times the layers of cloth between a particle and a body, plus the substeps since the lowest of them touched the

@@ -8,10 +8,10 @@
 //!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
-//! A pair keeps its side: who finds itself behind the face it was in front of, having gone through it and not around it, is
-//! brought back to the front. So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that
-//! can be met before the next, and it holds until something drifts by the margin, or a face turns. Pairs of a tangle have no
-//! right side; they are left to [`resolve`](crate::solver::resolve), which stops at what has no part in the tangle.
+//! A pair keeps its side. A particle that went through a face, and not around it, is brought back to the front, where it was.
+//! So one look a frame, or two where cloth flutters, is enough, as long as it sees everything that can be met before the next.
+//! It holds until something drifts by the margin, or a face turns. Pairs of a tangle have no right side; they are left to
+//! [`resolve`](crate::solver::resolve), which stops at cloth that has no part in the tangle.
 //!
 //! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.
 
@@ -89,12 +89,13 @@ pub(crate) struct Contacts {
 /// Speed at which pairs that are closer than their thickness are taken apart `[m/s]`.
 const RECOVERY_SPEED: f32 = 0.5;
 
-/// Passes over the pairs that touch in a substep. A heap of ten sheets that lies on a ball trembles for ever at 140 mm/s (root
-/// mean square) with one, at 90 with two, 19 with three, 14 with four, 11 with six.
+/// Passes over the pairs that touch in a substep. With one, a heap of ten sheets on a ball trembles for ever at 140 mm/s (root
+/// mean square). With two it does at 90, with three at 19, with four at 14, with six at 11.
 const PASSES: u32 = 6;
 
-/// How often what met fast is given its speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not bounce part
-/// at 0.17 m/s after one, at 0.04 after three, at 0.003 after six; of 12² without any at 0.38.
+/// How often pairs that met fast are given their speed, there and back. Two sheets of 20² that meet flat at 1 m/s and do not
+/// bounce part at 0.17 m/s after one pass. After three they part at 0.04, after six at 0.003. Sheets of 12² part at 0.38
+/// without any.
 const RESTITUTION_PASSES: u32 = 3;
 
 impl Contacts {
@@ -243,8 +244,8 @@ impl Contacts {
         self.depths.age();
     }
 
-    /// Says that a particle lies on a body: cloth on top of it gives way, and the CCD moves it no farther into what is `bearing`
-    /// it, which is `offset` `[m]` from there.
+    /// Says that a particle lies on a body. Cloth on top of it gives way, and the CCD moves it no farther into the body that is
+    /// `bearing` it, `offset` `[m]` from there.
     pub(crate) fn touch_ground(&mut self, particle: u32, bearing: Option<Bearing>, offset: Vec3A) {
         self.depths.ground(particle);
         let slot = self.slots.get(particle as usize).filter(|slot| **slot != NONE);

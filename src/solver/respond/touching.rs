@@ -22,8 +22,8 @@ pub(crate) struct Touching {
 impl Contacts {
     /// The pairs that touched when last [solved](Self::solve). The next look for pairs forgets them.
     ///
-    /// Force `F = C / (h² Σ w² m⁻¹)`, `C` what a pair is pushed in a substep `h`, `w` the weights of the closest points, `m`
-    /// the masses as they were pushed; a mean over the last substeps.
+    /// Force `F = C / (h² Σ w² m⁻¹)`, a mean over the last substeps. `C` is the push of a pair in a substep `h`, `w` are
+    /// weights of the closest points, `m` masses as they were pushed.
     pub(crate) fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
         self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(|pair| {
             let [Some(a), Some(b), Some(c), Some(d)] = pair.slots.map(|s| self.now.get(s as usize)) else { return None };

@@ -1,6 +1,6 @@
 //! Groups constraints into batches of four that share no particle, so that four are solved at once.
 //!
-//! Constraints are taken in blocks of [`BLOCK`] in mesh order, coloured within the block, and emitted colour by colour:
+//! Constraints are taken in blocks of [`BLOCK`] in mesh order, coloured within the block, and emitted colour by colour. So
 //! particles of a block stay in the first-level cache, and a batch rarely waits for the one before it. Lanes left over repeat a
 //! constraint of the same batch, which computes and writes the same values again.
 

@@ -8,14 +8,15 @@
 //!        x3
 //! ```
 //!
-//! With this weight a cylinder of radius `r` stores the `B / (2 r²)` per area of a plate, on right and on equilateral triangles
-//! (on the latter it is the `√3/2` of Seung and Nelson 1988). The paper's 3 is for an energy without that normalization.
+//! With this weight a cylinder of radius `r` stores the `B / (2 r²)` per area of a plate, on right and on equilateral
+//! triangles. On the latter it is the `√3/2` of Seung and Nelson 1988. The paper's 3 is for an energy without that
+//! normalization.
 //!
 //! `E` is quadratic in positions, with one constant matrix `K` for all three coordinates: `E = ½ B Σ_xyz xᵀ K x`. It is the
 //! same for every fabric of a uniform mass, and so are the eigenvalues of `A⁻¹ K`, `A` the areas around particles.
 //!
 //! On a cylinder that is the energy of a plate. A strip with free edges is up to 20 % softer along the threads, where it
-//! relaxes sideways, and stiffer at 45°: bending lengths, which go with the third root, are within 8 % of theory
+//! relaxes sideways, and stiffer at 45°. Bending lengths, which go with the third root, are within 8 % of theory
 //! (`lab::cantilever`).
 
 use glam::{Vec2, Vec3, Vec4};
@@ -36,8 +37,8 @@ pub struct Bends {
     /// Curvature at rest `[1/m]` across the edge, `±|v| / (A1 + A2)`, by lane; positive where `v` points along the
     /// [normal](Self::lean).
     pub rest: Vec<Vec4>,
-    /// How far the normal leans to one of the two triangles (dimensionless), -1 to 1, by lane: it is `(x1 - x0) × o`,
-    /// `o = (x3 - x2) + lean (x3 + x2 - 2 x0)`, which at rest points along `v`.
+    /// How far the normal leans to one of the two triangles (dimensionless), -1 to 1, by lane. The normal is `(x1 - x0) × o`,
+    /// with `o = (x3 - x2) + lean (x3 + x2 - 2 x0)`, which at rest points along `v`.
     pub lean: Vec<Vec4>,
     /// `A1 + A2` `[m²]`, by lane.
     pub area: Vec<Vec4>,
@@ -48,7 +49,7 @@ pub struct Bends {
     /// Start of each particle's row in [`Self::columns`]; `particles + 1` entries.
     pub row_start: Vec<u32>,
     /// Particles that share an element with the particle of the row, sorted; filled up with the last, whose entries count once.
-    /// The diagonal is not kept: rows sum to zero, since a cloth that is only moved has no curvature, so that
+    /// The diagonal is not kept. Rows sum to zero, since a cloth that is only moved has no curvature. So
     /// `(K x)_i = Σ K_ij (x_j - x_i)`.
     pub columns: Vec<[u32; LANES]>,
     /// Entries of `K` `[1/m²]`, as the columns.
@@ -58,19 +59,19 @@ pub struct Bends {
     /// Share of the stiffness that each element keeps (dimensionless), by lane: less than all where triangles are much smaller
     /// than the rest.
     pub keeps: Vec<Vec4>,
-    /// `cos 2φ` and `sin 2φ` by lane, `φ` the angle of the direction in which it bends from the warp towards the weft; empty
-    /// where nothing tells it.
+    /// `cos 2φ` and `sin 2φ` by lane; empty where nothing tells the angle. `φ` is the angle of the direction in which it bends,
+    /// from the warp towards the weft.
     pub warp: Vec<[Vec4; 2]>,
     /// What it takes for curvature (dimensionless), by lane: `κ = H_00 κ_warp + 2 H_01 κ_twist + H_11 κ_weft`; as
     /// [`Self::warp`].
     pub shape: Vec<[Vec4; 3]>,
 }
 
-/// Share of the particles whose elements keep all of their stiffness (dimensionless): the few smallest triangles of a mesh
+/// Share of the particles whose elements keep all of their stiffness (dimensionless). The few smallest triangles of a mesh
 /// would ask for steps that no other needs.
 const KEPT: f32 = 0.99;
 
-/// The same for meshes with more small triangles: those with edges half as long as is usual keep all (dimensionless), since
+/// The same for meshes with more small triangles (dimensionless). Those with edges half as long as is usual keep all, since
 /// widths go with the fourth power.
 const SMALL: f32 = 16.0;
 
@@ -260,8 +261,8 @@ impl Bends {
     }
 }
 
-/// What makes bending along the warp as stiff as asked beside bending along the weft: each element is `1 + α cos 2(φ - φ₀)`
-/// times as stiff, `φ` the direction in which it bends and `φ₀` the warp's, and `α` is found from what the elements of this
+/// Makes bending along the warp as stiff as asked, compared with bending along the weft. Each element is `1 + α cos 2(φ - φ₀)`
+/// times as stiff, with `φ` the direction in which it bends and `φ₀` the warp's. `α` is found from what the elements of this
 /// mesh take for curvature along the two.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -284,7 +285,7 @@ pub struct Weave {
 const MOST_UNEVEN: f32 = 0.95;
 
 /// By how much `α` moves the ratio where edges have all directions alike (dimensionless), as on equilateral triangles. Meshes
-/// on which it moves it less, as squares cut into four at 45° to the threads, which it does not move at all, get less of it.
+/// on which it moves it less get less of it. Squares cut into four at 45° to the threads it does not move at all.
 const SPREAD: f32 = 4.0 / 3.0;
 
 impl Weave {

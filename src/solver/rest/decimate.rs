@@ -9,22 +9,22 @@
 //! ```
 //!
 //! Shortest edges first, in rounds in which no face changes twice, so that it gets coarser evenly. An edge stays where it would
-//! fold a face or cut the surface in two (link condition, Dey et al. 1999). So it does where an authored vertex would lie
-//! farther from the coarse faces, or one of a border from the coarse border, than a chord of the length asked for sags over a
-//! radius as long.
+//! fold a face or cut the surface in two (link condition, Dey et al. 1999). So it does where an authored vertex would lie too
+//! far from the coarse faces, or one of a border from the coarse border. The bound is the sag of a chord of the length asked
+//! for over a radius as long.
 
 use glam::Vec3;
 
 use crate::solver::embed::{HUB, distance};
 use crate::solver::scales::ALIGNED;
 
-/// How far an authored vertex lies from the coarse mesh, at most, in units of the length asked for (dimensionless): the sagitta
-/// `e² / 8 R` of a chord `e` over a radius `R = e`.
+/// Largest distance of an authored vertex from the coarse mesh, in units of the length asked for (dimensionless). It is the
+/// sagitta `e² / 8 R` of a chord `e` over a radius `R = e`.
 const SAG: f32 = 1.0 / 8.0;
 /// Longest edge that is made, in units of the length asked for (dimensionless): two edges that are just too short, in one.
 const LONGEST: f32 = 2.0;
-/// Least quality of a face that is made where the faces before were better (dimensionless): 1 is equilateral, 0.87 half a
-/// square, 0.4 isosceles and 0.18 times as high as its base is long.
+/// Least quality of a face that is made where the faces before were better (dimensionless). At 1 a face is equilateral, at 0.87
+/// half a square, at 0.4 isosceles and 0.18 times as high as its base is long.
 const QUALITY: f32 = 0.4;
 
 /// What collapsing comes to.
@@ -210,8 +210,8 @@ impl Collapsing {
         (left.is_empty() && at == other.unwrap_or(first)).then_some(end.is_none())
     }
 
-    /// Whether every authored vertex lies near the faces at the vertex that stands for it, and every one of a border near the
-    /// border there, when `u` has gone into `v`.
+    /// Whether every authored vertex lies near the faces at the vertex that stands for it, when `u` has gone into `v`. Every
+    /// one of a border must lie near the border there.
     fn stays_near(&self, u: u32, v: u32) -> bool {
         let most = SAG * self.shortest;
         let mut near = self.neighbours(u);

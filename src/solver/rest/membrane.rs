@@ -9,9 +9,9 @@ use crate::solver::topology::Topology;
 /// One element for each triangle, in batches of four that share no particle. All arrays have one entry per batch; empty without
 /// directions of threads.
 ///
-/// With the edges `d1 = x1 - x0`, `d2 = x2 - x0`, the columns of the deformation gradient are
-/// `F_warp = d1 warp[0] + d2 warp[1]` and `F_weft = d1 weft[0] + d2 weft[1]`: what a unit of length along each thread has
-/// become.
+/// Let the edges be `d1 = x1 - x0`, `d2 = x2 - x0`. The columns of the deformation gradient are
+/// `F_warp = d1 warp[0] + d2 warp[1]` and `F_weft = d1 weft[0] + d2 weft[1]`. Each is what a unit of length along its thread
+/// has become.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Membrane {

@@ -84,8 +84,8 @@ impl RestShape {
         Self::build_from(mesh, None)
     }
 
-    /// The same of a mesh whose edges that are shorter than `shortest_edge` `[m]` are collapsed first, by lengths between
-    /// vertices that are `authored` `[m]`: those of the mesh before it was scaled.
+    /// The same of a mesh whose edges that are shorter than `shortest_edge` `[m]` are collapsed first. Lengths are between the
+    /// `authored` vertices `[m]`, those of the mesh before it was scaled.
     ///
     /// # Errors
     /// [`RestError`] when nothing can be simulated.

@@ -12,8 +12,8 @@ use super::{Bends, CoarseMesh, Membrane, RestShape, Springs};
 use crate::solver::buffer::Buffer;
 
 impl RestShape {
-    /// The shape of the same mesh `s` times as large, as it would be built: to the bit where `s` is a power of two, else to
-    /// rounding. None where `s` is not positive or not finite.
+    /// The shape of the same mesh `s` times as large. It equals a newly built one, to the bit where `s` is a power of two, else
+    /// to rounding. None where `s` is not positive or not finite.
     #[must_use]
     pub fn scaled(&self, s: f32) -> Option<Self> {
         if !(s > 0.0 && s.is_finite() && s.recip().is_finite()) {

@@ -9,8 +9,8 @@ use crate::solver::topology::{NONE, Topology};
 /// triangles).
 const DIAGONAL_RATIO: f32 = 1.15;
 
-/// Angle to the threads `[rad]` at which springs still pass for threads, in the mean: there those of cotton, 140 times as stiff
-/// as it shears, add as much shear stiffness `K sin²(2φ) / 4` as it has.
+/// Mean angle to the threads `[rad]` at which springs still pass for threads. Cotton is 140 times as stiff in stretch as in
+/// shear. At this angle its springs add as much shear stiffness `K sin²(2φ) / 4` as it has.
 const OFF_THREAD: f32 = 5.0 * core::f32::consts::PI / 180.0;
 
 /// Distance constraints in batches of four. All arrays have one entry per batch.
@@ -85,8 +85,8 @@ impl Springs {
         })
     }
 
-    /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as anything tells
-    /// those: only then are they a membrane that stretches and shears as the fabric.
+    /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as the threads are
+    /// known. Only then are they a membrane that stretches and shears as the fabric.
     #[must_use]
     pub fn run_along_threads(&self, warp_angle: f32) -> bool {
         let threads = Vec2::from_angle(2.0 * warp_angle);

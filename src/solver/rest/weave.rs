@@ -60,8 +60,8 @@ impl Threads {
     }
 }
 
-/// `cos 2φ` and `sin 2φ` of each edge of `topology`, `φ` its angle from the warp towards the weft, in the mean over its faces;
-/// less than a unit vector where they disagree. Empty when there are no `threads`.
+/// `cos 2φ` and `sin 2φ` of each edge of `topology`, with `φ` its angle from the warp towards the weft. It is the mean over its
+/// faces, less than a unit vector where they disagree. Empty when there are no `threads`.
 pub(super) fn of_edges(topology: &Topology, positions: &[Vec3], threads: &[Threads]) -> Vec<Vec2> {
     if threads.is_empty() {
         return Vec::new();

@@ -20,8 +20,8 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::detect::{Crossing, Part, Surface};
 use pins::Pins;
 
-/// How much farther than the fastest particle of its cloth flew a particle may have gone in the frame, in mean edges: what was
-/// moved farther, by a teleport, is not rolled back.
+/// How much farther a particle may have gone in the frame than the fastest particle of its cloth flew, in mean edges. A
+/// particle that was moved farther, by a teleport, is not rolled back.
 const FARTHEST_EDGES: f32 = 4.0;
 
 /// How far all together may have moved, in mean edges, for single particles to be left where they were.
@@ -93,8 +93,8 @@ impl Rollback {
         (self.rolled_back, self.stayed) = (false, false);
     }
 
-    /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does: it is to
-    /// begin the next one at `positions`, `offset` `[m]` from the frame of the island.
+    /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does. The cloth is
+    /// to begin the next frame at `positions`, `offset` `[m]` from the frame of the island.
     pub(crate) fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
         let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
@@ -181,9 +181,9 @@ impl Rollback {
         self.rolled_back
     }
 
-    /// Puts the particles that cross to the very place where they were, unless all have moved far since: a body pushed what was
-    /// taken along with all, or rounding made it cross what it touched. They go on as all together did. Whether any was
-    /// elsewhere.
+    /// Puts the particles that cross to the very place where they were, unless all have moved far since. A body pushed the
+    /// particles that were taken along with all, or rounding made them cross what they touched. They go on as all together did.
+    /// Returns whether any was elsewhere.
     pub(crate) fn restore_exactly(
         &mut self,
         surface: &Surface,
@@ -201,8 +201,8 @@ impl Rollback {
         })
     }
 
-    /// Puts the particles that cross pins, or what was put there, where they were, carried on as these pins went since: pins
-    /// cannot be taken back. Whether any was elsewhere.
+    /// Puts the particles that cross pins, or particles that were put there, where they were, carried on as these pins went
+    /// since. Pins cannot be taken back. Whether any was elsewhere.
     pub(crate) fn follow_pins(
         &mut self,
         surface: &Surface,
@@ -270,9 +270,10 @@ impl Rollback {
         Vec3::from(self.shared / self.substeps.max(1.0))
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and says whether any was elsewhere: a body pushed what was
-    /// rolled back, and nothing else is known to be clean. No more than a few frames in a row. Velocity is kept, but what was
-    /// rolled back goes on as all together did: it would do the same again. What came from far does not stay.
+    /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere. A body pushed particles
+    /// that were rolled back, and no other place is known to be clean. No more than a few frames in a row. Velocity is kept,
+    /// except that particles that were rolled back go on as all together did: they would do the same again. A cloth that came
+    /// from far does not stay.
     pub(crate) fn restore_cloths(
         &mut self,
         surface: &Surface,

@@ -129,8 +129,8 @@ mod tests {
     use crate::solver::detect::PartRef;
     use crate::solver::topology::Topology;
 
-    /// A strip of three by two pins, and how far the corners of its first face end from where they ride when all of it is
-    /// turned.
+    /// A strip of three by two pins is turned as a whole. Returns how far the corners of its first face end from where they
+    /// ride.
     fn miss(axis: Vec3, degrees: f32) -> f32 {
         let topology = Topology::new(6, vec![[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]]);
         let rest: Vec<Vec3> = (0u8..6).map(|i| vec3(f32::from(i % 3) * 0.5, f32::from(i / 3) * 0.4, 0.0)).collect();

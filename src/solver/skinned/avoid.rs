@@ -7,8 +7,8 @@ use crate::solver::body::{Body, take_out};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 
-/// Fastest that a skin brings cloth to it `[m/s]`: a way out of a body that changes sides, a tangle, or what a bone goes
-/// through.
+/// Fastest that a skin brings cloth to it `[m/s]`. It holds for a way out of a body that changes sides, a tangle, or cloth that
+/// a bone goes through.
 pub(in crate::solver) const FASTEST: f32 = 2.0;
 
 /// Sweeps over targets that are too far from their neighbours.
@@ -32,8 +32,8 @@ pub struct Surroundings<'a> {
 #[derive(Debug, Default)]
 pub struct AvoidBuffers {
     planes: Vec<Vec4>,
-    /// Whether each target is away from the skin, and the springs with one end that is: both ends, and one over the squared
-    /// length at rest `[1/m²]`.
+    /// Whether each target is away from the skin, and the springs with an end that is. A spring is both ends, and one over the
+    /// squared length at rest `[1/m²]`.
     away: Vec<bool>,
     springs: Vec<(usize, usize, f32)>,
 }
@@ -67,10 +67,10 @@ impl Skinned {
     }
 
     /// Brings targets as near to their neighbours as the fabric asks for, or the skin has them. Where a bone goes through the
-    /// skin, one is taken out on this side of it and the next on the other: no cloth can be at both.
+    /// skin, one target is taken out on this side of it and the next on the other. No cloth can be at both.
     ///
-    /// Of two targets on the skin nothing is asked, so that only springs are gone through that have an end away from it; as
-    /// targets move they become more.
+    /// Two targets on the skin stay as they are, so only springs with an end away from it are gone through. They become more as
+    /// targets move.
     fn keep_together(&mut self, around: &Surroundings<'_>, buffers: &mut AvoidBuffers) {
         let Self { to, skin, .. } = self;
         let AvoidBuffers { away, springs, .. } = buffers;
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::solver::rest::SourceMesh;
 
-    /// A sheet of 15 by 15 particles in xy with edges of 20 mm, pinned along one side; and its targets after an arm went
+    /// A sheet of 15 by 15 particles in xy with edges of 20 mm, pinned along one side. Its targets are those after an arm went
     /// through them.
     fn avoided(arm: SharedShape, at: Vec3) -> (RestShape, Vec<Vec4>, Skinned) {
         let place = |i: u32| vec3(0.02 * (i % 15) as f32 - 0.14, 0.14 - 0.02 * (i / 15) as f32, 0.0);

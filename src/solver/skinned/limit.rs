@@ -28,8 +28,9 @@ impl Skinned {
         }
     }
 
-    /// Draws `particles` to their targets in a substep of `h` `[s]`, as a tangle is drawn, and without any speed: from the
-    /// share `s0` of the frame to `s1`. Before forces act, so that what holds the cloth together takes the others along.
+    /// Draws `particles` to their targets in a substep of `h` `[s]`, as a tangle is drawn, and without any speed. The substep
+    /// goes from the share `s0` of the frame to `s1`. Call it before forces act, so that the constraints of the cloth take the
+    /// others along.
     pub fn draw(&self, particles: &[u32], (s0, s1): (f32, f32), h: f32, positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.fits(positions.len()) {
             return;

@@ -9,7 +9,7 @@ use crate::solver::state::ClothState;
 
 /// Most times as many substeps a cloth takes while a body comes through (dimensionless).
 pub(super) const MOST_FOR_BODIES: f32 = 8.0;
-/// The same of a bone of the character that wears it: the cloth goes along with the rest of the body, and every runner would
+/// The same of a bone of the character that wears it. The cloth goes along with the rest of the body, and every runner would
 /// cost as much.
 const MOST_FOR_BONES: f32 = 2.0;
 /// Way of the body in a substep that needs no more, in thicknesses (dimensionless). Say that it is three, and a ball of 0.1 m
@@ -17,9 +17,9 @@ const MOST_FOR_BONES: f32 = 2.0;
 /// long.
 const FREE_WAY: f32 = 0.4;
 
-/// How far a heavier body may press cloth in a substep, in the mean over what it touches (dimensionless): a share of how much
-/// longer the strain limit lets an edge be than at rest. What springs cannot draw back in one the next adds to, and the cloth
-/// bears it no longer.
+/// How far a heavier body may press cloth in a substep, in the mean over the particles that it touches (dimensionless). It is a
+/// share of how much longer the strain limit lets an edge be than at rest. The next substep adds to the stretch that springs
+/// cannot draw back in one, and the cloth bears the body no longer.
 const PRESSED: f32 = 0.25;
 /// Largest strain limit that counts there (dimensionless): springs of what is elastic draw back no sooner.
 const ELASTIC: f32 = 0.1;
@@ -80,9 +80,9 @@ impl Stepped<'_> {
         count * for_heavy_body.max(for_fast_body)
     }
 
-    /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many where cloth would fall by more
-    /// than an edge in one, `g h² > L`. There its constraints have turned by more than they are long before they are solved,
-    /// and tear at each other.
+    /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many. They are more where cloth
+    /// would fall by more than an edge in one, `g h² > L`. There its constraints have turned by more than they are long before
+    /// they are solved, and tear at each other.
     fn substeps_of_pull(&self, stepping: &Stepping) -> u32 {
         let Self { rest, input, .. } = *self;
         let count = substeps_of(stepping, input.dt);

@@ -63,7 +63,7 @@ pub fn step(
     cloth.finish(false, state, scratch).unwrap_or_default()
 }
 
-/// What a cloth is stepped with. [`step`] does all of a frame; cloths that touch each other go through it side by side: they
+/// What a cloth is stepped with. [`step`] does all of a frame. Cloths that touch each other go through it side by side. They
 /// are kept apart before [`project`](Self::project), and rub after it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepped<'a> {

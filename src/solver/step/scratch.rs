@@ -11,8 +11,8 @@ use crate::solver::skinned::TangledLimits;
 use crate::solver::state::ClothState;
 use crate::solver::wind::WindForces;
 
-/// Memory of one cloth that decides its next frame, such as contacts and loads, the factors that [`prepare`](super::prepare)
-/// derives, and buffers, which do not; no allocation once warm.
+/// Memory of one cloth that decides its next frame, such as contacts and loads. It also holds the factors that
+/// [`prepare`](super::prepare) derives, and buffers, which decide nothing. No allocation once warm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scratch {

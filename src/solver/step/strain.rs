@@ -7,9 +7,9 @@ use crate::solver::settings::Fabric;
 /// frame, and the frame ends with its overlong edges shortened.
 const STRAINED: f32 = 1.5;
 
-/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]; a settling cloth ends its frame with overlong
-/// edges shortened from there on. In the substeps of the next frame those of its
-/// springs that are close to the limit are also [swept](super::Stepped::tighten) for it alone.
+/// Beyond this many strain limits a cloth is taut, until it is within [`EASED`]. From there on, a settling cloth ends its frame
+/// with overlong edges shortened. In the substeps of the next frame those of its springs that are close to the limit are also
+/// [swept](super::Stepped::tighten) for it alone.
 pub(super) const TAUT: f32 = 2.0;
 
 /// Beyond this many strain limits a cloth is in a storm: any of its springs may get to its limit within a frame. What contacts

@@ -9,17 +9,17 @@
 //! ```
 //!
 //! *Field.* A sum of random Fourier modes (Kraichnan 1970), each divergence-free because its amplitude is across its wave
-//! vector; wave numbers in a geometric row with `|a| ∝ k^(-1/3)`, which is Kolmogorov's `E(k) ∝ k^(-5/3)`. The mean wind
+//! vector. Wave numbers are in a geometric row with `|a| ∝ k^(-1/3)`, which is Kolmogorov's `E(k) ∝ k^(-5/3)`. The mean wind
 //! carries the eddies along (Taylor 1938, frozen turbulence) while `ω_n ∝ k^(2/3)` lets them age.
 //!
-//! *Force.* A flat plate as in Wejchert & Haumann 1991, with drag and lift apart: drag along the wind on the projected area
-//! `A c / |v|`, lift across it in the plane of wind and normal, both with `½ ρ |v|²`. `C_D` is 1.17 for a square plate across
-//! the wind (Hoerner 1965).
+//! *Force.* A flat plate as in Wejchert & Haumann 1991, with drag and lift apart. Drag is along the wind on the projected area
+//! `A c / |v|`. Lift is across it in the plane of wind and normal. Both have the factor `½ ρ |v|²`. `C_D` is 1.17 for a square
+//! plate across the wind (Hoerner 1965).
 //!
-//! *Stability.* The force is held for `hold` seconds, in which an explicit `½ ρ C A v² hold` may exceed `m v` many times (at 60
-//! m/s and 0.1 kg/m²: four times). Explicitly the relative velocity would change by `x v`; divided by `√(1 + x²)` it changes by
-//! less than `v`, so that it decays and is never reversed, while a gentle wind (`x < 0.1`) loses less than 0.5 % of its force.
-//! (Implicit Euler divides by `1 + x` and loses 10 %.)
+//! *Stability.* The force is held for `hold` seconds. In that time an explicit `½ ρ C A v² hold` may exceed `m v` many times
+//! (at 60 m/s and 0.1 kg/m²: four times). Explicitly the relative velocity would change by `x v`. Divided by `√(1 + x²)` it
+//! changes by less than `v`, so that it decays and is never reversed. A gentle wind (`x < 0.1`) loses less than 0.5 % of its
+//! force. (Implicit Euler divides by `1 + x` and loses 10 %.)
 
 mod forces;
 mod plate;

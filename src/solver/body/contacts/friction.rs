@@ -42,8 +42,8 @@ impl BodyContacts {
 }
 
 impl Candidate {
-    /// Where it began the substep, in the space of the part `[m]`, when its previous position is at `old` `[m]` by now; on a
-    /// body that `moves`, what recovered has moved that, too.
+    /// Where the particle began the substep, in the space of the part `[m]`. `old`: its previous position by now `[m]`. On a
+    /// body that `moves`, recovery has moved the start, too.
     fn start_in(&self, ground: &Ground, old: Vec3, moves: bool) -> Vec3A {
         if moves {
             ground.start(old.into())

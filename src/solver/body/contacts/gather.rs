@@ -22,7 +22,7 @@ pub(crate) struct Approach {
     pub gravity: Vec3,
     /// Thickness of the fabric `[m]`.
     pub thickness: f32,
-    /// Distance beyond ballistic motion that a particle may be dragged in the frame `[m]`, for example the longest way of an
+    /// Distance beyond ballistic motion that a particle may be dragged in the frame `[m]`. Examples are the longest way of an
     /// anchor, and of the wind (`Wind::fastest() · dt`). 0 if unknown.
     pub extra: f32,
 }
@@ -30,9 +30,10 @@ pub(crate) struct Approach {
 impl BodyContacts {
     /// Once per frame, before its first substep: pairs each body with the particles that could reach it.
     ///
-    /// A particle is a candidate when it lies in the box around the shape at both ends of the frame, widened by how far any
-    /// particle can get: `v dt + |g| dt² + b + extra + 2 thickness`, `v` the fastest particle's speed and `b` the longest way
-    /// of a body, which may push a particle against another body. Pinned (`w = 0`) and non-finite particles never are.
+    /// A particle is a candidate when it lies in the box around the shape at both ends of the frame. The box is widened by how
+    /// far any particle can get: `v dt + |g| dt² + b + extra + 2 thickness`. Here `v` is the fastest particle's speed and `b`
+    /// the longest way of a body, which may push a particle against another body. Pinned (`w = 0`) and non-finite particles
+    /// never are.
     pub(crate) fn gather(&mut self, bodies: &[Body], positions: &[Vec4], previous: &[Vec4], approach: &Approach) {
         core::mem::swap(&mut self.parts, &mut *self.parts_before);
         core::mem::swap(&mut self.candidates, &mut *self.candidates_before);

@@ -10,8 +10,8 @@ use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::sweep::{Swept, plane_at, sweep};
 use crate::solver::scales::TOUCHING;
 
-/// How far a particle is moved between substeps that has to be looked at, and how far one that is not, in units of the distance
-/// kept (dimensionless): it was put where it is.
+/// A particle that was moved farther than `MOVED` between substeps has to be looked at. One that was moved `TELEPORTED` or
+/// farther was put where it is, and is not looked at. Both are in units of the distance kept (dimensionless).
 const MOVED: f32 = 0.1;
 const TELEPORTED: f32 = 16.0;
 
@@ -179,8 +179,8 @@ impl Setting<'_> {
         })
     }
 
-    /// Where a particle belongs that was moved through a surface since it was last known at `last`: by cloth that pushes cloth,
-    /// or by what takes tangles apart.
+    /// Where a particle belongs that was moved through a surface since it was last known at `last`. Contacts of cloth with
+    /// cloth, or untangling, may have moved it.
     fn strayed(&self, sample: &impl Fn(Vec3A, f32) -> Sample, last: Vec3A, q0: Vec3A, q1: Vec3A) -> Option<Swept> {
         let off = last.distance(q0);
         // False for a place that is not known: infinity.

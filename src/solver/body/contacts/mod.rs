@@ -29,8 +29,9 @@ struct Candidate {
     plane: Plane,
     /// Height over the plane at which it was put `[m]`: 0; less in an overlap, more after a bounce.
     floor: f32,
-    /// Where it began the substep in which it touched, in the space of the part `[m]`. Recovery rounds the previous position:
-    /// with that in its place, particles on a ball of 0.3 m creep by 1.8e-7 m in a second, and so by 0.7e-7 **`[measured]`**.
+    /// Where it began the substep in which it touched, in the space of the part `[m]`. Recovery rounds the previous position.
+    /// With that as the start, particles on a ball of 0.3 m creep by 1.8e-7 m in a second; with this, by 0.7e-7
+    /// **`[measured]`**.
     start: Vec3,
     /// Its previous position by then, in the cloth's frame `[m]`. What moves it afterwards is recovery, too.
     previous: Vec3,

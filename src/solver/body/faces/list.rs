@@ -81,8 +81,8 @@ impl FaceContacts {
         }
     }
 
-    /// Lists the faces whose boxes meet a box: as a `whole` for that feature edge, 0 for a part without edges; for other parts
-    /// their edges, then what is between.
+    /// Lists the faces whose boxes meet a box. With `whole`, each face is listed as a whole for that feature edge, 0 for a part
+    /// without edges. For other parts, the edges of the faces are listed, then what lies between their edges.
     pub(super) fn list(&mut self, sheet: &Sheet<'_>, whole: Option<u32>, low: Vec3, high: Vec3) {
         let topology = sheet.topology;
         if let Some(feature_edge) = whole {

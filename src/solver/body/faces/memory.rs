@@ -26,7 +26,7 @@ impl Candidate {
     }
 }
 
-/// Passes on what is known of faces that stay; both lists are in the order of feature edges, edges before what is between them,
+/// Passes on the memory of faces that stay. Both lists are in the order of feature edges, edges before what is between them,
 /// and faces.
 pub(super) fn remember(
     (before, feature_edges_before): (&[Candidate], &[FeatureEdge]),

@@ -9,26 +9,26 @@
 //!       /  body   \       Δxᵢ = wᵢ mᵢ⁻¹ Δp / Σ wⱼ² mⱼ⁻¹
 //! ```
 //!
-//! *Edges* that cross the edge of a box meet it at a point that stays where it is, the nearest point of a face there jumps from
-//! one of them to the other. So the edges of faces are looked at by themselves, and their nearest points pushed; faces then
+//! *Edges* that cross the edge of a box meet it at a point that stays where it is. The nearest point of a face there jumps from
+//! one edge to the other. So the edges of faces are looked at by themselves, and their nearest points pushed. Faces follow,
 //! only where they are touched between their edges. Two sheets over a box come to rest with it, and shook without
 //! **`[measured]`**. Balls, capsules and feature edges meet whole faces, where it is no better.
 //!
-//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face is kept at [`SHARE`]
-//! of the distance that particles keep, so that what lies flat is carried by its particles alone. Most faces are passed over by
-//! one sample at the middle: a convex part lies behind its tangent plane, and a face that begins and ends in front of that
-//! never met it.
+//! Parts that are round enough for the mesh have no faces listed and cost nothing. For the others a face keeps [`SHARE`] of the
+//! distance that particles keep, so that cloth that lies flat is carried by its particles alone. One sample at the middle
+//! dismisses most faces. A convex part lies behind its tangent plane, and a face that begins and ends in front of that never
+//! met the part.
 //!
 //! *Nothing passes.* A face that was outside and may have gone through is stopped where it first touches, whatever its speed
-//! ([`first_touch`](super::advance::first_touch)); it starts each substep outside, hence stays there. Faces share particles, so
-//! what the push of one led into a part is stopped again, and at last kept in front of the plane that divided face and part when
-//! the substep began. *A side is kept.* Where
-//! other causes moved it onto the part (cloth that pushes cloth, overlong edges, tangles taken apart), the normal it last had
-//! tells where it belongs: it is brought back along that, at the speed of particles that start inside. The shortest way out of
-//! a needle is sideways, and cloth with a needle in it cannot go there.
+//! ([`first_touch`](super::advance::first_touch)). It starts each substep outside, hence stays there. Faces share particles, so
+//! the push of one face may lead another into a part. Such a face is stopped again, and at last kept in front of the plane that
+//! divided face and part when the substep began. *A side is kept.* Other causes may move a face onto the part: cloth that
+//! pushes cloth, overlong edges, tangles taken apart. Its last normal then tells where it belongs, and it is brought back along
+//! that, at the speed of particles that start inside. The shortest way out of a needle is sideways, and cloth with a needle in
+//! it cannot go there.
 //!
-//! *Surfaces* of triangles are looked at by particles for their triangles and here for their sharp edges ([`FeatureEdges`]),
-//! each as a convex part of its own.
+//! *Surfaces* of triangles: particles meet the triangles; faces meet only the sharp edges ([`FeatureEdges`]), each as a convex
+//! part of its own.
 //!
 //! *Between two parts* that leave no room for twice the distance kept, a face goes to the middle, instead of being pushed to
 //! and fro.
@@ -93,8 +93,8 @@ struct Candidate {
     side: Vec3,
     /// On which side of the part it lay when last touched within it, by its own normal: 1, -1, or 0 when it did not.
     over: f32,
-    /// Corners when a tangent plane was last found, in the part's own space `[m]`, and how far they may go until one has to be
-    /// looked for again `[m]`.
+    /// Corners when a tangent plane was last found, in the part's own space `[m]`. `clear`: how far they may go until one has
+    /// to be looked for again `[m]`.
     corners: [Vec3; 3],
     clear: f32,
     /// Whether a corner is pinned to a body.
@@ -162,7 +162,8 @@ pub(crate) struct FaceContacts {
 }
 
 impl FaceContacts {
-    /// Number of pairs of a face, or an edge of one, and a part of a body that are looked at in each substep of this frame.
+    /// Number of pairs that are looked at in each substep of this frame. A pair is a face, or an edge of one, and a part of a
+    /// body.
     #[must_use]
     pub(crate) fn candidates(&self) -> usize {
         self.candidates.len()

@@ -58,8 +58,8 @@ impl Setting<'_> {
         Some(Look { way, end, towards })
     }
 
-    /// Looks for a tangent plane of the part that leaves the way of a face in front of it: at the middle of the face, then at
-    /// where the face is nearest to what was nearest to that, and so on.
+    /// Looks for a tangent plane of the part that leaves the way of a face in front of it. The first plane is that at the
+    /// middle of the face. Each next one is taken where the face is nearest to the foot of the last point on the part.
     #[inline]
     fn pass(&self, way: &Way, mut weights: [f32; 3]) -> Pass {
         let Way { from, to, .. } = way;

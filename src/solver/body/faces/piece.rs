@@ -46,8 +46,8 @@ pub(super) fn is_within(weights: &[f32; 3]) -> bool {
 }
 
 impl Setting<'_> {
-    /// Whether a touch is for a piece to take: of what is between edges, what is not as near to one of them as it reaches
-    /// itself.
+    /// Whether a touch is for a piece to take. The piece between edges takes only touches that are farther from each edge than
+    /// the edge itself reaches.
     pub(super) fn takes(&self, piece: Piece, weights: &[f32; 3], face: &Face) -> bool {
         let area = (face[1] - face[0]).cross(face[2] - face[0]).length();
         piece != Piece::Within

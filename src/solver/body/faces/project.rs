@@ -14,9 +14,9 @@ use crate::solver::body::respond::Projection;
 use crate::solver::body::squeeze::Squeezes;
 use crate::solver::body::{Bearing, BodyContext};
 
-/// Turns in which faces are stopped again, and in which they are kept in front of where the substep began, at most. A table cloth
-/// of 36² that is pulled away at 3 m/s jams without turns of the first kind, and goes through the table without those of the
-/// second.
+/// Turns in which faces are stopped again, and in which they are kept in front of where the substep began, at most. Without
+/// turns of the first kind, a table cloth of 36² that is pulled away at 3 m/s jams. Without those of the second it goes through
+/// the table.
 pub(super) const STOPS: u32 = 2;
 pub(super) const PUTS: u32 = 6;
 

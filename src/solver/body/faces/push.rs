@@ -7,8 +7,8 @@ use super::setting::{Setting, State, Way};
 use crate::solver::body::nearest::{Near, at};
 use crate::solver::body::respond::{Plane, mean_load, push_out};
 
-/// Least mobility of the nearest point, as a share of that of the lightest corner: a face that hangs by a corner from two that
-/// are held is not levered.
+/// Least mobility of the nearest point, as a share of that of the lightest corner. A face of which two corners are held is not
+/// levered by the third.
 const LEAST_MOBILITY: f32 = 0.05;
 
 impl Setting<'_> {

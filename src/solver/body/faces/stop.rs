@@ -11,8 +11,8 @@ use crate::solver::body::nearest::{Face, Near, at};
 use crate::solver::body::respond::Plane;
 use crate::solver::body::sweep::{SLIDES, plane_at};
 
-/// How far back a face that was moved onto a part is looked for along its last normal: this many times twice as far, beginning
-/// with the distance kept.
+/// How far back a face that was moved onto a part is looked for along its last normal. The search begins with the distance kept
+/// and doubles this many times.
 const DOUBLINGS: u32 = 8;
 
 impl Setting<'_> {
@@ -38,9 +38,9 @@ impl Setting<'_> {
         touched
     }
 
-    /// Stops a face again that still goes into the part, or has gone through it. After [`STOPS`] turns its corners are kept in front
-    /// of the plane that divided them from the part when the substep began, and in the last are put back to where they were then.
-    /// Whether it did.
+    /// Stops a face again that still goes into the part, or has gone through it. After [`STOPS`] turns its corners are kept in
+    /// front of the plane that divided them from the part when the substep began. In the last turn they are put back to where
+    /// they were then. Returns whether it did.
     pub(super) fn stop_again(&self, turn: u32, state: &mut State<'_, '_>) -> bool {
         let Some(look) = self.look(state) else { return false };
         // What can not go through it lies outside wherever it ends outside.

@@ -162,8 +162,8 @@ fn cloth_that_is_farther_than_numbers_reach_meets_no_sharp_edges() {
     }
 }
 
-/// The middle of a face that is pressed on a small ball by `depth` `[m]` and moved aside by 1 mm: how far it got, and out again
-/// after it was drawn in once more.
+/// A face is pressed on a small ball by `depth` `[m]` and moved aside by 1 mm. Returns where its middle gets, and where it gets
+/// after the face was drawn in once more and pushed out again.
 fn rubbed(depth: f32, friction: f32) -> [Vec3; 2] {
     let touch = Touch { static_friction: friction, dynamic_friction: friction, ..TOUCH };
     let at = vec3(0.0, -RADIUS - SHARE * THICKNESS, 0.0);

@@ -24,11 +24,11 @@ struct Piece {
 }
 
 impl Tree {
-    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams and with borders of the mesh at the
+    /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams. Borders of the mesh may be at the
     /// sides of its box only.
     ///
-    /// What is known of the children of a node tells of the node, except where one of them is in pieces: then its faces are
-    /// walked.
+    /// The facts on the children of a node give those of the node, except where one of the children is in pieces. Then the
+    /// faces of the node are walked.
     pub(super) fn find_discs(&mut self, surface: &Surface, shared: &Shared) {
         let topology = &surface.topology;
         let seams = seams(surface);

@@ -1,4 +1,4 @@
-//! Joins the trees of cloths into that of an island: their nodes stand one after the other, below a few that hold more than one
+//! Joins the trees of cloths into that of an island. Their nodes stand one after the other, below a few that hold more than one
 //! cloth.
 //!
 //! ```text

@@ -1,29 +1,30 @@
 //! A hierarchy of boxes over the faces of a [`Surface`](super::Surface) (Mezger 2003).
 //!
-//! Built once over each rest shape, where neighbours stay neighbours however the cloth folds, joined where cloths meet
-//! (`tree/join.rs`), and refitted bottom-up every time: for an inner node `box = box(left) ∪ box(right)`, for a leaf the union
-//! of its faces' boxes. The nodes stand in depth-first order, so the left child is the next node and one backward sweep refits
-//! the tree. Boxes of faces are tested a leaf at a time (`tree/pack.rs`).
+//! The tree is built once over each rest shape, where neighbours stay neighbours however the cloth folds. Trees are joined
+//! where cloths meet (`tree/join.rs`), and refitted bottom-up every time. The box of an inner node is
+//! `box = box(left) ∪ box(right)`, that of a leaf the union of its faces' boxes. The nodes stand in depth-first order, so the
+//! left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a leaf at a time
+//! (`tree/pack.rs`).
 //!
 //! ```text
 //! node i ──► left  = i + 1
 //!        └─► right = nodes[i].right          leaf: faces[first .. first + count]
 //! ```
 //!
-//! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997): a node is not
-//! tested against itself while all normals below lie within 60° of one direction: inside, 90° would do; around a point of its
-//! border cloth without strain closes to a cone at 60°, and triangles at its tip are steeper
-//! **`[measured: none of 17,500 crossings of squeezed sheets missed]`**. It needs a piece without slits, holes and seams, so it
-//! is drawn only for nodes whose faces form a disc in which borders of the mesh, if any, run along the sides of its box at
-//! rest. Nor may faces around a leaf fold back over it: cloth that is squeezed within its plane slides over itself across them
+//! A piece of cloth that hardly bends does not cross itself (Volino and Magnenat-Thalmann 1994; Provot 1997). So a node is not
+//! tested against itself while all normals below lie within 60° of one direction. Inside, 90° would do. Around a point of its
+//! border, cloth without strain closes to a cone at 60°. Triangles at its tip are steeper
+//! **`[measured: none of 17,500 crossings of squeezed sheets missed]`**. The test needs a piece without slits, holes and seams.
+//! So it is made only for nodes whose faces form a disc. Borders of the mesh in it, if any, run along the sides of its box at
+//! rest. Nor may faces around a leaf fold back over it. Cloth that is squeezed within its plane slides over itself across them
 //! **`[measured: up to a fifth of the crossings missed]`**.
 //!
-//! Two nodes that share particles always meet, and are most of all that does. They are known from the start and are one piece
-//! of cloth: the same test on the normals of both dismisses them, where borders run along the sides of the box of the whole
-//! cloth only.
+//! Two nodes that share particles always meet, and are most of all pairs that do. They are known from the start and are one
+//! piece of cloth. The same test on the normals of both dismisses them, where borders run along the sides of the box of the
+//! whole cloth only.
 //!
 //! A cloth with a particle that is not finite or absurdly far is *quarantined*: its leaves get the empty box, which meets
-//! nothing, so it contributes no pair and changes no box that another cloth's pairs depend on.
+//! nothing. So it contributes no pair and changes no box that another cloth's pairs depend on.
 
 mod bounds;
 mod build;
@@ -68,8 +69,8 @@ struct Node {
     part: u16,
     /// Whether the faces below form a disc without slits.
     disc: bool,
-    /// Whether they form a disc, cut or not, in which no particle lies at a seam, or at a border that does not run along a side
-    /// of the whole cloth.
+    /// Whether they form a disc, cut or not, without particles at a seam. Borders at its particles run along sides of the whole
+    /// cloth only.
     smooth: bool,
     /// Which faces of a leaf are marked, one bit each; whether any is below another node.
     marked: u8,

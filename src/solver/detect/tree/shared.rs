@@ -1,7 +1,7 @@
 //! What the two children of each node share, found for all nodes at once.
 //!
-//! The faces at a particle stand at some places of [`Tree::faces`]. Of two that follow each other, the particle is in both
-//! children of the lowest node above both places, and in no other node it is so because of them.
+//! The faces at a particle stand at some places of [`Tree::faces`]. Take two of these places that follow each other. Because of
+//! them, the particle is in both children of the lowest node above both places, and of no other node.
 
 use core::ops::Range;
 

@@ -18,7 +18,8 @@ const JOINT: u32 = NONE;
 pub struct Meeting {
     /// The leaves.
     pub leaves: [u32; 2],
-    /// Bit `k` of entry `i`: face `i` of the first comes close to face `k` of the second; each pair of a leaf with itself once.
+    /// Bit `k` of entry `i`: face `i` of the first leaf comes close to face `k` of the second. Each pair of a leaf with itself
+    /// is listed once.
     pub hits: [u8; LEAF],
     /// Whether some of their faces may share a particle.
     pub joined: bool,
@@ -33,8 +34,8 @@ impl Meeting {
 }
 
 impl Tree {
-    /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`; in a cloth that does not
-    /// collide with itself, only with faces of other cloths.
+    /// Calls `found` once with every pair of different faces whose boxes come within `margin` `[m]`. Faces of a cloth that does
+    /// not collide with itself are paired only with those of other cloths.
     pub fn pairs(&mut self, surface: &Surface, margin: f32, mut found: impl FnMut(u32, u32)) {
         self.meetings(surface, margin, &Effort::UNBOUNDED.meter(), |tree, met| tree.pairs_of(met, &mut found));
     }

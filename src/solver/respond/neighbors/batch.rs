@@ -1,4 +1,4 @@
-//! What is near, in the order in which it was asked for, until there is enough of it to find closest points four at a time.
+//! Near pairs, in the order in which they were asked for, until there are enough to find closest points four at a time.
 
 use glam::{Vec3, Vec3A, Vec4};
 

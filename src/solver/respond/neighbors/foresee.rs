@@ -56,9 +56,9 @@ impl NeighborList {
 }
 
 /// The motion of particle `v` until the next look `[m]`: that of the last substep times `scale`, as far as it lasts. How far
-/// tells the way it went since it was `before`, times `ahead`, the time until the next look over the time since: its least
-/// squares fit by the motion. Where constraints pull to and fro, little of it lasts. What has come farther than it goes now, as
-/// something stopped, turned or carried it, has all of it.
+/// that is follows from its way since it was `before`, by a least squares fit of the motion. That way is taken times `ahead`,
+/// the time until the next look over the time since. Where constraints pull to and fro, little of it lasts. What has come
+/// farther than it goes now, as something stopped, turned or carried it, has all of it.
 #[inline]
 pub(super) fn foreseen(moment: &Moment<'_>, v: usize, scale: f32, before: Vec3A, ahead: f32) -> Vec3A {
     let motion = Vec3A::from_vec4(moment.positions[v] - moment.previous[v]) * scale;

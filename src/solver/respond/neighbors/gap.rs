@@ -14,8 +14,8 @@ pub(super) fn way(positions: &[Vec4], ahead: &[Vec3A], v: u32) -> Bounds {
     Bounds { min: now.min(ahead), max: now.max(ahead) }
 }
 
-/// Of the `faces` of a leaf, a bit each, those that may come within `reach` `[m]` of a face, and of these those that are within
-/// `close` `[m]`. The face is where it is `now` and is foreseen to be `ahead` `[m]`.
+/// Of the `faces` of a leaf, a bit each, those that may come within `reach` `[m]` of a face. Then, of these, those that are
+/// within `close` `[m]`. The face is where it is `now` and is foreseen to be `ahead` `[m]`.
 ///
 /// Faces are farther apart where they are along the line between their centres, now and ahead.
 #[inline]
@@ -43,8 +43,8 @@ pub(super) fn near(now: [Vec4; 3], ahead: [Vec3A; 3], others: &Lanes, faces: u8,
     [may & faces, may & do_now & faces]
 }
 
-/// Of the `faces` of a leaf, a bit each, those that may cross a face that is where it is `now`: the others are sure to lie
-/// beside it.
+/// Of the `faces` of a leaf, a bit each, those that may cross a face that is where it is `now`. The others surely lie beside
+/// it.
 #[inline]
 pub(super) fn may_cross(now: [Vec4; 3], others: &Lanes, faces: u8) -> u8 {
     let f =

@@ -96,8 +96,8 @@ pub(crate) struct NarrowPhase<'a, T> {
 }
 
 impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
-    /// Asks for what may touch of the faces of two leaves. `cross` is told of faces that may cross now, and says whether
-    /// something does: then nothing more is asked, but it is told of all that is left.
+    /// Asks for what may touch of the faces of two leaves. `cross` is called with faces that may cross now, and returns whether
+    /// something does. Then no more pairs are asked for, and `cross` is called with all faces that are left.
     pub(crate) fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
         if self.meter.is_spent() {
             tree.pairs_of(met, |f, g| _ = cross(f, g));
@@ -187,8 +187,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         [flat, loose]
     }
 
-    /// Which faces of two leaves that meet, but those that are `flat`, may come within `reach` `[m]`; which are so close that
-    /// they may cross before they are looked at again; and which of these may cross now.
+    /// Which faces of two leaves that meet, except those that are `flat`, may come within `reach` `[m]`. Which are so close
+    /// that they may cross before they are looked at again, and which of these may cross now.
     #[inline]
     fn gaps(&mut self, tree: &Tree, met: &Meeting, flat: &[u8; LEAF], reach: f32) -> [[u8; LEAF]; 3] {
         let [mut may, mut close, mut cross] = [[0; LEAF]; 3];

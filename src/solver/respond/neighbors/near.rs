@@ -57,8 +57,8 @@ impl Found {
     }
 }
 
-/// Whether it matters how far apart a pair is at rest: one cloth is kept no farther apart there, but for what is far away in
-/// it.
+/// Whether it matters how far apart a pair is at rest. One cloth is kept no farther apart than there, except for pairs that are
+/// far away in it.
 #[inline]
 pub(super) fn rest_matters(surface: &Surface, touch: &[Touch], longest: &[f32], found: &Found) -> bool {
     let [a, .., d] = found.pair.particles;
