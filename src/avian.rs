@@ -21,7 +21,9 @@ use avian3d::prelude::{
 use bevy::prelude::*;
 
 use crate::components::fitted::ColliderBody;
-use crate::components::{ClothCollider, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
+use crate::components::{
+    ClothCollider, ClothCollisionDisabled, ClothCollisionLayers, ClothCoupling, ClothReaction, ClothRigidBody,
+};
 use crate::notices::{Notices, label};
 use crate::simulation::{WorldBodies, WorldBody, jumped, swept};
 use crate::solver::body::shape;
@@ -107,7 +109,7 @@ type Colliders<'a> = (
     Option<&'a mut ColliderBody>,
 );
 
-type Meets = (Without<ClothCollider>, Without<Sensor>, Without<ColliderDisabled>, Without<NoClothCollision>);
+type Meets = (Without<ClothCollider>, Without<Sensor>, Without<ColliderDisabled>, Without<ClothCollisionDisabled>);
 
 /// Adds the colliders of avian's bodies to the bodies that cloth meets.
 pub(crate) fn colliders(
@@ -115,7 +117,7 @@ pub(crate) fn colliders(
     time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     default_friction: Option<Res<DefaultFriction>>,
-    bodies: Query<Option<&Friction>, (With<RigidBody>, Without<RigidBodyDisabled>, Without<NoClothCollision>)>,
+    bodies: Query<Option<&Friction>, (With<RigidBody>, Without<RigidBodyDisabled>, Without<ClothCollisionDisabled>)>,
     mut notices: ResMut<Notices>,
     mut colliders: Query<Colliders, Meets>,
 ) {

@@ -58,6 +58,11 @@ pub(crate) struct ClothIsland {
 }
 
 impl ClothIsland {
+    /// Whether its cloths rest on each other, or on themselves, so that they are stepped side by side.
+    pub(crate) fn has_contact(&self) -> bool {
+        self.members.iter().any(|member| member.collision.contact)
+    }
+
     /// What a stage of the last frame cost `[ms]`, shared by the cloths by their particles: cloth `part`.
     pub(crate) fn cost(&self, stage: Stage, part: usize) -> f32 {
         let surface = self.solver.surface();

@@ -59,16 +59,16 @@ pub mod lab;
 
 pub use components::{
     Cloth, ClothBlend, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled,
-    ClothColliderPart, ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded,
-    ClothContactEvents, ClothContactStarted, ClothContacts, ClothCoupling, ClothDecimation, ClothDetail, ClothDisabled,
-    ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit,
-    ClothInertia, ClothLimits, ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost,
-    ClothPaint, ClothPiece, ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction, ClothRecovered,
-    ClothRenderMesh, ClothReport, ClothReset, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled,
-    ClothSlept, ClothSolver, ClothStatus, ClothSubdivision, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported,
-    ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod,
-    ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, NoClothCollision, ParryShape, PositionPredicate, RecoveryCause,
-    RecoveryLevel, WaitingFor,
+    ClothColliderPart, ClothColliderShape, ClothCollision, ClothCollisionDisabled, ClothCollisionLayers, ClothColorChannel,
+    ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothCoupling, ClothDecimation, ClothDetail,
+    ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld,
+    ClothHit, ClothInertia, ClothLimits, ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit,
+    ClothOnTargetLost, ClothPaint, ClothPiece, ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction,
+    ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
+    ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothSubdivision, ClothTangled, ClothTargetLost,
+    ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
+    ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, ParryShape,
+    PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -91,16 +91,16 @@ pub use snapshot::{ClothSnapshot, ClothSnapshotError};
 pub mod prelude {
     pub use crate::{
         Cloth, ClothBlend, ClothBody, ClothBudget, ClothBuildReport, ClothCharacter, ClothCollider, ClothColliderDisabled,
-        ClothColliderShape, ClothCollision, ClothCollisionLayers, ClothColorChannel, ClothContactEnded, ClothContactEvents,
-        ClothContactStarted, ClothContacts, ClothCoupling, ClothDecimation, ClothDetail, ClothDisabled, ClothDrive, ClothError,
-        ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia, ClothLimits, ClothLoading,
-        ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost, ClothPaint, ClothParticles,
-        ClothPiece, ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPose, ClothPriority, ClothQuery, ClothReaction,
-        ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRest, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy,
-        ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus, ClothSubdivision, ClothSystems,
-        ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
-        ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape,
-        ClothWoke, NoClothCollision,
+        ClothColliderShape, ClothCollision, ClothCollisionDisabled, ClothCollisionLayers, ClothColorChannel, ClothContactEnded,
+        ClothContactEvents, ClothContactStarted, ClothContacts, ClothCoupling, ClothDecimation, ClothDetail, ClothDisabled,
+        ClothDrive, ClothError, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld, ClothHit, ClothInertia,
+        ClothLimits, ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost,
+        ClothPaint, ClothParticles, ClothPiece, ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPose, ClothPriority,
+        ClothQuery, ClothReaction, ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRest, ClothRigidBody,
+        ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus,
+        ClothSubdivision, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
+        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
+        ClothWindZone, ClothWindZoneShape, ClothWoke,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

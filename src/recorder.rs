@@ -146,7 +146,7 @@ fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<Und
         {
             continue;
         }
-        let together = island.members.iter().any(|member| member.collision.contact);
+        let together = island.has_contact();
         let members = members.into_iter().map(|cloth| record(cloth, island.origin, dt)).collect();
         let kept = Recording { island: Some(island.solver.clone()), together, untangle: island.settings, ..recording(members) };
         frame.frames.push((entities, kept, island.origin));
@@ -171,7 +171,6 @@ fn record(
 ) -> RecordedCloth {
     let carrier = inputs.carrier();
     let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
-    let moves = inputs.active && !inputs.asleep && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
     let offset = (particles.origin - origin).as_vec3();
     RecordedCloth {
         name: name.map_or_else(|| entity.to_string(), |name| name.as_str().to_owned()),
@@ -196,7 +195,7 @@ fn record(
         offsets: [offset; 2],
         tuned: (0, false, inputs.fabric.thickness),
         written: particles.written,
-        moves,
+        moves: inputs.moves(&particles.recovery),
         clock: dt * inputs.time_scale,
         fixed: false,
         still: false,

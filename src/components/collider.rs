@@ -44,7 +44,7 @@ pub struct ClothCollider {
 /// Switches the [`ClothCollider`] of its entity off: it pushes no cloth, as a sensor, until this is removed.
 ///
 /// It comes back without having swept what lies between. Colliders of avian are kept away by avian's `ColliderDisabled`, or by
-/// [`NoClothCollision`](crate::NoClothCollision).
+/// [`ClothCollisionDisabled`](crate::ClothCollisionDisabled).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]

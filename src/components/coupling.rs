@@ -169,4 +169,4 @@ impl ClothRigidBody {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub struct NoClothCollision;
+pub struct ClothCollisionDisabled;

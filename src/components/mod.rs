@@ -44,7 +44,7 @@ pub use character::{ClothCharacter, ClothInertia};
 pub use cloth::{Cloth, ClothDisabled};
 pub use collider::{ClothCollider, ClothColliderDisabled};
 pub use collision::ClothCollision;
-pub use coupling::{ClothCoupling, ClothReaction, ClothRigidBody, NoClothCollision};
+pub use coupling::{ClothCollisionDisabled, ClothCoupling, ClothReaction, ClothRigidBody};
 pub use decimation::ClothDecimation;
 pub use grab::ClothGrab;
 pub use hit::ClothHit;

@@ -16,7 +16,7 @@ use crate::solver::body::Body;
 use crate::solver::evaluate::EvaluateSettings;
 use crate::solver::island::{Animation, UntangleSettings};
 use crate::solver::ramp::Ramp;
-use crate::solver::recover::Limits;
+use crate::solver::recover::{Limits, Recovery};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::{Fabric, Stepping};
 use crate::solver::skinned::Skinned;
@@ -204,6 +204,11 @@ impl ClothInputs {
         };
         // It was shown there, so that nothing jumps.
         self.on_skin = self.frames > FIRST_FRAMES && before == 0.0 && self.fade == 0.0;
+    }
+
+    /// Whether the cloth is stepped in a frame in which time passes; it is not while it is frozen after `recovery`.
+    pub(crate) fn moves(&self, recovery: &Recovery) -> bool {
+        self.active && !self.asleep && !recovery.is_frozen() && self.time_scale > 0.0
     }
 
     /// Whether what carries it is looked at in a frame in which time passes.

@@ -352,28 +352,35 @@ impl Scene {
 
     /// Advances every cloth by `dt` `[s]`, one after the other or, where they touch, side by side, and untangles.
     pub fn step(&mut self, dt: f32) {
-        let start = (self.clock)();
         self.steer(dt);
+        self.times = StageTimes::default();
         if self.untangle.as_ref().is_some_and(|untangling| untangling.contact) {
-            self.run(&[Stage::Integrate], dt);
+            self.run(&Stage::FRAME, dt);
             for SceneCloth { anchors, report, done, .. } in &mut self.cloths {
                 if let Some(done) = done.take() {
                     *report = done;
                     anchors.from.clone_from(&anchors.to);
                 }
             }
+            self.decide(dt);
         } else {
+            let start = (self.clock)();
             let input = FrameInput { dt, gravity: self.gravity, bodies: &self.bodies, wind: &self.wind, skinned: None };
             self.cloths.iter_mut().for_each(|cloth| cloth.step(&input));
+            self.times.integrate = 1.0e3 * ((self.clock)() - start);
+            self.finish_frame(dt);
         }
         self.wind.advance(dt);
-        self.times = StageTimes { integrate: 1.0e3 * ((self.clock)() - start), ..StageTimes::default() };
-        self.finish_frame(dt);
     }
 
     /// Runs what follows after the cloths were stepped by `dt` `[s]`, and decides what is shown.
     pub fn finish_frame(&mut self, dt: f32) {
         self.run(&Stage::AFTER_INTEGRATE, dt);
+        self.decide(dt);
+    }
+
+    /// Decides what is shown.
+    fn decide(&mut self, dt: f32) {
         let Self { cloths, untangle: Some(Untangling { island, skip, .. }), clock, times, .. } = self else { return };
         let start = clock();
         for (part, SceneCloth { display, state, .. }) in cloths.iter_mut().enumerate() {

@@ -17,7 +17,7 @@ use crate::solver::settings::drape_rate;
 use crate::solver::step::{Scratch, StepReport, prepare, step};
 use crate::time::ClothTime;
 
-type Stepping<'w, 's, 'a> = Query<
+type StepQuery<'w, 's, 'a> = Query<
     'w,
     's,
     (&'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch, &'a mut ClothReport),
@@ -25,7 +25,7 @@ type Stepping<'w, 's, 'a> = Query<
 >;
 
 /// Prepares every cloth, and steps those that touch no other.
-pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: ResMut<ClothIslands>, mut cloths: Stepping) {
+pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: ResMut<ClothIslands>, mut cloths: StepQuery) {
     let _span = debug_span!("cloth/integrate").entered();
     let (dt, interpolates) = (time.delta_secs(), clock.interpolates);
     for island in &mut islands.list {
@@ -57,7 +57,7 @@ pub(crate) fn together(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, 
 }
 
 /// Judges what stepping side by side did, and takes those back that blew up.
-pub(crate) fn judge(islands: Res<ClothIslands>, mut cloths: Stepping) {
+pub(crate) fn judge(islands: Res<ClothIslands>, mut cloths: StepQuery) {
     let _span = debug_span!("cloth/integrate").entered();
     if !islands.list.iter().any(|island| island.together) {
         return;
@@ -83,11 +83,11 @@ fn batches() -> BatchingStrategy {
 }
 
 /// Whether the members of an island are stepped side by side: they touch, and all are as they were when it was looked at.
-fn steps_together(island: &ClothIsland, cloths: &Stepping) -> bool {
+fn steps_together(island: &ClothIsland, cloths: &StepQuery) -> bool {
     let fits = |member: &Member| {
         cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| member.is_as_seen(rest, particles, scratch))
     };
-    !island.asleep && island.members.iter().any(|m| m.collision.contact) && island.members.iter().all(fits)
+    !island.asleep && island.has_contact() && island.members.iter().all(fits)
 }
 
 /// Prepares a frame of `dt` `[s]`; false when the cloth does not move in it.
@@ -101,7 +101,7 @@ fn begin(
     report: &mut ClothReport,
 ) -> bool {
     let fits = particles.state.positions.len() == rest.0.positions.len();
-    if !(inputs.active && !inputs.asleep && fits && dt > 0.0) || particles.recovery.is_frozen() {
+    if !(inputs.moves(&particles.recovery) && fits && dt > 0.0) {
         // Nothing moved, unless it was carried: there is nothing to interpolate.
         if !inputs.carried {
             particles.before.clear();

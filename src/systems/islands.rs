@@ -88,7 +88,7 @@ fn member<'a>(
     (rest, inputs, particles, scratch): (&'a ClothRest, &'a ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
 ) -> Option<island::Member<'a>> {
     let member = island.members.get(part as usize)?;
-    let moves = inputs.active && !inputs.asleep && !particles.recovery.is_frozen() && inputs.time_scale > 0.0;
+    let moves = inputs.moves(&particles.recovery);
     let input = inputs.frame(dt);
     let input = FrameInput { dt: if moves { input.dt } else { 0.0 }, ..input };
     Some(island::Member {

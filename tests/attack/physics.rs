@@ -43,7 +43,7 @@ pub fn body(stage: &mut Stage, rng: &mut Rng) -> String {
     let entity = stage.world().spawn((kind, collider, at, Mass(mass), LinearVelocity(vector(rng, 5.0)))).id();
     match rng.u32(0..4) {
         0 | 1 => stage.world().entity_mut(entity).insert(ClothCoupling::TwoWay),
-        2 => stage.world().entity_mut(entity).insert(NoClothCollision),
+        2 => stage.world().entity_mut(entity).insert(ClothCollisionDisabled),
         _ => stage.world().entity_mut(entity).insert(ClothCoupling::OneWay),
     };
     stage.bodies.push(entity);

@@ -224,7 +224,7 @@ fn avian_layers_sensors_and_what_is_disabled_are_ignored() {
         e.insert(Sensor);
     });
     with(&mut |e| {
-        e.insert(NoClothCollision);
+        e.insert(ClothCollisionDisabled);
     });
     let disabled = [
         with(&mut |e| {
@@ -294,7 +294,7 @@ fn avian_what_hangs_on_a_sheet_is_held_up_and_bears_on_the_mast() {
         let mut app = physics(FixedPostUpdate);
         let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
         let start = Vec3::new(0.0, 0.0, 0.6);
-        let lantern = app.world_mut().spawn((ball(mass, 0.1, start), NoClothCollision)).id();
+        let lantern = app.world_mut().spawn((ball(mass, 0.1, start), ClothCollisionDisabled)).id();
         let pins = border().to(mast).and(ClothPins::where_position(|p| p.z > 0.499).to(lantern));
         let cloth = spawn(&mut app, sheet(12), (pins, ClothMaterial { drag: 1.0, ..default() }));
         run(&mut app, 14 * RATE);
@@ -414,7 +414,7 @@ fn avian_a_body_that_no_longer_takes_part_falls_freely() {
     spawn(&mut app, net(16), (rim(), elastic()));
     let body = app.world_mut().spawn(ball(1.0, 0.2, Vec3::ZERO)).id();
     run_until_borne(&mut app, body);
-    app.world_mut().entity_mut(body).insert((ClothCoupling::OneWay, NoClothCollision));
+    app.world_mut().entity_mut(body).insert((ClothCoupling::OneWay, ClothCollisionDisabled));
     run(&mut app, 1);
     assert!(impulse(&app, body).is_zero(), "{:?}", impulse(&app, body));
     let before = velocity(&app, body).y;

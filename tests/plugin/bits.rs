@@ -180,6 +180,8 @@ pub fn in_apps() -> Vec<InApp> {
     let camera = lod.world_mut().spawn((Camera3d::default(), Transform::from_xyz(5.0, 0.0, 0.0))).id();
     spawn(&mut lod, sheet(12), (border(), level));
     let recede = move |app: &mut App, _| app.world_mut().get_mut::<Transform>(camera).expect("a camera").translation.x += 0.7;
+    let mut away = app();
+    spawn_sheets(&mut away, &ClothMaterial::COTTON, 1000.0);
     let mut net = app();
     let body = (
         Transform::from_xyz(0.1, 0.6, 0.05),
@@ -206,6 +208,7 @@ pub fn in_apps() -> Vec<InApp> {
         InApp { name: "sleep and waking", app: rest, frames: 300, happen: Box::new(wake) },
         InApp { name: "teleport", app: moved, frames: 90, happen: Box::new(carry) },
         InApp { name: "level of detail", app: lod, frames: 90, happen: Box::new(recede) },
+        InApp { name: "far away", app: away, frames: 90, happen: Box::new(|_, _| {}) },
         InApp { name: "two-way body", app: net, frames: 90, happen: Box::new(|_, _| {}) },
     ]
 }

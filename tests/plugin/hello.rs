@@ -10,6 +10,16 @@ use crate::common::*;
 mod hello_cloth;
 
 #[test]
+fn the_readme_shows_the_first_example() {
+    let read = |file: &str| std::fs::read_to_string(drape_tests::root().join(file)).expect(file);
+    let example = read("examples/hello_cloth.rs");
+    // Without its documentation, and what the test calls is public.
+    let code: Vec<_> = example.lines().filter(|line| !line.starts_with("//")).collect();
+    let code = code.join("\n").replace("pub fn setup", "fn setup");
+    assert!(read("README.md").contains(code.trim()), "the README shows another app than `examples/hello_cloth.rs`");
+}
+
+#[test]
 fn the_first_example_has_a_cloth_that_lies_over_its_ball() {
     let mut app = app();
     app.init_asset::<StandardMaterial>().insert_resource(ClothGlobalWind::new(Vec3::new(0.5, 0.0, -1.0)));

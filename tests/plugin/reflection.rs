@@ -241,7 +241,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             (ClothCollider::compound(parts).with_friction(0.1).with_margin(0.01), ClothColliderDisabled),
             ClothWindZone::cuboid(Vec3::ONE, Vec3::Y),
             (ClothBody { margin: 0.03, ..default() }, ClothCharacter),
-            (ClothCoupling::TwoWay, NoClothCollision, ClothReaction { linear: Vec3::Y, ..default() }),
+            (ClothCoupling::TwoWay, ClothCollisionDisabled, ClothReaction { linear: Vec3::Y, ..default() }),
             ClothRigidBody { inverse_mass: Vec3::ONE, ..default() },
         ))
         .id();

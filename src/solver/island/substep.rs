@@ -198,14 +198,8 @@ impl Island {
     /// Takes in where the particles of pairs are and where they were when the substep began.
     fn gather_pairs(&mut self, cloths: &[Member<'_>]) {
         self.contacts.begin_gather();
-        for (part, Member { state, offset, moves, .. }) in cloths.iter().enumerate() {
-            let offset = offset.extend(0.0);
-            self.contacts.gather(part, |i| match (state.positions.get(i), state.previous.get(i)) {
-                (Some(&now), Some(&old)) if *moves => (now + offset, old + offset),
-                // What stays has no speed, whatever it had.
-                (Some(&now), _) if !moves => (now.truncate().extend(0.0) + offset, now + offset),
-                _ => (Vec4::NAN, Vec4::NAN),
-            });
+        for (part, cloth) in cloths.iter().enumerate() {
+            self.contacts.gather(part, |i| cloth.particle(i));
         }
     }
 
@@ -234,13 +228,8 @@ impl Island {
         if self.contacts.is_empty() {
             return;
         }
-        for (part, Member { state, offset, moves, .. }) in cloths.iter().enumerate() {
-            let offset = offset.extend(0.0);
-            self.contacts.gather_end(part, |i| match state.positions.get(i) {
-                Some(&now) if *moves => now + offset,
-                Some(&now) => now.truncate().extend(0.0) + offset,
-                None => Vec4::NAN,
-            });
+        for (part, cloth) in cloths.iter().enumerate() {
+            self.contacts.gather_end(part, |i| cloth.particle(i)[0]);
         }
         if !self.contacts.clamp_motion(&mut self.asked) {
             return;

@@ -302,10 +302,10 @@ impl Contacts {
 
     /// Takes in the particles of pairs in cloth `part`: `read` gives the position (`[m]`, `w` inverse mass) and the position at
     /// the start of the substep `[m]` of its `i`-th.
-    pub(crate) fn gather(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec4)) {
+    pub(crate) fn gather(&mut self, part: usize, read: impl Fn(usize) -> [Vec4; 2]) {
         let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
         for &s in slots {
-            (self.now[s as usize], self.old[s as usize]) = read((self.particles[s as usize] - first) as usize);
+            [self.now[s as usize], self.old[s as usize]] = read((self.particles[s as usize] - first) as usize);
         }
     }
 

@@ -129,6 +129,7 @@ impl BodyContacts {
 
     /// Takes out particles that are pinned to bodies, in ascending order.
     pub(crate) fn leave_out(&mut self, particles: &[u32]) {
+        debug_assert!(particles.is_sorted());
         if particles.is_empty() {
             return;
         }

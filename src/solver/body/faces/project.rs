@@ -125,6 +125,8 @@ impl FaceContacts {
             if stopped == 0 {
                 break;
             }
+            // What was stopped bears a load now.
+            self.is_listed = false;
         }
     }
 
@@ -186,6 +188,7 @@ impl FaceContacts {
 
 /// Each part that has faces among those that touch (rising numbers of candidates), with them.
 pub(super) fn by_part<'a>(parts: &'a [Part], mut touching: &'a [u32]) -> impl Iterator<Item = (&'a Part, &'a [u32])> {
+    debug_assert!(touching.is_sorted());
     parts.iter().filter_map(move |part| {
         let here;
         (here, touching) = touching.split_at(touching.partition_point(|k| *k < part.candidates.1));

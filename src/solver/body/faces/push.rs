@@ -9,7 +9,7 @@ use crate::solver::body::respond::{Plane, mean_load, push_out};
 
 /// Least mobility of the nearest point, as a share of that of the lightest corner. A face of which two corners are held is not
 /// levered by the third.
-const LEAST_MOBILITY: f32 = 0.05;
+const LEVERED: f32 = 0.05;
 
 impl Setting<'_> {
     /// Pushes the nearest point of a face out, and shares that out by mass; whether anything could.
@@ -62,5 +62,5 @@ pub(super) fn mobility(weights: &[f32; 3], masses: &[f32; 3]) -> Option<f32> {
     let mobility: f32 = weights.iter().zip(masses).map(|(weight, mass)| weight * weight * mass).sum();
     let lightest = masses.iter().copied().fold(0.0, f32::max);
     // NaN passes no comparison.
-    (mobility > LEAST_MOBILITY * lightest).then_some(mobility)
+    (mobility > LEVERED * lightest).then_some(mobility)
 }
