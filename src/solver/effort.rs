@@ -27,19 +27,19 @@ impl Effort {
 
     /// So many visits for each of so many `faces`.
     #[must_use]
-    pub fn per_face(visits: u32, faces: usize) -> Self {
+    pub(crate) fn per_face(visits: u32, faces: usize) -> Self {
         Self { most: u64::from(visits) * faces as u64, spent: 0 }
     }
 
     /// Counts visits.
     #[inline]
-    pub fn spend(&mut self, visits: usize) {
+    pub(crate) fn spend(&mut self, visits: usize) {
         self.spent = self.spent.saturating_add(visits as u64);
     }
 
     /// For one walk that may take all of it by itself, whatever was spent before.
     #[must_use]
-    pub const fn meter(&self) -> Meter {
+    pub(crate) const fn meter(&self) -> Meter {
         Meter { most: self.most, spent: Cell::new(0) }
     }
 
@@ -52,14 +52,14 @@ impl Effort {
     /// Whether no more visits may be made.
     #[inline]
     #[must_use]
-    pub const fn is_spent(&self) -> bool {
+    pub(crate) const fn is_spent(&self) -> bool {
         self.spent >= self.most
     }
 }
 
 /// Counts the visits of one walk: those of who walks and of who is shown what is found.
 #[derive(Clone, Debug)]
-pub struct Meter {
+pub(crate) struct Meter {
     most: u64,
     spent: Cell<u64>,
 }
@@ -67,20 +67,20 @@ pub struct Meter {
 impl Meter {
     /// Counts visits.
     #[inline]
-    pub fn spend(&self, visits: usize) {
+    pub(crate) fn spend(&self, visits: usize) {
         self.spent.set(self.spent.get() + visits as u64);
     }
 
     /// Visits made so far.
     #[must_use]
-    pub const fn spent(&self) -> usize {
+    pub(crate) const fn spent(&self) -> usize {
         self.spent.get() as usize
     }
 
     /// Whether the walk is to stop.
     #[inline]
     #[must_use]
-    pub const fn is_spent(&self) -> bool {
+    pub(crate) const fn is_spent(&self) -> bool {
         self.spent.get() >= self.most
     }
 }

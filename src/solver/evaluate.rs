@@ -164,8 +164,9 @@ impl Evaluator {
     }
 
     /// The last clean shape `[m]` and how long ago it was shown `[s]`.
+    #[cfg(feature = "inspector")]
     #[must_use]
-    pub fn clean_shape(&self) -> Option<(&[Vec3], f64)> {
+    pub(crate) fn clean_shape(&self) -> Option<(&[Vec3], f64)> {
         let snapshot = &self.ring[self.newest];
         (self.kept > 0).then_some((snapshot.positions.as_slice(), self.time - snapshot.time))
     }

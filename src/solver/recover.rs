@@ -161,7 +161,7 @@ impl Recovery {
 
 /// What is wrong with a state, if anything.
 #[must_use]
-pub fn diagnose(state: &ClothState, worst_edge: f32, limits: &Limits) -> Option<Cause> {
+pub(crate) fn diagnose(state: &ClothState, worst_edge: f32, limits: &Limits) -> Option<Cause> {
     // `0 * x` is not a number exactly when x is not finite.
     let sum: Vec4 = state.positions.iter().zip(&state.previous).map(|(x, old)| *x * 0.0 + *old * 0.0).sum();
     if sum != Vec4::ZERO {

@@ -85,7 +85,7 @@ impl Topology {
 
     /// The corner of `face` that is not on `edge`.
     #[must_use]
-    pub fn opposite(&self, edge: u32, face: u32) -> u32 {
+    pub(crate) fn opposite(&self, edge: u32, face: u32) -> u32 {
         let [a, b] = self.edges[edge as usize];
         let t = self.faces[face as usize];
         t.into_iter().find(|&v| v != a && v != b).unwrap_or(t[0])

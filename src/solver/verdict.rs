@@ -20,7 +20,7 @@ pub struct Verdict {
 impl Verdict {
     /// Edges that cross faces, where they were looked at last.
     #[must_use]
-    pub fn all_crossings(&self) -> u32 {
+    pub(crate) fn all_crossings(&self) -> u32 {
         self.crossings.saturating_add(self.elsewhere)
     }
 

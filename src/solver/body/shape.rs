@@ -264,7 +264,7 @@ pub fn trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedSh
 
 /// A closed triangle mesh with an inside `[m]`, wound counter-clockwise seen from outside: cloth that starts inside is brought
 /// out. A mesh that is not closed or not manifold has no inside; use [`trimesh`].
-pub fn solid_trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedShape, ShapeError> {
+pub(crate) fn solid_trimesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<SharedShape, ShapeError> {
     trimesh_with(vertices, triangles, TriMeshFlags::ORIENTED)
 }
 

@@ -60,7 +60,7 @@ impl Rigid {
 
     /// Whether cloth can move or turn it.
     #[must_use]
-    pub fn is_movable(&self) -> bool {
+    pub(crate) fn is_movable(&self) -> bool {
         self.inverse_mass != Vec3::ZERO || self.inverse_inertia != Mat3::ZERO
     }
 }

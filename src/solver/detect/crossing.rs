@@ -76,7 +76,7 @@ impl Detector {
 
     /// Prepares detection on a surface with its tree.
     #[must_use]
-    pub fn with_tree(surface: &Surface, tree: Tree) -> Self {
+    pub(crate) fn with_tree(surface: &Surface, tree: Tree) -> Self {
         let topology = &surface.topology;
         let asks = topology.face_edges.iter().enumerate().map(|(f, edges)| {
             let first = |k: usize| topology.edge_faces[edges[k] as usize][0] == f as u32;
@@ -102,7 +102,7 @@ impl Detector {
     }
 
     /// Forgets what was found of cloth that hardly moves, of a surface that is some times as large now.
-    pub fn rescale(&mut self, surface: &Surface) {
+    pub(crate) fn rescale(&mut self, surface: &Surface) {
         self.quiet.rescale(surface);
     }
 
@@ -157,7 +157,7 @@ impl Detector {
     /// As [`Self::detect`], in a [tree](Self::tree) that was fitted to `positions`. Calls `also` with every two leaves that
     /// have faces whose boxes come within `margin` `[m]`, to ask about those that may cross. Once an edge is known to cross a
     /// face, `also` is called no more.
-    pub fn detect_and(
+    pub(crate) fn detect_and(
         &mut self,
         surface: &Surface,
         positions: &[Vec4],
@@ -193,7 +193,7 @@ impl Detector {
 
     /// Whether the last look was at all of the cloth, not at a part of it only.
     #[must_use]
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.parts.is_whole
     }
 
@@ -205,14 +205,14 @@ impl Detector {
     }
 
     /// Says whether a cloth without an inverse mass moves all the same: of two that do not, crossings are not looked for.
-    pub fn set_moving(&mut self, part: usize, moving: bool) {
+    pub(crate) fn set_moving(&mut self, part: usize, moving: bool) {
         if let Some(of) = self.moving.get_mut(part) {
             *of = moving;
         }
     }
 
     /// As [`Self::detect`], where only `pairs` of faces can cross.
-    pub fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
+    pub(crate) fn detect_among(&mut self, surface: &Surface, positions: &[Vec4], pairs: &[[u32; 2]]) -> &[Crossing] {
         let meter = Effort::UNBOUNDED.meter();
         self.cross(surface, positions, &meter, |_, crosser| {
             for four in pairs.chunks(WIDE) {
@@ -291,14 +291,14 @@ impl Detector {
 
     /// The search tree, to be looked at.
     #[must_use]
-    pub fn tree_ref(&self) -> &Tree {
+    pub(crate) fn tree_ref(&self) -> &Tree {
         &self.tree
     }
 }
 
 /// Asks faces whether they cross.
 #[derive(Debug)]
-pub struct Crosser<'a> {
+pub(crate) struct Crosser<'a> {
     surface: &'a Surface,
     positions: &'a [Vec4],
     asks: &'a [u8],
@@ -313,7 +313,7 @@ pub struct Crosser<'a> {
 impl Crosser<'_> {
     /// Whether something is known to cross.
     #[must_use]
-    pub fn found(&self) -> bool {
+    pub(crate) fn found(&self) -> bool {
         !self.crossings.is_empty()
     }
 
@@ -329,7 +329,7 @@ impl Crosser<'_> {
 
     /// Asks two faces; whether they, or others before, cross.
     #[inline]
-    pub fn ask(&mut self, f: u32, g: u32) -> bool {
+    pub(crate) fn ask(&mut self, f: u32, g: u32) -> bool {
         let Self { surface, positions, asks, kinematic, ties, doubtful, crossings, meter } = self;
         let still = |kinematic: &[bool], face: u32| kinematic[usize::from(surface.part_of_face(face))];
         if kinematic.is_some_and(|kinematic| still(kinematic, f) && still(kinematic, g)) {

@@ -8,6 +8,8 @@
 //! ```
 
 mod quiet;
+#[cfg(feature = "research")]
+mod close;
 pub(super) mod beside;
 pub(super) mod four;
 pub(crate) mod crossing;
@@ -19,5 +21,5 @@ pub(crate) mod surface;
 pub(crate) mod tree;
 
 pub use crossing::{Crossing, Detector};
-pub use proximity::{Proximity, ProximityKind, ProximitySettings};
+pub use proximity::{Proximity, ProximityKind};
 pub use surface::{Part, PartRef, Surface, SurfaceError};

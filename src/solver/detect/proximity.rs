@@ -1,18 +1,11 @@
-//! Pairs of primitives that come closer than the contact distance.
+//! Pairs of primitives, and their closest points.
 //!
 //! ```text
 //!  vertex-face:  closest point  Σ wⱼ cⱼ  of the triangle, after Ericson 2005, section 5.1.5
 //!  edge-edge:    closest points of two segments, section 5.1.9; only where both are inside, the ends are vertex-face pairs
 //! ```
-//!
-//! Left out: pairs within [`ProximitySettings::exclude_rings`] edges of each other, and pairs of one cloth that are as close at
-//! rest.
 
-use glam::{Vec3, Vec4};
-
-use super::crossing::Detector;
-use super::surface::Surface;
-use crate::solver::effort::Meter;
+use glam::Vec3;
 
 /// Which primitives came close.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,95 +32,6 @@ pub struct Proximity {
     pub distance: f32,
 }
 
-/// What counts as close.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct ProximitySettings {
-    /// Contact distance `[m]`.
-    pub distance: f32,
-    /// Pairs of one cloth within this many edges of each other are left out. Default 2.
-    pub exclude_rings: u32,
-    /// Whether edge-edge pairs are wanted.
-    pub edges: bool,
-}
-
-impl Default for ProximitySettings {
-    fn default() -> Self {
-        Self { distance: 0.005, exclude_rings: 2, edges: true }
-    }
-}
-
-impl Detector {
-    /// Finds close pairs at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`. Where there is too much
-    /// work, the last pairs are left out.
-    pub fn proximities(
-        &mut self,
-        surface: &Surface,
-        positions: &[Vec4],
-        settings: &ProximitySettings,
-        meter: &Meter,
-        found: &mut Vec<Proximity>,
-    ) {
-        found.clear();
-        if positions.len() != surface.len() {
-            return;
-        }
-        self.tree.refit(surface, positions, None);
-        let topology = &surface.topology;
-        let at = |v: u32| positions[v as usize].truncate();
-        let mut near = |pair: Proximity| {
-            if pair.distance < settings.distance && !is_excluded(surface, &pair, settings) {
-                found.push(pair);
-            }
-        };
-        let mut pair = |f: u32, g: u32| {
-            meter.spend(1);
-            let (tf, tg) = (topology.faces[f as usize], topology.faces[g as usize]);
-            if tf.iter().all(|&v| positions[v as usize].w == 0.0) && tg.iter().all(|&v| positions[v as usize].w == 0.0) {
-                return;
-            }
-            for (t, u) in [(tf, tg), (tg, tf)] {
-                for v in t {
-                    if !u.contains(&v) {
-                        near(vertex_face([v, u[0], u[1], u[2]], at));
-                    }
-                }
-            }
-            if settings.edges {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let (e, h) = ([tf[i], tf[(i + 1) % 3]], [tg[j], tg[(j + 1) % 3]]);
-                        if !h.contains(&e[0]) && !h.contains(&e[1]) {
-                            let (e, h) = (ordered(e), ordered(h));
-                            let (e, h) = if e < h { (e, h) } else { (h, e) };
-                            near(edge_edge([e[0], e[1], h[0], h[1]], at));
-                        }
-                    }
-                }
-            }
-        };
-        self.tree.meetings(surface, settings.distance, meter, |tree, met| tree.pairs_of(met, &mut pair));
-        // Pairs were met once per pair of faces around them: order them and keep each once.
-        found.sort_unstable_by_key(|p| (p.kind as u8, p.particles));
-        found.dedup_by_key(|p| (p.kind as u8, p.particles));
-    }
-}
-
-fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
-
-fn is_excluded(surface: &Surface, pair: &Proximity, settings: &ProximitySettings) -> bool {
-    let [a, b, c, d] = pair.particles;
-    let (first, second): (&[u32], &[u32]) = match pair.kind {
-        ProximityKind::VertexFace => (&[a], &[b, c, d]),
-        ProximityKind::EdgeEdge => (&[a, b], &[c, d]),
-    };
-    surface.part(a) == surface.part(d)
-        && (distance_at_rest(surface, pair) < settings.distance
-            || first.iter().any(|&v| within(surface, v, second, settings.exclude_rings)))
-}
-
 /// Closest points of two edges, ends included (Ericson 2005, section 5.1.9).
 pub(crate) fn closest_edges(particles: [u32; 4], at: impl Fn(u32) -> Vec3) -> Proximity {
     let [p, q, r, s] = particles.map(&at);
@@ -140,21 +44,6 @@ pub(crate) fn closest_edges(particles: [u32; 4], at: impl Fn(u32) -> Vec3) -> Pr
     let x = ((b * y - d) / a.max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
     let distance = (p + u * x).distance(r + v * y);
     Proximity { kind: ProximityKind::EdgeEdge, particles, weights: [1.0 - x, x, y - 1.0, -y], distance }
-}
-
-/// Distance of a pair at rest `[m]`.
-fn distance_at_rest(surface: &Surface, pair: &Proximity) -> f32 {
-    let at = |v: u32| surface.rest[v as usize];
-    match pair.kind {
-        ProximityKind::VertexFace => vertex_face(pair.particles, at).distance,
-        ProximityKind::EdgeEdge => closest_edges(pair.particles, at).distance,
-    }
-}
-
-/// Whether a particle is at most `rings` edges from one of the targets.
-fn within(surface: &Surface, from: u32, targets: &[u32], rings: u32) -> bool {
-    targets.contains(&from)
-        || (rings > 0 && surface.topology.around(from).iter().any(|&(u, _)| within(surface, u, targets, rings - 1)))
 }
 
 /// Closest point of a triangle to a particle: `particles[0]` against `particles[1..4]`.

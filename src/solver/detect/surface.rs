@@ -119,7 +119,7 @@ impl Surface {
     }
 
     /// Gives a cloth other positions at rest `[m]`; false if it has another number of them.
-    pub fn reshape(&mut self, part: usize, rest: &[Vec3]) -> bool {
+    pub(crate) fn reshape(&mut self, part: usize, rest: &[Vec3]) -> bool {
         let range = self.parts.get(part).map(|part| part.particles.start as usize..part.particles.end as usize);
         let Some(mine) = range.and_then(|range| self.rest.get_mut(range)).filter(|mine| mine.len() == rest.len()) else {
             return false;
@@ -197,13 +197,13 @@ impl Surface {
 
     /// Cloth of a face.
     #[must_use]
-    pub fn part_of_face(&self, face: u32) -> u16 {
+    pub(crate) fn part_of_face(&self, face: u32) -> u16 {
         self.part(self.topology.faces[face as usize][0])
     }
 
     /// Cloth of an edge.
     #[must_use]
-    pub fn part_of_edge(&self, edge: u32) -> u16 {
+    pub(crate) fn part_of_edge(&self, edge: u32) -> u16 {
         self.part(self.topology.edges[edge as usize][0])
     }
 

@@ -31,7 +31,8 @@ impl Island {
     }
 
     /// Looks for crossings as the cloths lie, and for nothing else: nothing will be moved.
-    pub fn inspect(&mut self, cloths: &[Member<'_>]) -> Verdict {
+    #[cfg(feature = "lab")]
+    pub(crate) fn inspect(&mut self, cloths: &[Member<'_>]) -> Verdict {
         for (part, m) in cloths.iter().enumerate().take(self.surface.parts.len()) {
             self.gather_member(part, m);
         }

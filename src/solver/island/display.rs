@@ -52,7 +52,7 @@ impl Display {
 
     /// Whether no frame was decided yet.
     #[must_use]
-    pub fn is_new(&self) -> bool {
+    pub(crate) fn is_new(&self) -> bool {
         !self.decided
     }
 
@@ -69,8 +69,9 @@ impl Display {
     }
 
     /// The last clean shape `[m]`, in the place where it was.
+    #[cfg(feature = "inspector")]
     #[must_use]
-    pub fn clean_shape(&self) -> Option<&[Vec3]> {
+    pub(crate) fn clean_shape(&self) -> Option<&[Vec3]> {
         self.evaluator.clean_shape().map(|(shape, _)| shape)
     }
 

@@ -1,9 +1,12 @@
 //! What an island knows, to be looked at.
 
-use glam::{Vec3, Vec4};
+#[cfg(feature = "debug")]
+use glam::Vec3;
+use glam::Vec4;
 
 use super::Island;
 use crate::solver::detect::tree::Bounds;
+#[cfg(feature = "debug")]
 use crate::solver::resolve::ContourKind;
 use crate::solver::resolve::region::Flood;
 
@@ -15,7 +18,8 @@ impl Island {
     }
 
     /// The points `[m]` where edges cross faces, in the frame of the island, each with the kind of its contour.
-    pub fn crossing_points(&self) -> impl Iterator<Item = (ContourKind, Vec3)> + '_ {
+    #[cfg(feature = "debug")]
+    pub(crate) fn crossing_points(&self) -> impl Iterator<Item = (ContourKind, Vec3)> + '_ {
         let resolver = &self.untangler.resolver;
         let graph = resolver.graph();
         let kind = |i: usize| graph.contours[graph.contour_of[i] as usize].kind;

@@ -37,7 +37,7 @@ use super::buffer::Buffer;
 use super::detect::tree::Tree;
 use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
 use super::effort::Effort;
-use super::resolve::{Contour, ResolveSettings, Resolver, Strategy, Untangler};
+use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
 use super::respond::{Contacts, NeighborList};
 use super::rollback::Rollback;
 use super::verdict::Verdict;
@@ -271,7 +271,7 @@ impl Island {
 
     /// Whether [`Stage::Resolve`] moved anything in this frame.
     #[must_use]
-    pub fn has_moved(&self) -> bool {
+    pub(crate) fn has_moved(&self) -> bool {
         self.moved
     }
 
@@ -305,13 +305,8 @@ impl Island {
         self.untangler.resolver.overruled_layers().map(|pair| pair.map(usize::from))
     }
 
-    /// What was done last about each contour that was found then.
-    pub fn strategies(&self) -> impl Iterator<Item = Strategy> + '_ {
-        self.untangler.resolver.strategies()
-    }
-
     /// Segments `[m]` of all contours found last, in the frame of the island, each with the number of its contour.
-    pub fn segments(&self) -> impl Iterator<Item = (usize, [Vec3; 2])> + '_ {
+    pub(crate) fn segments(&self) -> impl Iterator<Item = (usize, [Vec3; 2])> + '_ {
         let resolver = &self.untangler.resolver;
         let (graph, points) = (resolver.graph(), resolver.points());
         points.iter().enumerate().flat_map(move |(i, &from)| {

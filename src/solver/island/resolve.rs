@@ -14,6 +14,10 @@ use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::step::{displace, relax};
 use crate::solver::verdict::Escalation;
 
+/// Last resorts (dimensionless): for so many times that time only what lies around a tangle is drawn to the pose, and within
+/// one more all of the cloth.
+const AROUND: f32 = 4.0;
+
 impl Island {
     /// Takes the crossings found apart in a frame of `dt` `[s]`, and gives back what moved, kept out of bodies.
     pub(super) fn resolve(&mut self, dt: f32, settings: &UntangleSettings, cloths: &mut [Member<'_>]) {
@@ -44,7 +48,7 @@ impl Island {
         for (part, m) in cloths.iter().enumerate() {
             m.pose(&mut pose);
             // First around the tangle, then more and more of the cloth.
-            let whole = (m.outcome.tangled_for / m.last_resort - 4.0).clamp(0.0, 1.0);
+            let whole = (m.outcome.tangled_for / m.last_resort - AROUND).clamp(0.0, 1.0);
             self.blend(part, &pose, m.offset, dt / RESPONSE_TIME, whole);
         }
         self.pose = pose;

@@ -43,7 +43,7 @@ pub enum ContourKind {
 impl ContourKind {
     /// Whether such a contour cuts a region off at least one of its sides.
     #[must_use]
-    pub fn separates(self) -> bool {
+    pub(crate) fn separates(self) -> bool {
         matches!(self, Self::Closed | Self::Eight | Self::Ll | Self::Bbii | Self::Cross)
     }
 }
@@ -132,7 +132,7 @@ impl ContourGraph {
     }
 
     /// Takes contours for authored of which every particle is `held` where it is.
-    pub fn leave_held(&mut self, surface: &Surface, crossings: &[Crossing], held: impl Fn(u32) -> bool) {
+    pub(crate) fn leave_held(&mut self, surface: &Surface, crossings: &[Crossing], held: impl Fn(u32) -> bool) {
         let topology = &surface.topology;
         for k in 0..self.contours.len() {
             let is_held = |&node: &u32| {
@@ -155,7 +155,7 @@ impl ContourGraph {
 
     /// The crossings of a contour.
     #[must_use]
-    pub fn nodes_of(&self, contour: usize) -> &[u32] {
+    pub(crate) fn nodes_of(&self, contour: usize) -> &[u32] {
         let c = &self.contours[contour];
         &self.nodes[c.first as usize..(c.first + c.count) as usize]
     }

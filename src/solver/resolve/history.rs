@@ -9,7 +9,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::solver::detect::{Detector, Proximity, ProximityKind, ProximitySettings, Surface};
+use crate::solver::detect::{Detector, Proximity, Surface};
 use crate::solver::effort::Meter;
 
 /// Sides remembered, sorted by particle and face.
@@ -37,12 +37,11 @@ impl History {
         out: &mut Vec<Push>,
     ) {
         out.clear();
-        let settings = ProximitySettings { distance: reach, edges: false, ..ProximitySettings::default() };
-        detector.proximities(surface, positions, &settings, meter, &mut self.close);
+        detector.close_pairs(surface, positions, reach, meter, &mut self.close);
         core::mem::swap(&mut self.sides, &mut self.before);
         self.sides.clear();
         let mut known = self.before.iter().copied().peekable();
-        for pair in self.close.iter().filter(|p| p.kind == ProximityKind::VertexFace) {
+        for pair in &self.close {
             let [p, a, b, c] = pair.particles.map(|v| positions[v as usize].truncate());
             let normal = (b - a).cross(c - a).normalize_or_zero();
             let height = (p - a).dot(normal);

@@ -10,7 +10,7 @@ use crate::solver::topology::NONE;
 impl Resolver {
     /// Weighs every particle by how much it belongs to a tangle. The weight is 1 in the regions and around the contours
     /// analysed last, and falls to 0 over `rings` rings of neighbours.
-    pub fn mark(
+    pub(crate) fn mark(
         &mut self,
         surface: &Surface,
         crossings: &[Crossing],

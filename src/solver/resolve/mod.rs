@@ -68,6 +68,16 @@ use view::View;
 /// Crossings of a contour between two loop vertices from which on its sides are sheets, not creases.
 const LONG: u32 = 32;
 
+/// Edges of a region for which a push may stall one iteration longer: a region gathers pace, the longer the more edges it hangs
+/// on.
+const EDGES_A_STALL: u32 = 4;
+
+/// Switches of strategy after each of which a contour may stall twice as long.
+const MOST_DOUBLINGS: u32 = 4;
+
+/// One in so many switches from a push is to peeling.
+const PEEL_EVERY: u32 = 4;
+
 /// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -90,7 +100,7 @@ pub enum Method {
 impl Method {
     /// Whether it goes by sides that it remembers, not by crossings.
     #[must_use]
-    pub const fn remembers_sides(self) -> bool {
+    pub(crate) const fn remembers_sides(self) -> bool {
         #[cfg(feature = "research")]
         return matches!(self, Self::History);
         #[cfg(not(feature = "research"))]
@@ -157,7 +167,7 @@ pub struct Resolver {
 
 impl Resolver {
     /// Traces the contours of the crossings; call it before [`Self::advance`].
-    pub fn analyse(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4]) -> Verdict {
+    pub(crate) fn analyse(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4]) -> Verdict {
         let at = |v: u32| positions[v as usize].truncate().as_dvec3();
         self.terms.clear();
         self.terms.extend(crossings.iter().map(|c| Terms::new(&surface.topology, c, gradient::BOUND, at)));
@@ -180,12 +190,12 @@ impl Resolver {
     }
 
     /// Gives up ways apart that are being carried out for particles that are not where they were any more.
-    pub fn give_up_plans(&mut self, moved: impl Fn(u32) -> bool) {
+    pub(crate) fn give_up_plans(&mut self, moved: impl Fn(u32) -> bool) {
         self.plans.give_up(moved);
     }
 
     /// Uses stronger means from now on.
-    pub fn escalate(&mut self, escalation: Escalation) {
+    pub(crate) fn escalate(&mut self, escalation: Escalation) {
         self.escalation = escalation;
     }
 
@@ -197,18 +207,13 @@ impl Resolver {
 
     /// Whether cloths are on their way to the other side of each other, as their layers ask for.
     #[must_use]
-    pub fn orders_layers(&self) -> bool {
+    pub(crate) fn orders_layers(&self) -> bool {
         self.layers.any()
     }
 
     /// Looks at the order of layers of all particles in the next iteration, not only of a few.
-    pub fn inspect_layers(&mut self) {
+    pub(crate) fn inspect_layers(&mut self) {
         self.layers.thorough = true;
-    }
-
-    /// What is being done about each contour of [`Self::graph`].
-    pub fn strategies(&self) -> impl Iterator<Item = Strategy> + '_ {
-        self.tracked.now.iter().map(|l| l.strategy)
     }
 
     /// One iteration on the crossings analysed last: moves `positions` and `previous` together. Returns whether something was
@@ -262,7 +267,7 @@ impl Resolver {
     }
 
     /// One more iteration without a look, if plans take care of every contour analysed last; whether they do.
-    pub fn carry_on(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+    pub(crate) fn carry_on(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         let planned = |l: &tracked::TrackedContour| l.strategy == Strategy::Separate && self.plans.is_live(l.plan);
         if self.layers.any() || self.tracked.now.is_empty() || !self.tracked.now.iter().all(planned) {
             return false;
@@ -339,14 +344,15 @@ impl Resolver {
         }
         let tracked = self.tracked.now.iter_mut().zip(&graph.contours);
         for (tracked, contour) in tracked.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
-            // A region needs a while to gather pace, the longer the more edges it hangs on.
             let edges = if tracked.strategy == Strategy::Push { tracked.longest / contour.edge } else { 0.0 };
-            if tracked.stalled > (settings.stall_iterations + edges as u32 / 4) << tracked.switches.min(4) {
+            if tracked.stalled
+                > (settings.stall_iterations + edges as u32 / EDGES_A_STALL) << tracked.switches.min(MOST_DOUBLINGS)
+            {
                 let pushable =
                     matches!(tracked.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
                 tracked.switch_to(match tracked.strategy {
                     Strategy::Shrink if pushable => Strategy::Push,
-                    Strategy::Push if tracked.switches % 4 != 3 => Strategy::Shrink,
+                    Strategy::Push if tracked.switches % PEEL_EVERY != PEEL_EVERY - 1 => Strategy::Shrink,
                     Strategy::Shrink | Strategy::Push => Strategy::Peel,
                     Strategy::Peel | Strategy::Separate => Strategy::Shrink,
                 });
@@ -392,13 +398,13 @@ impl Untangler {
     }
 
     /// Leaves contours that are held as they are out of account, all of whose particles are `held`; the verdict on the others.
-    pub fn leave_held(&mut self, surface: &Surface, held: impl Fn(u32) -> bool) -> Verdict {
+    pub(crate) fn leave_held(&mut self, surface: &Surface, held: impl Fn(u32) -> bool) -> Verdict {
         self.resolver.graph.leave_held(surface, self.detector.crossings(), held);
         self.resolver.graph.verdict()
     }
 
     /// As [`Self::look`], of cloth that is looked at in every frame.
-    pub fn look_again(&mut self, surface: &Surface, positions: &[Vec4]) -> Verdict {
+    pub(crate) fn look_again(&mut self, surface: &Surface, positions: &[Vec4]) -> Verdict {
         let crossings = self.detector.detect_again(surface, positions);
         self.resolver.analyse(surface, crossings, positions)
     }

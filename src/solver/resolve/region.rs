@@ -67,7 +67,7 @@ impl Flood {
     }
 
     /// Cuts an edge, or mends it when it was cut before.
-    pub fn toggle(&mut self, edge: u32) {
+    pub(crate) fn toggle(&mut self, edge: u32) {
         self.visits += 1;
         let cut = &mut self.cut[edge as usize];
         *cut = if *cut == self.cut_stamp { 0 } else { self.cut_stamp };
@@ -75,12 +75,12 @@ impl Flood {
 
     /// Whether an edge is cut.
     #[must_use]
-    pub fn is_cut(&self, edge: u32) -> bool {
+    pub(crate) fn is_cut(&self, edge: u32) -> bool {
         self.cut[edge as usize] == self.cut_stamp
     }
 
     /// Cuts at a particle: no flood passes it.
-    pub fn cut_at(&mut self, particle: u32) {
+    pub(crate) fn cut_at(&mut self, particle: u32) {
         if let Some(wall) = self.wall.get_mut(particle as usize) {
             *wall = self.cut_stamp;
         }
@@ -88,7 +88,7 @@ impl Flood {
 
     /// Prolongs a cut that ends in `face`, along edges to the nearest border. Returns the edges it took; `None` when there is
     /// no border within `most` edges.
-    pub fn prolong(&mut self, surface: &Surface, face: u32, most: usize) -> Option<usize> {
+    pub(crate) fn prolong(&mut self, surface: &Surface, face: u32, most: usize) -> Option<usize> {
         self.next_stamp();
         let [queue, _] = &mut self.queue;
         queue.clear();
@@ -138,7 +138,7 @@ impl Flood {
 
     /// Whether a flood can start at an edge: it is cut, and neither of its ends is.
     #[must_use]
-    pub fn can_start(&self, surface: &Surface, edge: u32) -> bool {
+    pub(crate) fn can_start(&self, surface: &Surface, edge: u32) -> bool {
         let open = |v: u32| self.wall[v as usize] != self.cut_stamp;
         self.is_cut(edge) && surface.topology.edges[edge as usize].into_iter().all(open)
     }

@@ -66,6 +66,12 @@ pub(crate) struct TrackedContour {
     centre: Vec3,
 }
 
+/// Share of the least measure so far below which there is progress (dimensionless).
+const PROGRESS: f32 = 0.9;
+
+/// Cosine of the angle between two directions up to which a contour keeps its course (dimensionless): 45°.
+const STEADY: f32 = 0.7;
+
 impl TrackedContour {
     fn new() -> Self {
         Self { seed: NONE, side: 2, best: f32::INFINITY, step_scale: 1.0, ..Self::default() }
@@ -74,7 +80,7 @@ impl TrackedContour {
     /// Notes a measure that should fall.
     pub(crate) fn progress(&mut self, measure: f32) {
         self.stalled += 1;
-        if measure < 0.9 * self.best {
+        if measure < PROGRESS * self.best {
             self.best = measure;
             self.stalled = 0;
         }
@@ -90,7 +96,7 @@ impl TrackedContour {
     /// it turns. Returns the motion as a multiple of the first step.
     pub(crate) fn steer(&mut self, direction: Vec3, fastest: f32, inertia: f32) -> Vec3 {
         let turn = direction.normalize_or_zero().dot(self.mean_direction.normalize_or_zero());
-        if turn > 0.7 {
+        if turn > STEADY {
             self.step_scale = (self.step_scale * GROWTH).min(fastest);
         } else if turn < 0.0 {
             self.step_scale = (self.step_scale / GROWTH).max(1.0);

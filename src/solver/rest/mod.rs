@@ -89,7 +89,11 @@ impl RestShape {
     ///
     /// # Errors
     /// [`RestError`] when nothing can be simulated.
-    pub fn build_decimated(mesh: &SourceMesh, authored: &[Vec3], shortest_edge: f32) -> Result<(Self, BuildReport), RestError> {
+    pub(crate) fn build_decimated(
+        mesh: &SourceMesh,
+        authored: &[Vec3],
+        shortest_edge: f32,
+    ) -> Result<(Self, BuildReport), RestError> {
         Self::build_from(mesh, Some((authored, shortest_edge)))
     }
 

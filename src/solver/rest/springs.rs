@@ -88,7 +88,7 @@ impl Springs {
     /// Whether they run along the threads of a fabric whose warp is turned by `warp_angle` `[rad]`, as far as the threads are
     /// known. Only then are they a membrane that stretches and shears as the fabric.
     #[must_use]
-    pub fn run_along_threads(&self, warp_angle: f32) -> bool {
+    pub(crate) fn run_along_threads(&self, warp_angle: f32) -> bool {
         let threads = Vec2::from_angle(2.0 * warp_angle);
         let (mut off, mut all) = (0.0, 0.0);
         for (k, [cos, sin]) in self.warp.iter().enumerate() {

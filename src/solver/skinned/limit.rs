@@ -47,7 +47,7 @@ impl Skinned {
     }
 
     /// Brings particles back within their limits at the end of the frame, without any speed.
-    pub fn limit_silently(&self, tangled_limits: &TangledLimits, positions: &mut [Vec4], previous: &mut [Vec4]) {
+    pub(crate) fn limit_silently(&self, tangled_limits: &TangledLimits, positions: &mut [Vec4], previous: &mut [Vec4]) {
         if !self.limits(positions.len()) {
             return;
         }

@@ -63,7 +63,7 @@ pub struct Skinned {
 impl Skinned {
     /// Nothing that is asked of a cloth of that radius `[m]`.
     #[must_use]
-    pub fn of_radius(radius: f32) -> Self {
+    pub(crate) fn of_radius(radius: f32) -> Self {
         Self { backstop_radius: 1.0, scale: 1.0, radius, damping_ratio: 1.0, ..Self::default() }
     }
 

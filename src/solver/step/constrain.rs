@@ -7,7 +7,7 @@ use crate::solver::state::ClothState;
 impl Stepped<'_> {
     /// Begins the next substep: forces, prediction, and all that holds the cloth together. False when the frame is over, or
     /// none was begun.
-    pub fn constrain(&self, state: &mut ClothState, scratch: &mut Scratch) -> bool {
+    pub(crate) fn constrain(&self, state: &mut ClothState, scratch: &mut Scratch) -> bool {
         let Some(frame) = scratch.frame.as_mut().and_then(Frame::next_substep) else { return false };
         Self::give_back(state, scratch);
         if self.input.wind.density > 0.0 && frame.is_gusty() {

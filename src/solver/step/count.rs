@@ -26,7 +26,7 @@ const ELASTIC: f32 = 0.1;
 
 /// Substeps that a cloth that nothing counts takes for a frame of `dt` `[s]`.
 #[must_use]
-pub fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
+pub(crate) fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
     substeps(dt.min(stepping.max_frame), stepping.substep_rate)
 }
 
@@ -113,7 +113,7 @@ impl Stepped<'_> {
 impl Scratch {
     /// Whether a body that cloth cannot stop, and that moves much faster than its pins, may meet it in the frame to come.
     #[must_use]
-    pub fn meets_fast_body(&self) -> bool {
+    pub(crate) fn meets_fast_body(&self) -> bool {
         self.fast_body
     }
 }

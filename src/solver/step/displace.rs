@@ -7,7 +7,7 @@ use crate::solver::state::ClothState;
 
 /// Lets something else than time move the cloth, as untangling does, and keeps it out of bodies on its way: no speed comes of
 /// that. Whether bodies stopped anything.
-pub fn displace(
+pub(crate) fn displace(
     fabric: &Fabric,
     bodies: &[Body],
     state: &mut ClothState,

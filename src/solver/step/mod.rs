@@ -31,8 +31,8 @@ mod frame;
 
 use glam::Vec3;
 
-pub use count::substeps_of;
-pub use displace::displace;
+pub(crate) use count::substeps_of;
+pub(crate) use displace::displace;
 pub use hold::relax;
 pub use prepare::prepare;
 pub use scratch::Scratch;

@@ -89,7 +89,7 @@ impl Scratch {
     }
 
     /// Particles that touched a body in the last substep.
-    pub fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn grounded(&self) -> impl Iterator<Item = u32> + '_ {
         self.contacts.touching().chain(self.faces.touching())
     }
 
@@ -104,12 +104,12 @@ impl Scratch {
     }
 
     /// Takes no air along for the rest of the frame: what is tangled has none between its layers.
-    pub fn leave_air(&mut self) {
+    pub(crate) fn leave_air(&mut self) {
         self.carried.end();
     }
 
     /// Notes which particles lie on cloth, once the frame has begun: no air is between.
-    pub fn lies_on_cloth(&mut self, particles: impl Iterator<Item = u32>) {
+    pub(crate) fn lies_on_cloth(&mut self, particles: impl Iterator<Item = u32>) {
         self.carried.leave_out(particles);
     }
 
@@ -122,7 +122,8 @@ impl Scratch {
     /// Particles that touched a body in the last substep, one once for each of its faces that did. Each comes with the force of
     /// the body on it `[N]`, on average over the last substeps. That is `F = m C / h²`, with the mean push `C` of a substep
     /// `h`. What other cloth lies on them is not in it.
-    pub fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
+    #[cfg(feature = "debug")]
+    pub(crate) fn body_forces<'a>(&'a self, state: &'a ClothState) -> impl Iterator<Item = (u32, f32)> + 'a {
         self.touches().filter_map(|(_, p, load)| {
             let force = load / (state.positions.get(p as usize)?.w * state.substep * state.substep);
             force.is_finite().then_some((p, force))
@@ -131,7 +132,7 @@ impl Scratch {
 
     /// The next frame lists other bodies than the last one: `number` says which place each has now, in the same order, or none.
     /// What is known of those that stay goes with them.
-    pub fn renumber_bodies(&mut self, number: impl Fn(u32) -> Option<u32>) {
+    pub(crate) fn renumber_bodies(&mut self, number: impl Fn(u32) -> Option<u32>) {
         self.contacts.renumber(&number);
         self.faces.renumber(&number);
         self.pierced.renumber(&number);

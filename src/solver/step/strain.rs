@@ -22,8 +22,9 @@ const EASED: f32 = 0.5;
 
 impl Scratch {
     /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse level, too.
+    #[cfg(feature = "debug")]
     #[must_use]
-    pub fn is_strained(&self) -> bool {
+    pub(crate) fn is_strained(&self) -> bool {
         self.strained
     }
 

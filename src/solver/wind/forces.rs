@@ -1,6 +1,8 @@
 //! The force of the wind on every particle of a cloth, and what it accelerates it by.
 
-use glam::{Vec3, Vec3A, Vec4};
+#[cfg(any(test, feature = "debug"))]
+use glam::Vec3;
+use glam::{Vec3A, Vec4};
 
 use super::plate::Plate;
 use super::turbulence::{Modes, Turbulence, intensity_of};
@@ -36,7 +38,8 @@ pub struct WindForces {
 
 impl WindForces {
     /// Velocity of the air at a point of the frame of simulation `[m/s]`, gusts and zones included.
-    pub fn velocity_at(&mut self, wind: &Wind, point: Vec3) -> Vec3 {
+    #[cfg(any(test, feature = "debug"))]
+    pub(crate) fn velocity_at(&mut self, wind: &Wind, point: Vec3) -> Vec3 {
         let mean = wind.mean_at(point);
         let intensity = intensity_of(wind);
         if intensity <= 0.0 {

@@ -107,7 +107,7 @@ struct Joint {
 
 /// The faces of a leaf, one in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct LeafRef<'a> {
+pub(crate) struct LeafRef<'a> {
     /// Their numbers.
     pub faces: &'a [u32],
     /// Their corners.
@@ -118,7 +118,7 @@ pub struct LeafRef<'a> {
 impl LeafRef<'_> {
     /// Which faces come within `margin` `[m]` of a box along every axis, a bit for each lane.
     #[inline]
-    pub fn within(&self, bounds: &Bounds, margin: Vec3A) -> u32 {
+    pub(crate) fn within(&self, bounds: &Bounds, margin: Vec3A) -> u32 {
         self.pack.meets(bounds, margin)
     }
 }
@@ -184,7 +184,7 @@ impl Tree {
 
     /// A leaf.
     #[inline]
-    pub fn leaf(&self, leaf: u32) -> LeafRef<'_> {
+    pub(crate) fn leaf(&self, leaf: u32) -> LeafRef<'_> {
         let run = self.nodes[self.leaves[leaf as usize].node as usize].run();
         LeafRef { faces: &self.faces[run.clone()], corners: &self.corners[run], pack: &self.packs[leaf as usize] }
     }

@@ -10,7 +10,7 @@ impl Tree {
     /// Fits the boxes to the positions `[m]` and finds the cloths to leave out.
     ///
     /// With `ahead` `[m]`, one per particle, boxes also hold where particles will be; normals do not.
-    pub fn refit(&mut self, surface: &Surface, positions: &[Vec4], ahead: Option<&[Vec3A]>) {
+    pub(crate) fn refit(&mut self, surface: &Surface, positions: &[Vec4], ahead: Option<&[Vec3A]>) {
         for (part, out) in surface.parts.iter().zip(&mut self.quarantined) {
             let range = part.particles.start as usize..part.particles.end as usize;
             *out = !positions[range].iter().all(|&p| is_sane(p));

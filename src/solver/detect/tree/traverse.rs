@@ -15,7 +15,7 @@ const JOINT: u32 = NONE;
 /// Two leaves with faces whose boxes come close, or a leaf and itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Meeting {
+pub(crate) struct Meeting {
     /// The leaves.
     pub leaves: [u32; 2],
     /// Bit `k` of entry `i`: face `i` of the first leaf comes close to face `k` of the second. Each pair of a leaf with itself
@@ -28,7 +28,7 @@ pub struct Meeting {
 impl Meeting {
     /// How many pairs of faces come close.
     #[must_use]
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         u64::from_le_bytes(self.hits).count_ones() as usize
     }
 }
@@ -41,14 +41,20 @@ impl Tree {
     }
 
     /// As [`Self::pairs`], two leaves at a time. Those that come last are left out where there is too much work.
-    pub fn meetings(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) {
+    pub(crate) fn meetings(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) {
         self.traverse::<false>(surface, margin, &[(0, 0)], meter, found);
     }
 
     /// As [`Self::meetings`], in parts where there is too much work: each goes on where the one before stopped. Pairs of nodes
     /// that are left do not depend on where particles are. Says whether it began with the first part, and whether this was the
     /// last.
-    pub fn go_on(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) -> [bool; 2] {
+    pub(crate) fn go_on(
+        &mut self,
+        surface: &Surface,
+        margin: f32,
+        meter: &Meter,
+        found: impl FnMut(&Self, &Meeting),
+    ) -> [bool; 2] {
         let left = core::mem::take(&mut self.left);
         let is_first = left.is_empty();
         self.traverse::<false>(surface, margin, if is_first { &[(0, 0)] } else { left.as_slice() }, meter, found);
@@ -59,7 +65,7 @@ impl Tree {
     }
 
     /// As [`Self::meetings`], only for pairs with a face that is `marked` (by face).
-    pub fn meetings_with(
+    pub(crate) fn meetings_with(
         &mut self,
         surface: &Surface,
         margin: f32,
@@ -81,7 +87,7 @@ impl Tree {
 
     /// Calls `found` with each pair of faces of a meeting, in order.
     #[inline]
-    pub fn pairs_of(&self, met: &Meeting, mut found: impl FnMut(u32, u32)) {
+    pub(crate) fn pairs_of(&self, met: &Meeting, mut found: impl FnMut(u32, u32)) {
         let [faces, others] = met.leaves.map(|leaf| self.leaf(leaf).faces);
         for (&face, &hits) in faces.iter().zip(&met.hits) {
             lanes(u32::from(hits)).for_each(|k| found(face, others[k]));
