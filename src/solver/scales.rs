@@ -1,4 +1,4 @@
-//! Scales that several rooms of the solver share.
+//! Scales that several modules of the solver share.
 
 /// Farthest coordinate that is simulated `[m]`. Cloth with a particle beyond it is left out, and a shape with a coordinate or a
 /// size beyond it is refused.
