@@ -249,8 +249,9 @@ mod tests {
             let x = [center + u, center - u, center + v, center - v].map(|x| x.extend(1.0));
             // Thinner than the numbers around it can tell.
             let mut pair = Contact::bare(ProximityKind::EdgeEdge, 1.0e-8);
-            let (ids, depths) = ([0, 1, 2, 3], &mut Depths::default());
-            pair.touch(0, &mut Particles { ids: &ids, now: &x, old: &x, depths, up: Vec3::Y });
+            let (ids, mut depths) = ([0, 1, 2, 3], Depths::default());
+            depths.fit(ids.len());
+            pair.touch(0, &mut Particles { ids: &ids, now: &x, old: &x, depths: &mut depths, up: Vec3::Y });
             assert!((pair.normal.length() - 1.0).abs() < 1.0e-3, "{x:?}: {}", pair.normal);
             let near = edge_edge(ids, |i| x[i as usize].truncate());
             without_direction += u32::from(near.distance > 0.0 && sum(&near.weights, &x) == Vec3::ZERO);
