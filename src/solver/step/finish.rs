@@ -32,7 +32,6 @@ impl Stepped<'_> {
             }
             (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
         }
-        debug_assert!(state.positions.len() == state.previous.len() && state.positions.iter().all(|x| !(x.w < 0.0)));
         self.count_for_heavy_bodies(scratch);
         scratch.note_speed(speed2, frame.dt);
         Some(report)
