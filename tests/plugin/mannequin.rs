@@ -297,10 +297,13 @@ fn our_own_character_in_her_clothes() {
     for (outfit, clip, repeats, rate, frames) in tests {
         for (name, worn) in dressed(outfit, clip, (repeats, 0.0), rate, frames) {
             assert!(worn.crossing * 100 <= worn.frames && worn.held <= 2, "{clip} at {rate} Hz, {name}: {worn:?}");
-            assert!(worn.recoveries <= 1, "{clip} at {rate} Hz, {name}: {worn:?}");
+            assert_eq!(worn.recoveries, 0, "{clip} at {rate} Hz, {name}: {worn:?}");
             // Forearms and hands, which would pinch it to the thighs, go through it.
             if name == "Skirt" && clip == "Walk" {
-                assert!(worn.deep == 0 && worn.worst_edge < 1.3, "{clip} at {rate} Hz, {name}: {worn:?}");
+                assert_eq!(worn.deep, 0, "{clip} at {rate} Hz, {name}: {worn:?}");
+            }
+            if clip == "Walk" && name != "Cape" {
+                assert!(worn.worst_edge < 1.3, "{clip} at {rate} Hz, {name}: {worn:?}");
             }
         }
     }

@@ -89,9 +89,6 @@ pub struct Body {
     pub snug: Option<Arc<Snug>>,
 }
 
-/// Way of a bone in a substep, over half of how thick it is, that needs no more substeps (dimensionless).
-const BONE_WAY: f32 = 0.25;
-
 /// Gives what is known `of` bodies their new numbers, and forgets bodies without one. The order stays.
 fn renumber<T>(known: &mut Vec<T>, of: impl Fn(&mut T) -> &mut u32, number: impl Fn(u32) -> Option<u32>) {
     known.retain_mut(|known| {
@@ -123,17 +120,13 @@ impl Body {
         (swept.mins - bulge).cmple(high).all() && (swept.maxs + bulge).cmpge(low).all()
     }
 
-    /// Motion of a bone in one of `count` substeps of the frame, over the most that it may have. Motion is relative to cloth
-    /// that goes `along` `[m]`. By its fastest corner: a forearm that turns about its elbow is fast at the hand.
-    pub(crate) fn haste_of_bone(&self, along: Vec3, count: f32) -> f32 {
-        let mut inner = f32::INFINITY;
-        geometry::for_each_part(&*self.shape.0, |_, _, shape| {
-            inner = inner.min(geometry::half_thickness(shape));
-        });
+    /// Way of a bone in the frame relative to cloth that goes `along` `[m]`. By its fastest corner: a forearm that turns about
+    /// its elbow is fast at the hand.
+    pub(crate) fn way_of_bone(&self, along: Vec3) -> f32 {
         let (Some(from), Some(to)) = (motion::valid(self.from), motion::valid(self.to)) else { return 0.0 };
         let corners = self.shape.compute_local_aabb().vertices();
         let way = |corner: &Vec3| (to * *corner - from * *corner - along).length();
-        corners.iter().map(way).fold(0.0, f32::max) / (count * BONE_WAY * inner)
+        corners.iter().map(way).fold(0.0, f32::max)
     }
 
     /// A body at rest.
