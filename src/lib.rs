@@ -64,11 +64,11 @@ pub use components::{
     ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothFailed, ClothGlobalWind, ClothGrab, ClothGravity, ClothHeld,
     ClothHit, ClothInertia, ClothLimits, ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit,
     ClothOnTargetLost, ClothPaint, ClothPiece, ClothPinSelect, ClothPinSet, ClothPins, ClothPriority, ClothReaction,
-    ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRigidBody, ClothSkipFrame, ClothSkipPolicy, ClothSleep,
-    ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothSubdivision, ClothTangled, ClothTargetLost,
-    ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
-    ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke, ParryShape,
-    PositionPredicate, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothRecovered, ClothRecoveryCause, ClothRecoveryLevel, ClothRenderMesh, ClothReport, ClothReset, ClothRigidBody,
+    ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothSubdivision,
+    ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
+    ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWaitingFor, ClothWind, ClothWindZone,
+    ClothWindZoneShape, ClothWoke, ParryShape, PositionPredicate,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -104,7 +104,7 @@ pub mod prelude {
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};
-    pub use crate::{ClothDiagnosticsPlugin, ClothErrorKind, RecoveryCause, RecoveryLevel, WaitingFor};
+    pub use crate::{ClothDiagnosticsPlugin, ClothErrorKind, ClothRecoveryCause, ClothRecoveryLevel, ClothWaitingFor};
     #[cfg(feature = "picking")]
     pub use crate::{ClothDraggable, ClothPickingPlugin, ClothPickingSettings};
     #[cfg(feature = "presets")]

@@ -64,8 +64,8 @@ pub use skip::{ClothSkipFrame, ClothSkipPolicy};
 pub use sleep::{ClothSleep, ClothSleepDisabled, ClothSlept, ClothWoke};
 pub use solver::{ClothGravity, ClothMembrane, ClothSolver, ClothTeleportMode};
 pub use status::{
-    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothStatus, ClothTangled, ClothTargetLost,
-    ClothTeleported, ClothUntangled, ClothUntanglingEscalated, RecoveryCause, RecoveryLevel, WaitingFor,
+    ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothRecoveryCause, ClothRecoveryLevel, ClothStatus,
+    ClothTangled, ClothTargetLost, ClothTeleported, ClothUntangled, ClothUntanglingEscalated, ClothWaitingFor,
 };
 pub use subdivision::ClothSubdivision;
 pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothTouch};

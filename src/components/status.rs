@@ -9,7 +9,7 @@ use bevy::prelude::*;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub enum ClothStatus {
     /// Something is missing that may still come.
-    Waiting(WaitingFor),
+    Waiting(ClothWaitingFor),
     /// It is simulated, or sleeps ([`ClothReport::asleep`](crate::ClothReport::asleep)), or was switched off since
     /// ([`ClothDisabled`](crate::ClothDisabled)).
     Active,
@@ -25,7 +25,7 @@ pub enum ClothStatus {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-pub enum WaitingFor {
+pub enum ClothWaitingFor {
     /// A `Mesh3d` on the entity.
     #[default]
     Mesh,
@@ -41,7 +41,7 @@ pub enum WaitingFor {
     Build,
 }
 
-impl WaitingFor {
+impl ClothWaitingFor {
     pub(crate) const fn cure(self) -> &'static str {
         match self {
             Self::Mesh => "it has no `Mesh3d`: insert one",
@@ -124,15 +124,15 @@ pub struct ClothRecovered {
     /// The cloth.
     pub entity: Entity,
     /// How far back it was taken.
-    pub level: RecoveryLevel,
+    pub level: ClothRecoveryLevel,
     /// What was wrong.
-    pub cause: RecoveryCause,
+    pub cause: ClothRecoveryCause,
 }
 
 /// How far a cloth was taken back, mildest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Clone, Debug, PartialEq)]
-pub enum RecoveryLevel {
+pub enum ClothRecoveryLevel {
     /// To its last good state, without velocity.
     LastGood,
     /// To its pose at rest.
@@ -144,7 +144,7 @@ pub enum RecoveryLevel {
 /// What was wrong with a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Clone, Debug, PartialEq)]
-pub enum RecoveryCause {
+pub enum ClothRecoveryCause {
     /// A position or velocity was not finite.
     NotFinite,
     /// A particle was faster than [`ClothSolver::max_speed`](crate::ClothSolver::max_speed).

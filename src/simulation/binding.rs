@@ -4,7 +4,7 @@ use bevy::math::Mat3;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
-use crate::components::WaitingFor;
+use crate::components::ClothWaitingFor;
 
 /// What changed since a cloth was bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -73,7 +73,7 @@ impl TakenSkin {
 #[component(clone_behavior = Ignore)]
 pub(crate) struct WaitingSince {
     /// What for.
-    pub reason: WaitingFor,
+    pub reason: ClothWaitingFor,
     /// Real time at the start `[s]`.
     pub at: f64,
     /// Whether the user was told.

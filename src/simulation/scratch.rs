@@ -3,7 +3,7 @@
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::components::{RecoveryCause, RecoveryLevel};
+use crate::components::{ClothRecoveryCause, ClothRecoveryLevel};
 use crate::solver::step::{Scratch, StepReport};
 
 /// Scratch: what decides the next frame beside the state, buffers, and what the last frame has to tell.
@@ -16,7 +16,7 @@ pub(crate) struct ClothScratch {
     /// What the frame did, when it was stepped side by side with others.
     pub done: Option<StepReport>,
     /// What the last frame had to recover from.
-    pub recovered: Option<(RecoveryLevel, RecoveryCause)>,
+    pub recovered: Option<(ClothRecoveryLevel, ClothRecoveryCause)>,
     /// Box of the cloth in the world at the last look `[m]`.
     pub bounds: Option<(DVec3, DVec3)>,
     /// The island of cloths it can meet, and its number there.

@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use super::islands::run_without_cloths;
 use super::stopwatch;
 use crate::components::{
-    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothReport, ClothStatus, ClothTangled,
-    ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated, RecoveryLevel,
+    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothRecoveryLevel, ClothReport, ClothStatus,
+    ClothTangled, ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated,
 };
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
@@ -43,7 +43,7 @@ pub(crate) fn judge(
                 None => (Verdict::default(), [].as_slice()),
             };
             let particles = &mut *particles;
-            if matches!(scratch.recovered, Some((RecoveryLevel::Rest | RecoveryLevel::Frozen, _))) {
+            if matches!(scratch.recovered, Some((ClothRecoveryLevel::Rest | ClothRecoveryLevel::Frozen, _))) {
                 particles.display.reset();
             }
             let carrier = inputs.carrier();
@@ -129,7 +129,7 @@ pub(crate) fn recoveries(
         let Some((level, cause)) = scratch.recovered else { continue };
         scratch.recovered = None;
         commands.trigger(ClothRecovered { entity, level, cause });
-        if level != RecoveryLevel::Frozen {
+        if level != ClothRecoveryLevel::Frozen {
             if notices.first(entity, "recovered") {
                 warn!(
                     "cloth {} blew up ({cause:?}) and was taken back ({level:?}): if it does so again, raise `ClothSolver::substep_rate` or \

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 
 use super::islands::{Cloths, run};
 use super::stopwatch;
-use crate::components::{Cloth, ClothReport, RecoveryCause, RecoveryLevel};
+use crate::components::{Cloth, ClothRecoveryCause, ClothRecoveryLevel, ClothReport};
 use crate::islands::{ClothIsland, ClothIslands, Member};
 use crate::schedule::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
@@ -193,7 +193,7 @@ fn finish(
     report.time = particles.state.time as f32;
 }
 
-impl From<Level> for RecoveryLevel {
+impl From<Level> for ClothRecoveryLevel {
     fn from(level: Level) -> Self {
         match level {
             Level::LastGood => Self::LastGood,
@@ -203,7 +203,7 @@ impl From<Level> for RecoveryLevel {
     }
 }
 
-impl From<Cause> for RecoveryCause {
+impl From<Cause> for ClothRecoveryCause {
     fn from(cause: Cause) -> Self {
         match cause {
             Cause::NotFinite => Self::NotFinite,

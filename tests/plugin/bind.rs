@@ -4,7 +4,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothFailed, ClothRest, WaitingFor};
+use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothFailed, ClothRest, ClothWaitingFor};
 
 use crate::common::*;
 
@@ -185,7 +185,7 @@ fn a_mesh_that_arrives_late_is_waited_for() {
     let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
     let cloth = app.world_mut().spawn((Mesh3d(handle.clone()), Cloth, border())).id();
     run(&mut app, 5);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Asset));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Asset));
     app.world_mut().resource_mut::<Assets<Mesh>>().insert(handle.id(), sheet(5)).expect("a live handle");
     run(&mut app, 30);
     assert_eq!(status(&app, cloth), ClothStatus::Active);
@@ -294,7 +294,7 @@ fn a_transform_without_scale_is_waited_for() {
         let mut app = app();
         let cloth = spawn(&mut app, sheet(5), Transform::from_scale(scale));
         run(&mut app, 5);
-        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Transform), "scale {scale}");
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Transform), "scale {scale}");
         *app.world_mut().get_mut::<Transform>(cloth).expect("a transform") = Transform::default();
         run(&mut app, 5);
         assert_eq!(status(&app, cloth), ClothStatus::Active, "after scale {scale}");

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
 use bevy_drape::{
-    ClothError, ClothErrorKind, ClothFailed, ClothParticles, ClothRecovered, ClothTeleportMode, ClothTeleported, RecoveryCause,
-    RecoveryLevel,
+    ClothError, ClothErrorKind, ClothFailed, ClothParticles, ClothRecovered, ClothRecoveryCause, ClothRecoveryLevel,
+    ClothTeleportMode, ClothTeleported,
 };
 
 use crate::common::*;
@@ -158,7 +158,7 @@ fn one_particle_that_is_not_a_number_is_gone_in_the_next_frame_and_other_cloths_
         assert!(finite(&app, cloth), "shown positions are always finite");
         run(&mut app, 60);
         let told: Vec<_> = seen::<ClothRecovered>(&app).iter().map(|r| (r.entity == cloth, r.level, r.cause)).collect();
-        let expected = [(true, RecoveryLevel::LastGood, RecoveryCause::NotFinite)];
+        let expected = [(true, ClothRecoveryLevel::LastGood, ClothRecoveryCause::NotFinite)];
         assert_eq!(told, if poison { &expected[..] } else { &[] });
         positions(&app, other)
     };
@@ -182,7 +182,7 @@ fn a_cloth_that_blows_up_every_frame_is_frozen_and_starts_again_when_it_is_tuned
         assert!(*worst_edge < 1.2 && *mean_edge < 1.1, "{worst_edge} and {mean_edge} of what was put back");
     }
     let levels: Vec<_> = seen::<ClothRecovered>(&app).iter().map(|r| r.level).collect();
-    assert_eq!(levels.last(), Some(&RecoveryLevel::Frozen), "{levels:?}");
+    assert_eq!(levels.last(), Some(&ClothRecoveryLevel::Frozen), "{levels:?}");
     assert_eq!(status(&app, cloth), ClothStatus::Failed);
     assert_eq!(app.world().get::<ClothError>(cloth).map(|e| e.kind), Some(ClothErrorKind::Unstable));
     assert_eq!(seen::<ClothFailed>(&app).len(), 1);
@@ -242,7 +242,7 @@ fn a_transform_that_is_not_a_number_waits_and_comes_back() {
         run(&mut app, 30);
         app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::splat(bad);
         run(&mut app, 10);
-        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Transform), "{bad}");
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Transform), "{bad}");
         assert!(finite(&app, cloth));
         app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::ZERO;
         run(&mut app, 30);

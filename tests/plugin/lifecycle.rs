@@ -169,7 +169,7 @@ fn cloth_before_its_mesh_waits() {
     let mut app = app();
     let cloth = app.world_mut().spawn(Cloth).id();
     run(&mut app, 3);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Mesh));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Mesh));
     let mesh = add(&mut app, sheet(5));
     app.world_mut().entity_mut(cloth).insert(Mesh3d(mesh));
     run(&mut app, 3);
@@ -178,7 +178,7 @@ fn cloth_before_its_mesh_waits() {
 
 #[test]
 fn a_cloth_that_failed_and_waits_has_no_error_until_it_fails_again() {
-    use bevy_drape::WaitingFor;
+    use bevy_drape::ClothWaitingFor;
     let mut app = app();
     let source = add(&mut app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
     let cloth = app.world_mut().spawn((Mesh3d(source.clone()), Cloth)).id();
@@ -188,9 +188,9 @@ fn a_cloth_that_failed_and_waits_has_no_error_until_it_fails_again() {
         (status(app, cloth), app.world().get::<ClothError>(cloth).is_some())
     };
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Failed, true));
-    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Transform), false));
+    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(ClothWaitingFor::Transform), false));
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Failed, true));
-    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(WaitingFor::Transform), false));
+    assert_eq!(scale(&mut app, Vec3::ZERO), (ClothStatus::Waiting(ClothWaitingFor::Transform), false));
     *app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&source).expect("the mesh") = sheet(5);
     run(&mut app, 3);
     assert_eq!(scale(&mut app, Vec3::ONE), (ClothStatus::Active, false));

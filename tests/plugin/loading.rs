@@ -24,7 +24,7 @@ fn shape(app: &App, cloth: Entity) -> &RestShape {
 fn until_built(app: &mut App, cloth: Entity) -> u32 {
     let start = Instant::now();
     let mut frames = 0;
-    while status(app, cloth) == ClothStatus::Waiting(WaitingFor::Build) {
+    while status(app, cloth) == ClothStatus::Waiting(ClothWaitingFor::Build) {
         assert!(start.elapsed() < Duration::from_secs(60), "the mesh is never built");
         std::thread::sleep(Duration::from_millis(1));
         app.update();
@@ -39,7 +39,7 @@ fn a_large_mesh_is_shown_as_authored_while_it_is_built() {
     let mesh = add(&mut app, sheet(60));
     let cloth = app.world_mut().spawn((Mesh3d(mesh.clone()), Cloth, border())).id();
     app.update();
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Build));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Build));
     assert_eq!(app.world().get::<Mesh3d>(cloth).expect("a mesh").0, mesh, "the authored mesh");
     // The same mesh and scale are built once.
     let other = app.world_mut().spawn((Mesh3d(mesh), Cloth, border())).id();
@@ -140,7 +140,7 @@ fn a_mesh_that_is_written_in_every_frame_without_being_changed_is_built() {
     let handle = app.world().get::<Mesh3d>(cloth).expect("a mesh").0.clone();
     let start = Instant::now();
     app.update();
-    while status(&app, cloth) == ClothStatus::Waiting(WaitingFor::Build) {
+    while status(&app, cloth) == ClothStatus::Waiting(ClothWaitingFor::Build) {
         assert!(start.elapsed() < Duration::from_secs(60), "the mesh is never built");
         // Its normals, say.
         app.world_mut().resource_mut::<Assets<Mesh>>().get_mut(&handle).expect("a mesh").compute_normals();

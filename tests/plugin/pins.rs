@@ -6,7 +6,7 @@ use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::mesh::{MeshVertexAttribute, VertexFormat};
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
-use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothParticles, ClothTargetLost, WaitingFor};
+use bevy_drape::{ClothBuildReport, ClothError, ClothErrorKind, ClothParticles, ClothTargetLost, ClothWaitingFor};
 
 use crate::common::*;
 use crate::warnings::warnings;
@@ -181,7 +181,7 @@ fn a_target_that_is_not_there_yet_is_waited_for() {
     let hand = app.world_mut().spawn_empty().id();
     let cloth = spawn(&mut app, sheet(6), border().to(hand));
     run(&mut app, 5);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Target));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Target));
     app.world_mut().entity_mut(hand).insert(Transform::default());
     run(&mut app, 5);
     assert_eq!(status(&app, cloth), ClothStatus::Active);
@@ -324,7 +324,7 @@ fn pins_that_change_while_the_cloth_has_to_wait_are_not_forgotten() {
     run(&mut app, 10);
     *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = ClothPins::vertices([0]).to(hand);
     run(&mut app, 5);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Target));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Target));
     app.world_mut().entity_mut(hand).insert(Transform::default());
     run(&mut app, 5);
     assert_eq!((status(&app, cloth), pinned(&app, cloth)), (ClothStatus::Active, 1));
@@ -332,7 +332,7 @@ fn pins_that_change_while_the_cloth_has_to_wait_are_not_forgotten() {
     app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ZERO;
     *app.world_mut().get_mut::<ClothPins>(cloth).expect("pins") = ClothPins::vertices([0, 5]);
     run(&mut app, 5);
-    assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Transform));
+    assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Transform));
     app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
     run(&mut app, 5);
     assert_eq!((status(&app, cloth), pinned(&app, cloth)), (ClothStatus::Active, 2));

@@ -226,7 +226,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
             ClothSkipFrame { policy: ClothSkipPolicy::UntilClean { max: 7 }, ..default() },
             (ClothWind::new(Vec3::new(1.0, 0.0, -2.0)), ClothSubdivision::new(0.03), ClothDecimation::new(0.02)),
             ClothPresetHandle(server.load("fabric.cloth.ron")),
-            ClothStatus::Waiting(WaitingFor::Asset),
+            ClothStatus::Waiting(ClothWaitingFor::Asset),
             ClothError { kind: ClothErrorKind::NoPositions, detail: "a \"quoted\" word".into() },
             (
                 ClothReport { crossings: 4, clamped: vec!["density".into()], ..default() },

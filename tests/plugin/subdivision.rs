@@ -142,7 +142,7 @@ fn a_mesh_that_comes_later_is_made_finer_and_one_that_was_switched_off_meanwhile
         let late = app.world().resource::<Assets<Mesh>>().reserve_handle();
         let cloth = app.world_mut().spawn((Mesh3d(late.clone()), Cloth, ClothSubdivision::new(0.1))).id();
         run(&mut app, 3);
-        assert_eq!(status(&app, cloth), ClothStatus::Waiting(WaitingFor::Asset));
+        assert_eq!(status(&app, cloth), ClothStatus::Waiting(ClothWaitingFor::Asset));
         let write =
             |app: &mut App, mesh: Mesh| app.world_mut().resource_mut::<Assets<Mesh>>().insert(&late, mesh).expect("a mesh");
         write(&mut app, plane());

@@ -169,7 +169,7 @@ fn waiting_for_something_else_is_a_new_patience() {
         run(app, 200);
         app.world_mut().get_mut::<Transform>(cloth).expect("a transform").scale = Vec3::ONE;
         run(app, 200);
-        assert_eq!(status(app, cloth), ClothStatus::Waiting(WaitingFor::Target));
+        assert_eq!(status(app, cloth), ClothStatus::Waiting(ClothWaitingFor::Target));
     });
     assert_eq!(lines.iter().filter(|line| line.contains("`patient`")).count(), 0, "{lines:#?}");
 }

@@ -12,7 +12,7 @@ use crate::bind::{
     AnchorSet, AnchorSets, Asked, Authored, FineMesh, Followed, Placement, Resolved, RestOf, Skin, Surface, Transforms,
     Vertices, corners, instance_of, read, resolve, unreadable,
 };
-use crate::components::{ClothBuildReport, ClothError, ClothErrorKind, ClothPinSet, ClothPins, WaitingFor};
+use crate::components::{ClothBuildReport, ClothError, ClothErrorKind, ClothPinSet, ClothPins, ClothWaitingFor};
 use crate::simulation::Change;
 use crate::solver::rest::{RestError, RestShape};
 
@@ -51,13 +51,13 @@ pub(super) fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wante
         let detail = format!("its mesh failed to load ({error}): check the path and the file");
         return Err(Obstacle::Fail(ClothError { kind: ClothErrorKind::LoadFailed, detail }));
     }
-    let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(WaitingFor::Asset))?;
+    let mesh = assembly.meshes.get(source).ok_or(Obstacle::Wait(ClothWaitingFor::Asset))?;
     let vertices = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok().flatten().map_or(0, VertexAttributeValues::len);
     // One that was simulated, or failed, is not to stand still.
     let is_new = cloth.inputs.is_none() && cloth.error.is_none();
     let is_large = is_new && *change == Change::Mesh && vertices >= assembly.loading.in_background_from as usize;
     if is_large && !assembly.cache.is_ready(&shape_at(placement.bake), || read(mesh).ok()) {
-        return Err(Obstacle::Wait(WaitingFor::Build));
+        return Err(Obstacle::Wait(ClothWaitingFor::Build));
     }
     let authored = read(mesh)?;
     let bad_mesh = |error: RestError| ClothError {
@@ -91,7 +91,7 @@ pub(super) fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wante
     if let Some(skin) = &skin
         && !skin.matrices(&assembly.transforms, origin, &mut joints)
     {
-        return Err(Obstacle::Wait(WaitingFor::Skin));
+        return Err(Obstacle::Wait(ClothWaitingFor::Skin));
     }
     let mut placement = *placement;
     if let Some(skin) = &mut skin {
@@ -154,7 +154,7 @@ fn join(
             return Ok((AnchorSet::own(placement), None));
         };
         let affine = transforms.get(target).ok().map(GlobalTransform::affine);
-        let affine = affine.filter(|a| Placement::of(a).is_some()).ok_or(Obstacle::Wait(WaitingFor::Target))?;
+        let affine = affine.filter(|a| Placement::of(a).is_some()).ok_or(Obstacle::Wait(ClothWaitingFor::Target))?;
         Ok((AnchorSet::new(target, &affine, placement), None))
     };
     pins.sets.iter().enumerate().map(join).collect()

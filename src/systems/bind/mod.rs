@@ -19,7 +19,7 @@ use bevy::prelude::*;
 use crate::bind::{Placement, RestCache, Sources, Transforms, skinning_matrices, uniform_scale};
 use crate::components::{
     Cloth, ClothBuildReport, ClothDecimation, ClothDisabled, ClothDrive, ClothError, ClothErrorKind, ClothLimits, ClothLoading,
-    ClothMaterial, ClothPiece, ClothPins, ClothRenderMesh, ClothReport, ClothReset, ClothSolver, ClothStatus, WaitingFor,
+    ClothMaterial, ClothPiece, ClothPins, ClothRenderMesh, ClothReport, ClothReset, ClothSolver, ClothStatus, ClothWaitingFor,
 };
 use crate::notices::Notices;
 use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothShown, TakenSkin, WaitingSince};
@@ -83,7 +83,7 @@ impl Assembly<'_, '_> {
 
 /// What keeps a cloth from being bound.
 enum Obstacle {
-    Wait(WaitingFor),
+    Wait(ClothWaitingFor),
     Fail(ClothError),
 }
 
@@ -165,7 +165,7 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
     {
         binding.pending = news;
     }
-    let shown = &cloth.mesh.as_ref().ok_or(Obstacle::Wait(WaitingFor::Mesh))?.0;
+    let shown = &cloth.mesh.as_ref().ok_or(Obstacle::Wait(ClothWaitingFor::Mesh))?.0;
     let on_skin = cloth.binding.as_ref().is_some_and(|b| b.on_skin && b.source.id() == shown.id());
     let bound = cloth.binding.as_ref().filter(|b| on_skin || b.instance.as_ref().is_none_or(|i| i.id() == shown.id()));
     let source = match bound {
@@ -181,7 +181,7 @@ fn want(assembly: &Assembly, cloth: &mut BindableItem) -> Result<Wanted, Obstacl
             }
             _ => skin_placement(assembly, skinned)?,
         },
-        None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(WaitingFor::Transform))?,
+        None => cloth.global.and_then(|g| Placement::of(&g.affine())).ok_or(Obstacle::Wait(ClothWaitingFor::Transform))?,
     };
     let shortest_edge = ClothDecimation::usable(cloth.decimation);
     let is_of = |b: &Binding| b.source.id() == source.id() && b.shortest_edge == shortest_edge;
@@ -215,7 +215,7 @@ fn news(assembly: &Assembly, cloth: &BindableItem) -> Change {
 
 /// Where the first joint of a skin takes it, before anything is known of its weights; its scale is that of the joint, and even.
 fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placement, Obstacle> {
-    let missing = Obstacle::Wait(WaitingFor::Skin);
+    let missing = Obstacle::Wait(ClothWaitingFor::Skin);
     let (Some(&joint), Some(inverse_bind)) = (skinned.joints.first(), bindposes(assembly, skinned)?.first()) else {
         return Err(missing);
     };
@@ -224,7 +224,7 @@ fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placemen
     if !skinning_matrices(&[first], &assembly.transforms, DVec3::ZERO, &mut matrices) {
         return Err(missing);
     }
-    let mut placement = Placement::of(&matrices[0]).ok_or(Obstacle::Wait(WaitingFor::Transform))?;
+    let mut placement = Placement::of(&matrices[0]).ok_or(Obstacle::Wait(ClothWaitingFor::Transform))?;
     placement.bake = Mat3::from_diagonal(Vec3::splat(uniform_scale(&placement.bake)));
     Ok(placement)
 }
@@ -232,5 +232,5 @@ fn skin_placement(assembly: &Assembly, skinned: &SkinnedMesh) -> Result<Placemen
 /// The inverse bind poses of a skin.
 fn bindposes<'a>(assembly: &'a Assembly, skinned: &SkinnedMesh) -> Result<&'a SkinnedMeshInverseBindposes, Obstacle> {
     let bindposes = assembly.bindposes.as_ref().and_then(|b| b.get(&skinned.inverse_bindposes));
-    bindposes.ok_or(Obstacle::Wait(WaitingFor::Skin))
+    bindposes.ok_or(Obstacle::Wait(ClothWaitingFor::Skin))
 }

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 
 use super::BindableItem;
 use crate::bind::{Placement, Sources};
-use crate::components::{ClothDecimation, ClothError, ClothFailed, ClothStatus, WaitingFor};
+use crate::components::{ClothDecimation, ClothError, ClothFailed, ClothStatus, ClothWaitingFor};
 use crate::notices::{Notices, PATIENCE, label};
 use crate::simulation::{Binding, Change, WaitingSince};
 use crate::systems::release::take_apart;
@@ -18,7 +18,13 @@ pub(super) fn activate(commands: &mut Commands, cloth: &mut BindableItem) {
 }
 
 /// Class C: silent at first, then one warning.
-pub(super) fn wait(commands: &mut Commands, notices: &mut Notices, cloth: &mut BindableItem, reason: WaitingFor, now: f64) {
+pub(super) fn wait(
+    commands: &mut Commands,
+    notices: &mut Notices,
+    cloth: &mut BindableItem,
+    reason: ClothWaitingFor,
+    now: f64,
+) {
     if let Some(inputs) = &mut cloth.inputs {
         inputs.active = false;
     }
