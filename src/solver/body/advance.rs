@@ -12,7 +12,7 @@
 use glam::Vec3A;
 
 use super::nearest::{Face, Near, at};
-use super::sweep::{GRAZE, STEPS};
+use super::sweep::{GRAZE, LEAST_STEP, SHORTEST_WAY, STEPS};
 use crate::solver::scales::TOUCHING;
 
 /// The face at the share `s` of its way.
@@ -44,7 +44,7 @@ fn share_above(level: f32, near: &Near, from: &Face, to: &Face) -> f32 {
 /// nowhere.
 pub(super) fn first_touch(nearest: &impl Fn(&Face) -> Option<Near>, from: &Face, to: &Face, keep: f32) -> Option<(Face, Near)> {
     let length = longest_way(from, to);
-    let moves = length > 1.0e-9;
+    let moves = length > SHORTEST_WAY;
     if !moves {
         return None;
     }
@@ -61,7 +61,7 @@ pub(super) fn first_touch(nearest: &impl Fn(&Face) -> Option<Near>, from: &Face,
         }
         let level = near.sample.distance.min(keep) - GRAZE * keep;
         let ahead = (length - travelled) * share_above(level, &near, &face, to);
-        travelled += gap.max(0.5 * near.sample.distance).max(1.0e-6).max(ahead);
+        travelled += gap.max(0.5 * near.sample.distance).max(LEAST_STEP).max(ahead);
         if travelled >= length {
             return None;
         }

@@ -1,6 +1,6 @@
 //! From a parry shape to what the kernels need: the primitive's numbers, or a query on the shape.
 
-use glam::{Vec2, Vec3A, Vec4};
+use glam::{Vec2, Vec3, Vec3A, Vec4};
 use parry3d::math::Pose;
 use parry3d::query::PointQuery;
 use parry3d::shape::{Compound, ConvexPolyhedron, HeightField, Shape, TriMesh, TypedShape};
@@ -23,16 +23,19 @@ pub(super) enum Geometry<'a> {
 }
 
 impl<'a> Geometry<'a> {
+    /// A capsule from `a` to `b` `[m]`.
+    pub(super) fn capsule(a: Vec3, b: Vec3, radius: f32) -> Self {
+        let ab = Vec3A::from(b - a);
+        let length2 = ab.length_squared();
+        let inverse_length2 = if length2 > 1.0e-20 { 1.0 / length2 } else { 0.0 };
+        Self::Capsule { a: a.into(), ab, inverse_length2, radius }
+    }
+
     /// `planes` are those that [`hull_planes`] made of the same shape.
     pub(super) fn of(shape: &'a dyn Shape, planes: &'a [Vec4]) -> Self {
         match shape.as_typed_shape() {
             TypedShape::Ball(s) => Self::Ball { radius: s.radius },
-            TypedShape::Capsule(s) => {
-                let ab = Vec3A::from(s.segment.b - s.segment.a);
-                let length2 = ab.length_squared();
-                let inverse_length2 = if length2 > 1.0e-20 { 1.0 / length2 } else { 0.0 };
-                Self::Capsule { a: s.segment.a.into(), ab, inverse_length2, radius: s.radius }
-            }
+            TypedShape::Capsule(s) => Self::capsule(s.segment.a, s.segment.b, s.radius),
             TypedShape::Cuboid(s) => Self::Cuboid { half: Vec3A::from(s.half_extents) },
             TypedShape::HalfSpace(s) => Self::HalfSpace { normal: s.normal.into() },
             TypedShape::Cylinder(s) => Self::Cylinder { half_height: s.half_height, radius: s.radius },

@@ -170,7 +170,9 @@ pub(super) fn swept_box(shape: &dyn Shape, from: &Pose, to: &Pose) -> (Aabb, f32
     let radius = local.mins.abs().max(local.maxs.abs()).length();
     // Between its two poses a turning shape bulges out of both boxes, by less than r θ² / 8.
     let turn = chord(from.rotation, to.rotation);
-    (shape.compute_aabb(from).merged(&shape.compute_aabb(to)), 0.125 * turn * turn * radius, radius)
+    // A half-space reaches infinitely far.
+    let bulge = if turn > 0.0 { 0.125 * turn * turn * radius } else { 0.0 };
+    (shape.compute_aabb(from).merged(&shape.compute_aabb(to)), bulge, radius)
 }
 
 /// What is not a number or negative counts as 0.

@@ -31,11 +31,15 @@ pub(super) fn plane_at(q: Vec3A, sample: Sample, keep: f32) -> Plane {
     Plane { normal: sample.normal, offset: sample.normal.dot(q) - (sample.distance - keep) }
 }
 
+/// Way that is none `[m]`, and the least step on one `[m]`: a hundredth of the thinnest cloth.
+pub(super) const SHORTEST_WAY: f32 = 1.0e-9;
+pub(super) const LEAST_STEP: f32 = 1.0e-6;
+
 /// Walks `from -> to` and returns the first point nearer than `keep` from which the path leads deeper.
 fn first_touch(sample: &impl Fn(Vec3A, f32) -> Sample, from: (Vec3A, Sample), to: Vec3A, keep: f32) -> Option<(Vec3A, Sample)> {
     let path = to - from.0;
     let length = path.length();
-    let moves = length > 1.0e-9;
+    let moves = length > SHORTEST_WAY;
     if !moves {
         return None;
     }
@@ -48,7 +52,7 @@ fn first_touch(sample: &impl Fn(Vec3A, f32) -> Sample, from: (Vec3A, Sample), to
         if gap <= TOUCHING * keep && gap + s.normal.dot(to - q) < -GRAZE * keep {
             return Some((q, s));
         }
-        travelled += gap.max(0.5 * s.distance).max(1.0e-6);
+        travelled += gap.max(0.5 * s.distance).max(LEAST_STEP);
         if travelled >= length {
             return None;
         }

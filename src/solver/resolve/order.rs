@@ -5,7 +5,7 @@ use super::between::cloths;
 use super::contour::ContourGraph;
 use super::facing::{ONE_WAY, agreement, facing_at, mean};
 use super::layers::{Layers, Pair, ordered};
-use super::separation::{Course, Member, Stray};
+use super::separation::{COVERED, Course, Member, Stray};
 use super::view::View;
 use crate::solver::scales::ALIGNED;
 
@@ -14,9 +14,6 @@ const INNER: usize = 1;
 
 /// Share of the pins met on the way that must hold both cloths in another order for it to be theirs.
 const HELD: f32 = 0.5;
-
-/// Share of the crossings that moving one way must undo.
-const UNDONE: f32 = 0.8;
 
 /// The way out of the outer cloth: where the inner one faces, if that is about the same all along, else each particle its own.
 /// None where the cloths face opposite ways: what one goes by would drive the other out, too.
@@ -47,7 +44,7 @@ impl Resolver {
             if let Some(course) = outward(view, graph, set, of_pair) {
                 separation.look_from(view, graph, set, of_pair, course);
                 held = separation.pins[1] as f32 >= HELD * (separation.pins[0].max(1)) as f32;
-                if !held && separation.cost > 0.0 && (set.is_empty() || separation.undone >= UNDONE) {
+                if !held && separation.cost > 0.0 && (set.is_empty() || separation.undone >= COVERED) {
                     plan = plans.carry_out(view, graph, set, separation, step);
                 }
             }

@@ -91,13 +91,6 @@ impl Patch {
         }
     }
 
-    /// Adds a particle that may have been gathered on that side already.
-    pub(super) fn put_again(&mut self, side: usize, v: u32) {
-        self.seen[v as usize][side] = self.stamp;
-        self.ring[v as usize][side] = self.now;
-        self.sides[side].push(v);
-    }
-
     /// The particles of a side with their rings.
     pub(super) fn by_ring(&self, side: usize) -> impl Iterator<Item = (u32, usize)> + '_ {
         self.sides[side].iter().map(move |&v| (v, usize::from(self.ring[v as usize][side])))

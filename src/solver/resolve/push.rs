@@ -3,7 +3,6 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::contour::{ContourGraph, ContourKind};
-use super::patch::MOST_RINGS;
 use super::region::{Flood, Region};
 use super::separation::largest_area;
 use super::share::{Load, load, shares};
@@ -11,9 +10,6 @@ use super::view::View;
 use super::{ResolveSettings, Resolver, tracked};
 use crate::solver::detect::{Crossing, Surface};
 use crate::solver::topology::NONE;
-
-/// How far the motion of a region spreads into the rest of its sheet, as a multiple of its depth.
-const SPREAD: f32 = 8.0;
 
 impl Resolver {
     /// The region to push on a side, smaller first.
@@ -96,28 +92,21 @@ impl Resolver {
         if region.area > largest_area(tracked.longest, c.edge, tracked.depth) {
             return false;
         }
-        let rings = (SPREAD * tracked.depth / c.edge) as usize;
         let motion = step * tracked.steer(direction, settings.pace, 0.0);
-        // The rest of the sheet follows, less and less with every ring, so that the region does not crumple against it.
-        let (mine, theirs) = (usize::from(side), usize::from(1 - side));
-        self.patch.gather(view, &self.graph, contour);
-        self.patch.sides[mine].clear();
-        self.flood.region().iter().for_each(|&v| self.patch.put_again(mine, v));
-        self.patch.grow(view.surface, rings.clamp(1, MOST_RINGS));
-        let follows = |ring: usize| 1.0 - ring as f32 / (rings as f32 + 1.0);
-        let mut moved = Load { mass: 0.0, pinned: region.pinned };
-        for (v, ring) in self.patch.by_ring(mine) {
-            let w = view.positions[v as usize].w;
-            moved.mass += if w > 0.0 { follows(ring) / w } else { 0.0 };
-        }
+        let moved = Load { pinned: region.pinned, ..load(view.positions, self.flood.region().iter().copied()) };
         // The other cloth gives way as a whole.
-        let [on, other] = [mine, theirs].map(|s| self.patch.sides[s].first().map_or(0, |&v| usize::from(view.surface.part(v))));
-        let others = view.surface.parts[other].particles.clone();
+        let on = self.flood.region().first().map_or(0, |&v| view.surface.part(v));
+        let other = nodes.first().map_or(on, |&i| {
+            let Crossing { edge, face, .. } = view.crossings[i as usize];
+            let is_mine = self.graph.side[i as usize] == side;
+            if is_mine { view.surface.part_of_face(face) } else { view.surface.part_of_edge(edge) }
+        });
+        let others = view.surface.parts[usize::from(other)].particles.clone();
         let theirs = if on == other { Load::default() } else { load(view.positions, others.clone()) };
         let share = shares([moved, theirs]).map(|s| 0.5 * s);
         if share[0] > 0.0 {
-            for (v, ring) in self.patch.by_ring(mine) {
-                self.shift.add(v, share[0] * follows(ring) * motion, motion.length());
+            for &v in self.flood.region() {
+                self.shift.add(v, share[0] * motion, motion.length());
             }
         }
         if share[1] > 0.0 {

@@ -21,7 +21,7 @@ use super::view::View;
 use crate::solver::topology::NONE;
 
 /// Share of the crossings that a direction must undo.
-const COVERED: f32 = 0.8;
+pub(super) const COVERED: f32 = 0.8;
 /// Steepest change of the way to go along a sheet, in metres per metre, beyond which another sheet was met.
 const STEEPEST: f32 = 3.0;
 /// Smallest cosine at which a face can be met.

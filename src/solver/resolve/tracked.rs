@@ -88,8 +88,8 @@ impl TrackedContour {
 
     /// Takes up another strategy.
     pub(crate) fn switch_to(&mut self, strategy: Strategy) {
-        let Self { age, longest, centre, escalation, .. } = *self;
-        *self = Self { strategy, switches: self.switches + 1, age, longest, centre, escalation, ..Self::new() };
+        let Self { kind, age, longest, centre, escalation, .. } = *self;
+        *self = Self { strategy, switches: self.switches + 1, kind, age, longest, centre, escalation, ..Self::new() };
     }
 
     /// Smooths the direction of motion, and adapts the step to how steady it is: longer while the direction stays, shorter when

@@ -3,7 +3,7 @@
 use glam::{Vec3A, Vec4};
 
 use super::part::{Particles, Setting};
-use super::{BodyContacts, Candidate};
+use super::{BodyContacts, Candidate, Part};
 use crate::solver::body::distance;
 use crate::solver::body::geometry::{self, Geometry};
 use crate::solver::body::motion::{Motion, RigidProxy};
@@ -21,9 +21,9 @@ impl BodyContacts {
         provisional: &mut Provisional,
     ) {
         for part in &self.parts {
-            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
-            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
-            for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
+            let mut touching = self.touching_of(part).peekable();
+            let Some(ground) = touching.peek().and_then(|_| context.part(part.body, part.local, part.radius)) else { continue };
+            for candidate in touching {
                 let Candidate { particle, plane, .. } = *candidate;
                 let Some(&x) = positions.get(particle as usize) else { continue };
                 if let Some(way) = ground.way_to(plane, 0.0, Vec3A::from_vec4(x), ground.keep) {
@@ -41,13 +41,19 @@ impl BodyContacts {
         mut touches: impl FnMut(u32, Option<Bearing>),
     ) {
         for part in &self.parts {
-            let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
-            let Some(ground) = context.part(part.body, part.local, part.radius) else { continue };
-            for candidate in candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching()) {
+            let mut touching = self.touching_of(part).peekable();
+            let Some(ground) = touching.peek().and_then(|_| context.part(part.body, part.local, part.radius)) else { continue };
+            for candidate in touching {
                 let Some(&x) = positions.get(candidate.particle as usize) else { continue };
                 touches(candidate.particle, ground.bearing(candidate.plane, Vec3A::from_vec4(x)));
             }
         }
+    }
+
+    /// The candidates of a part that touched it when last projected.
+    fn touching_of(&self, part: &Part) -> impl Iterator<Item = &Candidate> {
+        let candidates = self.candidates.get(part.candidates.0 as usize..part.candidates.1 as usize);
+        candidates.unwrap_or_default().iter().filter(|candidate| candidate.is_touching())
     }
 
     /// Pushes particles of this substep's contacts out to their planes again. Two-way bodies take the reaction.

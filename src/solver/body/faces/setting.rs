@@ -42,10 +42,7 @@ impl Setting<'_> {
     /// Looks at a feature edge from now on: a capsule without radius.
     pub(super) fn take(&mut self, feature_edge: Option<&FeatureEdge>) {
         let Some(&FeatureEdge { a, b }) = feature_edge else { return };
-        let ab = Vec3A::from(b - a);
-        let length2 = ab.length_squared();
-        let inverse_length2 = if length2 > 1.0e-20 { 1.0 / length2 } else { 0.0 };
-        self.part.geometry = Geometry::Capsule { a: a.into(), ab, inverse_length2, radius: 0.0 };
+        self.part.geometry = Geometry::capsule(a, b, 0.0);
     }
 
     /// `None` for corners that are left out or not numbers.

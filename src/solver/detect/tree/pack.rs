@@ -9,9 +9,7 @@
 use glam::{Vec3A, Vec4};
 
 use super::{Bounds, LEAF};
-
-/// Lanes of a vector.
-const WIDE: usize = 4;
+use crate::solver::detect::four::WIDE;
 
 /// The boxes of up to [`LEAF`] faces `[m]`, by axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -50,9 +50,11 @@ impl Batch {
 
     /// Forgets all but those to `keep`.
     pub(super) fn retain(&mut self, keep: impl Fn(&Near) -> bool) {
-        let all = core::mem::take(&mut self.near);
-        self.clear();
-        all.into_iter().filter(keep).for_each(|near| self.push(near));
+        self.near.retain(keep);
+        self.kinds.iter_mut().for_each(Vec::clear);
+        for (i, near) in (0..).zip(&self.near) {
+            self.kinds[usize::from(near.kind == ProximityKind::EdgeEdge)].push(i);
+        }
     }
 
     /// What is near, and what it came to.

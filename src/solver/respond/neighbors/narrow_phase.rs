@@ -9,7 +9,7 @@ use super::flat::Flatness;
 use super::gap::{may_cross, near, way};
 use super::near::{Near, rest_matters};
 use super::patch::Patches;
-use super::refresh::DRIFT;
+use super::refresh::CLOSE;
 use super::{Contacts, MARGIN, Moment, NeighborList, Touch};
 use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
 use crate::solver::detect::{ProximityKind, Surface};
@@ -194,7 +194,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let [mut may, mut close, mut cross] = [[0; LEAF]; 3];
         let [a, b] = met.leaves;
         let lanes = self.patches.lanes(tree, b, self.positions, self.ahead);
-        let within = 3.0 * DRIFT * self.thickest;
+        let within = CLOSE * self.thickest;
         for (i, &t) in tree.leaf(a).corners.iter().enumerate() {
             let hits = met.hits[i] & !flat[i];
             if hits != 0 {

@@ -64,7 +64,7 @@ pub(super) fn rest_matters(surface: &Surface, touch: &[Touch], longest: &[f32], 
     let [a, .., d] = found.pair.particles;
     let part = surface.part(a);
     let thickness = touch[usize::from(part)].thickness;
-    let near = 0.5 * (thickness + thickness) / REST_SHARE + 2.0 * longest[usize::from(part)];
+    let near = thickness / REST_SHARE + 2.0 * longest[usize::from(part)];
     let is_near = surface.rest[a as usize].distance_squared(surface.rest[d as usize]) < near * near;
     part == surface.part(d) && is_near
 }

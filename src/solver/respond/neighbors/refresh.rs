@@ -9,9 +9,11 @@ use crate::solver::detect::tree::Tree;
 
 /// How far particles may drift from where they were at the last look for it to hold in the next frame, too, in thicknesses.
 /// What drifted is looked at where it is, against others that may drift from one side of where they were to the other. Two that
-/// nobody knew come to within `1 + MARGIN - 3 DRIFT` thicknesses, a half, before they are known. Cloth is thinner there for a
+/// nobody knew come to within `1 + MARGIN - CLOSE` thicknesses, a half, before they are known. Cloth is thinner there for a
 /// moment, and far from crossing.
-pub(super) const DRIFT: f32 = (0.5 + MARGIN) / 3.0;
+const DRIFT: f32 = CLOSE / 3.0;
+/// How close faces may be that cross before they are looked at again, in thicknesses: both drift, and are foreseen to.
+pub(super) const CLOSE: f32 = 0.5 + MARGIN;
 /// Share of the particles that may have drifted; with more, a whole look costs less.
 const MOST_DRIFTED: f32 = 0.4;
 
