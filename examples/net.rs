@@ -250,13 +250,8 @@ fn keys(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>, dropped: Query<
     }
 }
 
-fn report(
-    frames: Query<&ClothReaction, With<Frame>>,
-    dropped: Query<(&Position, &LinearVelocity), With<Dropped>>,
-    time: Res<Time<Fixed>>,
-) -> String {
-    let tick = time.timestep().as_secs_f32();
-    let frames = frames.iter().map(|reaction| format!("a frame bears {:.2} N\n", -reaction.linear.y / tick));
+fn report(frames: Query<&ClothReaction, With<Frame>>, dropped: Query<(&Position, &LinearVelocity), With<Dropped>>) -> String {
+    let frames = frames.iter().map(|reaction| format!("a frame bears {:.2} N\n", -reaction.force().y));
     let bodies = dropped.iter().map(|(at, v)| format!("a body of 1 kg at {:.3} m moves at {:.3} m/s\n", at.y, v.length()));
     frames.chain(bodies).collect()
 }

@@ -121,6 +121,7 @@ pub(crate) fn colliders(
     mut notices: ResMut<Notices>,
     mut colliders: Query<Colliders, Meets>,
 ) {
+    let WorldBodies { bodies: met, checked, .. } = &mut *world;
     let dt = time.delta_secs();
     for (entity, name, collider, of, global, layers, own_layers, friction, margin, body) in &mut colliders {
         let Some(mut body) = body else {
@@ -152,9 +153,11 @@ pub(crate) fn colliders(
         let from = body.pose.filter(|from| !jumped(from, &to, body.reach, dt)).unwrap_or(to);
         body.pose = Some(to);
         let friction = friction.or(of_body).copied().or(default_friction.as_ref().map(|d| d.0)).unwrap_or_default();
-        let margin = margin.map_or(0.0, |m| m.0);
+        checked.clear();
+        let margin = margin.map_or(0.0, |m| checked.within("CollisionMargin", m.0, 0.0, 0.0, 1.0));
+        notices.clamped(entity, name, "collider", checked);
         let swept = swept(shape, [&from, &to], margin);
-        world.bodies.push(WorldBody {
+        met.push(WorldBody {
             swept,
             entity,
             character: None,
@@ -168,7 +171,14 @@ pub(crate) fn colliders(
             rigid: None,
         });
     }
-    world.bodies.sort_unstable_by_key(|body| body.entity);
+    met.sort_unstable_by_key(|body| body.entity);
+}
+
+/// Forgets where a collider was that is switched off, so that it comes back without having swept what lies between.
+pub(crate) fn on_switch_off<C: Component>(off: On<Add, C>, mut bodies: Query<&mut ColliderBody, Without<ClothCollider>>) {
+    if let Ok(mut body) = bodies.get_mut(off.entity) {
+        body.pose = None;
+    }
 }
 
 /// Gives dynamic bodies what cloth gave them. A body that cloth touches does not sleep.

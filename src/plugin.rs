@@ -23,15 +23,18 @@ use bevy::transform::systems::{
 #[cfg(feature = "avian")]
 use crate::avian;
 use crate::bind::{BodyCache, RestCache, Sources};
-use crate::components::{ClothGlobalWind, ClothGravity, ClothLoading};
+use crate::components::{
+    Cloth, ClothBuildReport, ClothCollision, ClothGlobalWind, ClothGravity, ClothLoading, ClothMaterial, ClothPiece, ClothPins,
+    ClothRenderMesh, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver, ClothStatus, ClothUntangling,
+};
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
 use crate::simulation::{WorldAir, WorldBodies};
 use crate::systems::{
-    bind, budget, carriers, character, colliders, couple, detect, evaluate, grab, inputs, integrate, lod, pieces, poses,
-    release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, subdivide, sync, touch,
+    bind, budget, carriers, character, colliders, couple, defaults, detect, evaluate, grab, inputs, integrate, lod, pieces,
+    poses, release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, strays, subdivide, sync, touch,
 };
 use crate::time;
 
@@ -84,28 +87,8 @@ impl Plugin for ClothPlugin {
             schedule: self.schedule,
             shows,
         };
-        app.insert_resource(clock)
-            .init_resource::<time::ClothTime>()
-            .init_resource::<ClothGravity>()
-            .init_resource::<ClothGlobalWind>()
-            .init_resource::<ClothLoading>()
-            .init_resource::<RestCache>()
-            .init_resource::<Sources>()
-            .init_resource::<BodyCache>()
-            .init_resource::<Notices>()
-            .init_resource::<WorldBodies>()
-            .init_resource::<WorldAir>()
-            .init_resource::<ClothIslands>()
-            .add_observer(release::on_remove_cloth)
-            .add_observer(pieces::on_remove_piece)
-            .add_observer(render_mesh::on_remove_render_mesh)
-            .add_observer(subdivide::on_remove_subdivision)
-            .add_observer(release::on_remove_body)
-            .add_observer(release::on_remove_collider)
-            .add_observer(couple::on_remove_coupling)
-            .add_observer(release::on_remove_zone)
-            .add_observer(touch::on_remove_events)
-            .add_observer(release::on_remove_grab);
+        app.insert_resource(clock);
+        register(app);
 
         #[cfg(feature = "presets")]
         app.add_plugins(crate::presets::ClothPresetPlugin).add_systems(
@@ -131,84 +114,9 @@ impl Plugin for ClothPlugin {
                     .in_set(TransformSystems::Propagate),
             );
         }
-        app.add_systems(
-            self.schedule,
-            (
-                (
-                    time::tick,
-                    sources::watch,
-                    subdivide::meshes,
-                    poses::hand_down,
-                    bind::bind,
-                    character::bodies,
-                    colliders::shapes,
-                    (
-                        colliders::poses,
-                        couple::bodies,
-                        inputs::air,
-                        inputs::settings,
-                        budget::budget,
-                        // Bevy forgets there what was seen in the last frame.
-                        lod::detail.before(VisibilitySystems::VisibilityPropagate),
-                        skin::change,
-                        (skeleton::pose, carriers::travel, carriers::inertia, carriers::aim, poses::reset, poses::take).chain(),
-                        grab::grabs,
-                        sleep::watch,
-                        inputs::surroundings,
-                        couple::couple,
-                    )
-                        .chain()
-                        .run_if(time::flows),
-                )
-                    .chain()
-                    .in_set(ClothSystems::Prepare),
-                (integrate::alone, integrate::together, integrate::judge, couple::give)
-                    .chain()
-                    .run_if(time::flows)
-                    .in_set(ClothSystems::Integrate),
-                (detect::leave, detect::form_islands, detect::detect).chain().run_if(time::flows).in_set(ClothSystems::Detect),
-                resolve::resolve.run_if(time::flows).in_set(ClothSystems::Resolve),
-                (
-                    (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time::flows),
-                    evaluate::recoveries,
-                )
-                    .chain()
-                    .in_set(ClothSystems::Evaluate),
-                (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
-            ),
-        )
-        .add_systems(
-            shows,
-            (
-                sync::shape,
-                pieces::follow,
-                render_mesh::follow,
-                sync::write,
-                pieces::write,
-                render_mesh::shape,
-                render_mesh::write,
-            )
-                .chain()
-                .in_set(ClothSystems::Sync),
-        );
-
+        stages(app, self.schedule, shows);
         #[cfg(feature = "avian")]
-        {
-            app.init_resource::<avian::Seen>();
-            let takes_over = (avian::give, avian::show).chain().after(couple::give);
-            app.add_systems(
-                self.schedule,
-                (
-                    (avian::masses, avian::colliders.after(colliders::poses))
-                        .chain()
-                        .after(time::tick)
-                        .before(couple::bodies)
-                        .in_set(ClothSystems::Prepare),
-                    takes_over.in_set(ClothSystems::Integrate),
-                )
-                    .run_if(time::flows),
-            );
-        }
+        bodies_of_avian(app, self.schedule);
     }
 
     fn finish(&self, app: &mut App) {
@@ -223,6 +131,136 @@ impl Plugin for ClothPlugin {
         // So that the panic in `build` says what to write.
         false
     }
+}
+
+/// What is kept between frames, and what is forgotten when a component goes.
+fn register(app: &mut App) {
+    app.init_resource::<time::ClothTime>()
+        .init_resource::<ClothGravity>()
+        .init_resource::<ClothGlobalWind>()
+        .init_resource::<ClothLoading>()
+        .init_resource::<RestCache>()
+        .init_resource::<Sources>()
+        .init_resource::<BodyCache>()
+        .init_resource::<Notices>()
+        .init_resource::<WorldBodies>()
+        .init_resource::<WorldAir>()
+        .init_resource::<ClothIslands>()
+        .add_observer(release::on_remove_cloth)
+        .add_observer(pieces::on_remove_piece)
+        .add_observer(render_mesh::on_remove_render_mesh)
+        .add_observer(subdivide::on_remove_subdivision)
+        .add_observer(release::on_remove_body)
+        .add_observer(release::on_remove_collider)
+        .add_observer(couple::on_remove_coupling)
+        .add_observer(release::on_remove_zone)
+        .add_observer(touch::on_remove_events)
+        .add_observer(touch::on_remove_inputs)
+        .add_observer(release::on_remove_grab)
+        .add_observer(release::on_disable);
+    keep_required(app);
+}
+
+/// The stages of the frame, in the order in which they run.
+fn stages(app: &mut App, schedule: Interned<dyn ScheduleLabel>, shows: Interned<dyn ScheduleLabel>) {
+    app.add_systems(
+        schedule,
+        (
+            (
+                time::tick,
+                sources::watch,
+                (
+                    strays::tell::<ClothMaterial, Cloth>,
+                    strays::tell::<ClothSolver, Cloth>,
+                    strays::tell::<ClothPins, Cloth>,
+                    strays::tell::<ClothPiece, Mesh3d>,
+                    strays::tell::<ClothRenderMesh, Mesh3d>,
+                )
+                    .chain(),
+                subdivide::meshes,
+                poses::hand_down,
+                bind::bind,
+                character::bodies,
+                colliders::shapes,
+                (
+                    colliders::poses,
+                    couple::bodies,
+                    inputs::air,
+                    inputs::settings,
+                    budget::budget,
+                    // Bevy forgets there what was seen in the last frame.
+                    lod::detail.before(VisibilitySystems::VisibilityPropagate),
+                    skin::change,
+                    (skeleton::pose, carriers::travel, carriers::inertia, carriers::aim, poses::reset, poses::take).chain(),
+                    grab::grabs,
+                    sleep::watch,
+                    inputs::surroundings,
+                    couple::couple,
+                )
+                    .chain()
+                    .run_if(time::flows),
+            )
+                .chain()
+                .in_set(ClothSystems::Prepare),
+            (
+                (integrate::alone, integrate::together, integrate::judge, couple::give).chain().run_if(time::flows),
+                couple::rest.run_if(not(time::flows)),
+            )
+                .chain()
+                .in_set(ClothSystems::Integrate),
+            (detect::leave, detect::form_islands, detect::detect).chain().run_if(time::flows).in_set(ClothSystems::Detect),
+            resolve::resolve.run_if(time::flows).in_set(ClothSystems::Resolve),
+            (
+                (evaluate::look, evaluate::judge, evaluate::tell, evaluate::overruled_layers).chain().run_if(time::flows),
+                evaluate::recoveries,
+            )
+                .chain()
+                .in_set(ClothSystems::Evaluate),
+            (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
+        ),
+    )
+    .add_systems(
+        shows,
+        (sync::shape, pieces::follow, render_mesh::follow, sync::write, pieces::write, render_mesh::shape, render_mesh::write)
+            .chain()
+            .in_set(ClothSystems::Sync),
+    );
+}
+
+/// Bodies of avian are met as others are, and take what cloth gives them.
+#[cfg(feature = "avian")]
+fn bodies_of_avian(app: &mut App, schedule: Interned<dyn ScheduleLabel>) {
+    app.init_resource::<avian::Seen>()
+        .add_observer(avian::on_switch_off::<avian3d::prelude::ColliderDisabled>)
+        .add_observer(avian::on_switch_off::<avian3d::prelude::Sensor>)
+        .add_observer(avian::on_switch_off::<crate::components::ClothCollisionDisabled>);
+    let takes_over = (avian::give, avian::show).chain().after(couple::rest);
+    app.add_systems(
+        schedule,
+        (
+            (avian::masses, avian::colliders.after(colliders::poses))
+                .chain()
+                .after(time::tick)
+                .before(couple::bodies)
+                .in_set(ClothSystems::Prepare),
+            takes_over.in_set(ClothSystems::Integrate),
+        )
+            .run_if(time::flows),
+    );
+}
+
+/// What a cloth requires comes back as its default when it is removed: a cloth without pins falls.
+fn keep_required(app: &mut App) {
+    app.add_observer(defaults::on_remove::<ClothMaterial>)
+        .add_observer(defaults::on_remove::<ClothSolver>)
+        .add_observer(defaults::on_remove::<ClothPins>)
+        .add_observer(defaults::on_remove::<ClothCollision>)
+        .add_observer(defaults::on_remove::<ClothUntangling>)
+        .add_observer(defaults::on_remove::<ClothSkipFrame>)
+        .add_observer(defaults::on_remove::<ClothSleep>)
+        .add_observer(defaults::on_remove::<ClothStatus>)
+        .add_observer(defaults::on_remove::<ClothReport>)
+        .add_observer(defaults::on_remove::<ClothBuildReport>);
 }
 
 /// Chains the stages in a schedule, after transforms and before whatever reads meshes.

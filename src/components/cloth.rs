@@ -12,7 +12,7 @@ use super::{
 /// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is
 /// simulated and where it is held; [`ClothCollision`], [`ClothUntangling`] and [`ClothSkipFrame`] what happens when it meets
 /// itself or another cloth; [`ClothSleep`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say
-/// how it fares.
+/// how it fares. One that is removed while `Cloth` stays comes back as its default.
 ///
 /// Other components are optional: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
 /// [`ClothLimits`](crate::ClothLimits) and [`ClothDrive`](crate::ClothDrive) on characters, [`ClothLod`](crate::ClothLod),

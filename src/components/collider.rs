@@ -171,9 +171,9 @@ impl ClothCollider {
     /// Margin `[m]`, static and dynamic friction that can be used.
     pub(crate) fn checked(&self, checked: &mut Checked) -> (f32, f32, f32) {
         (
-            checked.within("margin", self.margin, 0.0, 0.0, 1.0),
-            checked.within("static_friction", self.static_friction, 0.5, 0.0, 10.0),
-            checked.within("dynamic_friction", self.dynamic_friction, 0.4, 0.0, 10.0),
+            checked.within("collider.margin", self.margin, 0.0, 0.0, 1.0),
+            checked.within("collider.static_friction", self.static_friction, 0.5, 0.0, 10.0),
+            checked.within("collider.dynamic_friction", self.dynamic_friction, 0.4, 0.0, 10.0),
         )
     }
 }

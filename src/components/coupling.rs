@@ -26,9 +26,9 @@ use super::fitted::CoupledBody;
 /// // A mast that tells how hard the sail pulls at it.
 /// commands.spawn((ClothCollider::cylinder(0.1, 6.0), ClothCoupling::TwoWay));
 /// # }
-/// # fn creak(masts: Query<&ClothReaction>, time: Res<Time>) {
+/// # fn creak(masts: Query<&ClothReaction>) {
 /// for reaction in &masts {
-///     let force = reaction.linear / time.delta_secs(); // [N]
+///     let force = reaction.force(); // [N]
 /// #   let _ = force;
 /// }
 /// # }
@@ -50,6 +50,9 @@ pub enum ClothCoupling {
 /// Impulses, displacement and turn that cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after
 /// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate); written by the simulation.
 ///
+/// All of it is zero in a frame in which cloth does not move: time stands still, or the frame is shorter than a millisecond and
+/// is simulated together with the next.
+///
 /// Contacts and rigid pins are counted. The load of pins is exact for all pins of a cloth together; several bodies share it by
 /// the strain at their pins. A body of avian is given all of it without a line of code.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
@@ -57,7 +60,7 @@ pub enum ClothCoupling {
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothReaction {
-    /// Impulse `[N·s]`. Divided by the length of the frame: the mean force `[N]`.
+    /// Impulse `[N·s]`. Divided by [`duration`](Self::duration): the mean [force](Self::force) `[N]`.
     pub linear: Vec3,
     /// Angular impulse about the centre of mass `[N·m·s]`, which is the origin of the entity unless [`ClothRigidBody`] says
     /// otherwise.
@@ -67,11 +70,13 @@ pub struct ClothReaction {
     pub displacement: Vec3,
     /// How the body was turned off its way within the frame. Turn the body by it about its centre of mass.
     pub turn: Quat,
+    /// In which time cloth gave it `[s]`: the length of the frame, and of those before it that were too short.
+    pub duration: f32,
 }
 
 impl Default for ClothReaction {
     fn default() -> Self {
-        Self { linear: Vec3::ZERO, angular: Vec3::ZERO, displacement: Vec3::ZERO, turn: Quat::IDENTITY }
+        Self { linear: Vec3::ZERO, angular: Vec3::ZERO, displacement: Vec3::ZERO, turn: Quat::IDENTITY, duration: 0.0 }
     }
 }
 
@@ -79,7 +84,13 @@ impl ClothReaction {
     /// Whether cloth gave nothing.
     #[must_use]
     pub fn is_zero(&self) -> bool {
-        *self == Self::default()
+        Self { duration: 0.0, ..*self } == Self::default()
+    }
+
+    /// Mean force `[N]`; zero in a frame in which cloth does not move.
+    #[must_use]
+    pub fn force(&self) -> Vec3 {
+        if self.duration > 0.0 { self.linear / self.duration } else { Vec3::ZERO }
     }
 }
 
@@ -158,7 +169,12 @@ impl ClothRigidBody {
             inverse_mass,
             inverse_inertia: if sound { 0.5 * (m + m.transpose()) } else { Mat3::ZERO },
             center_of_mass: checked.vector("center_of_mass", self.center_of_mass, Vec3::ZERO, 1.0e6),
-            velocity: self.velocity.filter(|v| v.is_finite()),
+            velocity: self.velocity.filter(|v| {
+                if !v.is_finite() {
+                    checked.refuse("velocity");
+                }
+                v.is_finite()
+            }),
         }
     }
 }

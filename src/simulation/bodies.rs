@@ -51,6 +51,9 @@ pub(crate) struct WorldRigid {
     pub velocity: Option<Vec3>,
     pub inverse_mass: Vec3,
     pub inverse_inertia: Mat3,
+    /// As the app gave them: inverse inertia in the axes of the entity, centre of mass from its origin `[m]`.
+    pub own_inertia: Mat3,
+    pub center_of_mass: Vec3,
     /// Cloths that gave it something in the last frame, and what and how many do in this one.
     pub givers: u32,
     pub given: Reaction,

@@ -1,5 +1,6 @@
 //! Which bodies take what a cloth gives them, by slot of the solver.
 
+use bevy::math::Mat3;
 use bevy::prelude::*;
 
 use super::bodies::WorldRigid;
@@ -15,8 +16,9 @@ pub(crate) struct Coupled {
     pub pinned: Vec<(u32, u32)>,
     /// Bodies that this cloth gave something to: in the last frame until `couple` has asked, in this one from `give` on.
     pub gave: Vec<Entity>,
-    /// Pin sets on movable bodies and the inverse masses of those, when the solver was prepared.
-    weighed: Vec<(u32, Vec3)>,
+    /// Pin sets on movable bodies, and the inverse masses, inverse inertias and centres of mass of those, when the solver was
+    /// prepared.
+    weighed: Vec<(u32, Vec3, Mat3, Vec3)>,
 }
 
 impl Coupled {
@@ -51,7 +53,8 @@ impl Coupled {
         let Self { rigids: own, shares, pinned, weighed, .. } = self;
         let now = pinned.iter().map(|&(set, slot)| {
             let slot = slot as usize;
-            (set, rigids[own[slot] as usize].inverse_mass * shares[slot])
+            let WorldRigid { inverse_mass, own_inertia, center_of_mass, .. } = rigids[own[slot] as usize];
+            (set, inverse_mass * shares[slot], own_inertia * shares[slot], center_of_mass)
         });
         if now.clone().eq(weighed.iter().copied()) {
             return false;

@@ -259,7 +259,7 @@ impl RecordedCloth {
     fn take_back(&mut self, worst_edge: f32, limits: &Limits) -> bool {
         let Self { state, scratch, display, recovery, pose, .. } = self;
         let Some((level, _)) = recovery.judge(state, worst_edge, limits, |to| to.clone_from(pose)) else { return false };
-        *scratch = Scratch::default();
+        scratch.forget();
         if level != Level::LastGood {
             display.reset();
         }

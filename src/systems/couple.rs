@@ -85,6 +85,8 @@ fn in_world(entity: Entity, rigid: &ClothRigidBody, from: Isometry3d, to: Isomet
         velocity: rigid.velocity.filter(|_| known),
         inverse_mass: rigid.inverse_mass,
         inverse_inertia: axes * rigid.inverse_inertia * axes.transpose(),
+        own_inertia: rigid.inverse_inertia,
+        center_of_mass: rigid.center_of_mass,
         givers,
         given: Reaction::default(),
         gave: 0,
@@ -150,6 +152,7 @@ pub(crate) fn couple(
 
 /// Adds up what the cloths gave each body, in the order of entities, and moves what remembers where the bodies are.
 pub(crate) fn give(
+    time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     mut order: Local<Vec<Entity>>,
     mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &ClothScratch), With<Cloth>>,
@@ -181,10 +184,11 @@ pub(crate) fn give(
             coupled.gave.push(body.entity);
         }
     }
+    let duration = time.delta_secs();
     for rigid in rigids.iter() {
         let Ok((mut reaction, mut body)) = takers.get_mut(rigid.entity) else { continue };
         let Reaction { linear, angular, shift, turn } = rigid.given;
-        reaction.set_if_neq(ClothReaction { linear, angular, displacement: shift, turn });
+        reaction.set_if_neq(ClothReaction { linear, angular, displacement: shift, turn, duration });
         body.givers = rigid.gave;
         body.pose = body.pose.map(|pose| rigid.moved(pose));
     }
@@ -205,6 +209,13 @@ pub(crate) fn give(
                 *to = center + rigid.given.shift + rigid.given.turn * (*to - center);
             }
         }
+    }
+}
+
+/// Nothing is given while cloth does not move: an impulse that stays would be taken over again.
+pub(crate) fn rest(mut takers: Query<&mut ClothReaction>) {
+    for mut reaction in &mut takers {
+        reaction.set_if_neq(ClothReaction::default());
     }
 }
 

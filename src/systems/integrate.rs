@@ -14,7 +14,8 @@ use crate::solver::integrate::spring;
 use crate::solver::island::Stage;
 use crate::solver::recover::{Cause, Level, Limits, diagnose};
 use crate::solver::settings::drape_rate;
-use crate::solver::step::{Scratch, StepReport, prepare, step};
+use crate::solver::state::ClothState;
+use crate::solver::step::{StepReport, prepare, step};
 use crate::time::ClothTime;
 
 type StepQuery<'w, 's, 'a> = Query<
@@ -133,6 +134,9 @@ fn judge_written(
     report: &mut ClothReport,
 ) {
     if core::mem::take(&mut particles.written) {
+        // What an app writes may have another, or none; kernels take it from either.
+        let ClothState { positions, previous, .. } = &mut particles.state;
+        positions.iter().zip(previous).for_each(|(x, old)| old.w = x.w);
         let edges = spring::strain(&rest.0.springs, &particles.state.positions);
         // How fast it is shows when it was stepped.
         let limits = Limits { speed: f32::INFINITY, ..inputs.limits };
@@ -164,7 +168,7 @@ fn take_back(
     let Some((level, cause)) = recovered else { return edges };
     scratch.recovered = Some((level.into(), cause.into()));
     // Forces and contacts that are held over frames may have seen the bad state.
-    scratch.solver = Scratch::default();
+    scratch.solver.forget();
     scratch.fresh = true;
     match level {
         Level::LastGood => report.restores += 1,

@@ -83,6 +83,20 @@ pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut command
     }
 }
 
+/// Forgets where a body was, and which cloths one met: nobody sees either while its entity is disabled.
+pub(crate) fn on_disable(
+    disabled: On<Add, Disabled>,
+    mut bodies: Query<&mut ColliderBody, Allow<Disabled>>,
+    mut cloths: Query<&mut ClothScratch, Allow<Disabled>>,
+) {
+    if let Ok(mut body) = bodies.get_mut(disabled.entity) {
+        body.pose = None;
+    }
+    if let Ok(mut scratch) = cloths.get_mut(disabled.entity) {
+        (scratch.island, scratch.bounds) = (None, None);
+    }
+}
+
 /// Despawns the colliders of a body's bones; bodies that were fitted together with it are fitted anew.
 pub(crate) fn on_remove_body(
     removed: On<Remove, ClothBody>,

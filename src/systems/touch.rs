@@ -1,5 +1,7 @@
 //! Respond: tells who touches the cloths that ask for it.
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 
 use crate::components::checked::Checked;
@@ -36,7 +38,13 @@ pub(crate) fn touches(
 ) {
     for (entity, name, rest, inputs, particles, scratch, report, events, mut contacts) in &mut cloths {
         // Nothing begins or ends while it sleeps or is carried along.
-        if inputs.asleep || inputs.carried || !inputs.active {
+        if inputs.active && (inputs.asleep || inputs.carried) {
+            continue;
+        }
+        if !inputs.active {
+            if !contacts.touches.is_empty() {
+                end(&mut commands, entity, &mut contacts);
+            }
             continue;
         }
         checked.clear();
@@ -72,8 +80,33 @@ pub(crate) fn touches(
     }
 }
 
-/// Takes the list away from a cloth that no longer asks for it.
-pub(crate) fn on_remove_events(removed: On<Remove, ClothContactEvents>, mut commands: Commands) {
+/// Ends all that touches a cloth.
+fn end(commands: &mut Commands, entity: Entity, contacts: &mut ClothContacts) {
+    for touch in contacts.touches.drain(..) {
+        commands.trigger(ClothContactEnded { entity, other: touch.other });
+    }
+}
+
+/// Ends all that touches a cloth that is not simulated any more.
+pub(crate) fn on_remove_inputs(
+    removed: On<Remove, ClothInputs>,
+    mut commands: Commands,
+    mut cloths: Query<&mut ClothContacts, Allow<Disabled>>,
+) {
+    if let Ok(mut contacts) = cloths.get_mut(removed.entity) {
+        end(&mut commands, removed.entity, &mut contacts);
+    }
+}
+
+/// Ends all that touches a cloth that no longer asks for it, and takes its list away.
+pub(crate) fn on_remove_events(
+    removed: On<Remove, ClothContactEvents>,
+    mut commands: Commands,
+    mut cloths: Query<&mut ClothContacts, Allow<Disabled>>,
+) {
+    if let Ok(mut contacts) = cloths.get_mut(removed.entity) {
+        end(&mut commands, removed.entity, &mut contacts);
+    }
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
         entity.try_remove::<ClothContacts>();
     }

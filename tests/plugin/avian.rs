@@ -434,3 +434,21 @@ fn avian_a_net_does_not_sleep_under_a_ball_at_rest() {
     assert!(seen::<ClothSlept>(&app).is_empty() && !report(&app, cloth).asleep, "{:?}", report(&app, cloth));
     assert!(at(&app, ball).y > -0.9 && velocity(&app, ball).length() < 0.05, "{} {}", at(&app, ball), velocity(&app, ball));
 }
+
+#[test]
+fn avian_a_margin_below_nothing_counts_as_none() {
+    // Avian's own assertions let no NaN pass.
+    for margin in [-0.05, 50.0] {
+        let mut app = physics(FixedPostUpdate);
+        let (cloth, _) =
+            crate::skinned::dressed(&mut app, 8, ClothLimits { max_distance: ClothMap::Uniform(0.1), ..default() });
+        app.world_mut().spawn((
+            RigidBody::Static,
+            Collider::sphere(0.1),
+            CollisionMargin(margin),
+            Transform::from_xyz(0.2, -0.15, 0.0),
+        ));
+        run(&mut app, 30);
+        assert!(finite(&app, cloth) && bodies(&app, cloth) == 1, "{margin}");
+    }
+}

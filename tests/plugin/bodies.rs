@@ -295,3 +295,71 @@ fn a_body_that_no_longer_takes_part_is_told_of_nothing() {
         assert!(given(&app).is_zero(), "nowhere {nowhere}: {:?}", given(&app));
     }
 }
+
+#[test]
+fn what_cloth_gave_a_body_stands_for_the_time_in_which_it_did_and_for_no_frame_more() {
+    let mut app = app();
+    let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
+    let material = ClothMaterial { density: 0.2, ..default() };
+    spawn(&mut app, sheet(8), (border().to(mast), material, ClothSleepDisabled));
+    run(&mut app, 600);
+    let given = |app: &App| *app.world().get::<ClothReaction>(mast).expect("a two-way body");
+    // 0.2 kg, of which pins bear their own share, too.
+    assert!((given(&app).force().y + 0.2 * 9.81).abs() < 0.02, "{:?}", given(&app));
+    // Every other frame is simulated, together with the one before.
+    frame_length(&mut app, 0.7e-3);
+    run(&mut app, 100);
+    let (mut sum, mut time, mut empty) = (0.0, 0.0, 0);
+    for _ in 0..40 {
+        run(&mut app, 1);
+        let ClothReaction { linear, duration, .. } = given(&app);
+        (sum, time) = (sum + linear.y, time + duration);
+        empty += u32::from(given(&app) == ClothReaction::default());
+    }
+    assert!(empty == 20 && (time - 28.0e-3).abs() < 1.0e-5, "{empty} frames without, {time} s with");
+    assert!((sum / time + 0.2 * 9.81).abs() < 0.1, "{} N", sum / time);
+    frame_length(&mut app, 0.0);
+    run(&mut app, 3);
+    assert_eq!(given(&app), ClothReaction::default(), "time stands still");
+    assert_eq!(given(&app).force(), Vec3::ZERO);
+}
+
+#[test]
+fn a_mast_bears_what_a_hand_draws_at_its_flag() {
+    let mut app = app();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let mast = app.world_mut().spawn((Transform::default(), ClothCoupling::TwoWay)).id();
+    let cloth = spawn(&mut app, sheet(12), (border().to(mast), ClothSleepDisabled));
+    run(&mut app, 5);
+    let hit =
+        app.world_mut().run_system_cached(|q: ClothQuery| q.nearest_point(Vec3::new(0.0, 0.0, 0.5), 0.1)).expect("a system");
+    let grab = ClothGrab::at(&hit.expect("a point"));
+    assert_eq!(grab.cloth, cloth);
+    let hand = Vec3::new(0.0, 0.0, 0.52);
+    app.world_mut().spawn(ClothGrab { target: hand, ..grab });
+    run(&mut app, 300);
+    let mean = (0..60).map(|_| {
+        run(&mut app, 1);
+        app.world().get::<ClothReaction>(mast).expect("a two-way body").force()
+    });
+    let force = mean.sum::<Vec3>() / 60.0;
+    // It is drawn by two centimetres of a metre: many newtons, along z.
+    assert!(force.z > 0.5 && force.x.abs() + force.y.abs() < 0.05 * force.z, "{force} N");
+}
+
+#[test]
+fn a_collider_that_was_disabled_sweeps_nothing_on_its_way() {
+    use bevy::ecs::entity_disabling::Disabled;
+    let mut app = app();
+    app.insert_resource(ClothGravity(Vec3::ZERO));
+    let cloth = spawn(&mut app, sheet(8), ());
+    let ball = app.world_mut().spawn((Transform::from_xyz(0.0, 0.4, 0.0), ClothCollider::ball(0.2))).id();
+    run(&mut app, 10);
+    app.world_mut().entity_mut(ball).insert(Disabled);
+    run(&mut app, 2);
+    app.world_mut().get_mut::<Transform>(ball).expect("a transform").translation.y = -0.4;
+    run(&mut app, 2);
+    app.world_mut().entity_mut(ball).remove::<Disabled>();
+    run(&mut app, 10);
+    assert!(lowest(&world_positions(&app, cloth)).abs() < 1.0e-3, "it was taken along");
+}

@@ -284,3 +284,20 @@ fn a_reset_revives_a_cloth_that_was_stopped() {
     assert_eq!(status(&app, cloth), ClothStatus::Active);
     assert!(app.world().get::<ClothError>(cloth).is_none() && lowest(&world_positions(&app, cloth)) < -0.5);
 }
+
+#[test]
+fn settings_that_are_removed_are_the_defaults() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(8), (border(), ClothMaterial::SILK));
+    run(&mut app, 30);
+    let hung = lowest(&world_positions(&app, cloth));
+    app.world_mut().entity_mut(cloth).remove::<(ClothPins, ClothMaterial, ClothStatus)>();
+    run(&mut app, 60);
+    assert_eq!(app.world().get::<ClothMaterial>(cloth), Some(&ClothMaterial::default()));
+    assert_eq!((status(&app, cloth), report(&app, cloth).pinned), (ClothStatus::Active, 0));
+    assert!(lowest(&world_positions(&app, cloth)) < hung - 2.0, "without pins it falls");
+    // With `Cloth` they go for good.
+    app.world_mut().entity_mut(cloth).remove_with_requires::<Cloth>();
+    run(&mut app, 2);
+    assert!(!app.world().entity(cloth).contains::<ClothPins>());
+}

@@ -140,3 +140,28 @@ fn a_touch_of_a_height_field_has_the_normal_of_the_slope_there() {
     let normal = started.touch.normal;
     assert!((normal.y - 0.05_f32.atan().cos()).abs() < 1.0e-3 && normal.is_normalized(), "{normal}");
 }
+
+#[test]
+fn what_touched_a_cloth_that_is_no_longer_simulated_has_ended_once() {
+    fn ends(stop: impl FnOnce(&mut App, Entity)) {
+        let mut app = recorded();
+        let ball = app.world_mut().spawn((Transform::default(), ClothCollider::ball(0.2))).id();
+        let cloth = spawn(&mut app, sheet(10), (Transform::from_xyz(0.0, 0.25, 0.0), border(), ClothContactEvents::default()));
+        run(&mut app, 60);
+        assert_eq!(seen::<ClothContactStarted>(&app).len(), 1);
+        stop(&mut app, cloth);
+        run(&mut app, 3);
+        let ended: Vec<(Entity, Entity)> = seen::<ClothContactEnded>(&app).iter().map(|e| (e.entity, e.other)).collect();
+        assert_eq!(ended, [(cloth, ball)]);
+        let left = app.world().get_entity(cloth).ok().and_then(|cloth| cloth.get::<ClothContacts>());
+        assert!(left.is_none_or(|contacts| contacts.touches.is_empty()), "{left:?}");
+    }
+    ends(|app, cloth| _ = app.world_mut().entity_mut(cloth).insert(ClothDisabled));
+    ends(|app, cloth| _ = app.world_mut().entity_mut(cloth).remove::<Cloth>());
+    ends(|app, cloth| _ = app.world_mut().entity_mut(cloth).remove::<ClothContactEvents>());
+    ends(|app, cloth| _ = app.world_mut().despawn(cloth));
+    ends(|app, cloth| {
+        let broken = add(app, Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default()));
+        app.world_mut().entity_mut(cloth).insert(Mesh3d(broken));
+    });
+}

@@ -290,3 +290,39 @@ fn a_grip_is_warned_of_anew_after_it_was_let_go() {
     });
     assert_eq!(lines.len(), 2, "{lines:#?}");
 }
+
+#[test]
+fn what_has_no_effect_without_another_component_is_told_of_after_a_while() {
+    let stray = |frames: usize| {
+        warnings(app(), |app| {
+            app.world_mut().spawn((Name::new("pole"), ClothPins::NONE));
+            app.world_mut().spawn((Name::new("swatch"), ClothMaterial::SILK));
+            let late = app.world_mut().spawn(ClothMaterial::SILK).id();
+            let cloth = spawn(app, sheet(5), ());
+            app.world_mut().spawn((Name::new("lining"), ClothPiece { cloth, first: 0 }));
+            run(app, 60);
+            app.world_mut().entity_mut(late).insert(Cloth);
+            app.world_mut().entity_mut(cloth).remove::<Cloth>();
+            run(app, frames);
+        })
+    };
+    assert_eq!(stray(200), Vec::<String>::new(), "within 5 s");
+    let lines: Vec<String> = stray(600).into_iter().filter(|line| line.contains("has no effect")).collect();
+    let told = |words: [&str; 3]| lines.iter().filter(|line| words.iter().all(|word| line.contains(word))).count();
+    assert_eq!(told(["pole", "`ClothPins`", "`Cloth`"]), 1, "{lines:#?}");
+    assert_eq!(told(["swatch", "`ClothMaterial`", "`Cloth`"]), 1, "{lines:#?}");
+    assert_eq!(told(["lining", "`ClothPiece`", "`Mesh3d`"]), 1, "{lines:#?}");
+    assert_eq!(lines.len(), 3, "{lines:#?}");
+}
+
+#[test]
+fn one_number_of_two_components_is_told_of_twice() {
+    let lines = warnings(app(), |app| {
+        let material = ClothMaterial { static_friction: f32::NAN, ..default() };
+        let collider = ClothCollider { static_friction: f32::NAN, ..ClothCollider::ball(0.1) };
+        spawn(app, sheet(5), (material, collider, border()));
+        run(app, 10);
+    });
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+    assert!(lines.iter().any(|line| line.contains("`collider.static_friction`")), "{lines:#?}");
+}

@@ -202,7 +202,7 @@ pub(crate) struct BodyImpulse {
 impl BodyImpulse {
     /// Whether there is something to give, and it is a number.
     pub(crate) fn is_some(&self) -> bool {
-        self.linear != Vec3::ZERO && self.linear.is_finite() && self.angular.is_finite()
+        (self.linear != Vec3::ZERO || self.angular != Vec3::ZERO) && self.linear.is_finite() && self.angular.is_finite()
     }
 
     /// Adds `by` `[kg·m]` at the end of the arm `r` `[m]`, of which `silent` gives no speed.
@@ -312,7 +312,12 @@ impl Coupling {
         self.pins.place(&self.slots, anchors, s, positions);
     }
 
-    /// Gives bodies what moved their pins since [`Self::place`].
+    /// Notes where the particles are when pins were [placed](Self::place) and all that acts from outside has moved the others.
+    pub(crate) fn note(&mut self, positions: &[Vec4]) {
+        self.pins.note(positions);
+    }
+
+    /// Gives bodies what moved their pins since [`Self::note`].
     pub(crate) fn react(&mut self, pull: &Pull<'_>, positions: &mut [Vec4]) {
         self.pins.react(&mut self.slots, pull, positions);
     }

@@ -35,7 +35,7 @@ struct Pin {
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pins {
     pins: Vec<Pin>,
-    /// Where each particle was when pins had been placed `[m]`.
+    /// Where each particle was when pins had been placed, and all that acts from outside had moved it `[m]`.
     before: Vec<Vec4>,
     /// What each rigid pin bears, in the order of the anchors `[kg m]`.
     borne: Vec<Vec3>,
@@ -108,6 +108,10 @@ impl Pins {
 
     pub(super) fn place(&mut self, slots: &[RigidState], anchors: &Anchors, s: f32, positions: &mut [Vec4]) {
         self.put(slots, anchors, s, positions);
+    }
+
+    /// Notes where the particles are when all that acts from outside has moved them.
+    pub(super) fn note(&mut self, positions: &[Vec4]) {
         if self.pins.iter().any(|pin| pin.w == 0.0) {
             self.before.clear();
             self.before.extend_from_slice(positions);

@@ -77,8 +77,11 @@ impl Tethers {
     /// particle counts, to whose pins it is drawn hardest.
     #[must_use]
     pub(crate) fn excess(&self, particles: impl Iterator<Item = u32>, scale: f32, least: f32, positions: &[Vec4]) -> f32 {
-        let list = self.particle.as_flattened();
         let mut most = 0.0_f32;
+        if scale == f32::INFINITY {
+            return most;
+        }
+        let list = self.particle.as_flattened();
         for p in particles {
             let Ok(i) = list[..self.first_rank].binary_search(&p) else { continue };
             let (batch, lane) = (i / LANES, i % LANES);
@@ -92,8 +95,11 @@ impl Tethers {
         most
     }
 
-    /// Pulls every particle back within `scale` (dimensionless) times its tethers.
+    /// Pulls every particle back within `scale` (dimensionless) times its tethers; infinity: none.
     pub(crate) fn solve(&self, scale: f32, positions: &mut [Vec4]) {
+        if scale == f32::INFINITY {
+            return;
+        }
         let shrink = scale.powi(2).recip();
         for ((particle, pin), &inverse_square) in self.particle.iter().zip(&self.pin).zip(&self.inverse_square) {
             let x = particle.map(|i| positions[i as usize]);

@@ -55,7 +55,10 @@ impl Island {
         cross.clear();
         cross.resize(self.surface.parts.len(), false);
         if any {
-            let detector = detector.get_or_insert_with(|| Detector::new(&self.surface));
+            let detector = detector.get_or_insert_with(|| {
+                let tree = self.untangler.detector.tree_ref().clone();
+                Detector::with_tree(&self.surface, tree)
+            });
             detector.bound(self.most);
             for crossing in detector.detect(&self.surface, targets) {
                 cross[usize::from(self.surface.part_of_edge(crossing.edge))] = true;

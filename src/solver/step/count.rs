@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::strain::LEAST_LIMIT;
 use super::{Scratch, Stepped};
 use crate::solver::body::Body;
 use crate::solver::settings::{Stepping, drape_rate};
@@ -44,7 +45,7 @@ impl Stepped<'_> {
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
         // What is lighter than the cloth gives way to it.
-        let own = self.mass();
+        let own = self.mass(scratch);
         let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
         // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
         let haste = |body: &Body| {
@@ -58,7 +59,7 @@ impl Stepped<'_> {
         };
         let counts = |body: &Body| mass(body) > own && haste(body) > 1.0 && haste(body).is_finite();
         if !input.bodies.iter().any(counts) {
-            return count * for_heavy_body;
+            return self.at_most(count * for_heavy_body, stepping);
         }
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
@@ -72,7 +73,12 @@ impl Stepped<'_> {
             }
         }
         (scratch.fast_body, scratch.for_heavy_body) = (for_fast_body > 1, for_heavy_body);
-        count * for_heavy_body.max(for_fast_body)
+        self.at_most(count * for_heavy_body.max(for_fast_body), stepping)
+    }
+
+    /// No more than eight times as many as `stepping` says, however much there is to see to.
+    fn at_most(&self, count: u32, stepping: &Stepping) -> u32 {
+        count.min(MOST_FOR_BODIES as u32 * substeps_of(stepping, self.input.dt))
     }
 
     /// Substeps that gravity asks for: as many as `stepping` says, or up to eight times as many. They are more where cloth
@@ -89,13 +95,13 @@ impl Stepped<'_> {
 
     /// How far a heavier body may press the cloth in a substep `[m]`.
     pub(super) fn most_pressed(&self) -> f32 {
-        PRESSED * self.fabric.strain_limit.min(ELASTIC) * self.rest.mean_edge
+        PRESSED * self.fabric.strain_limit.clamp(LEAST_LIMIT, ELASTIC) * self.rest.mean_edge
     }
 
     /// Mass of the cloth `[kg]`, if bodies take what it does to them; 0 otherwise.
-    pub(super) fn mass(&self) -> f32 {
+    pub(super) fn mass(&self, scratch: &Scratch) -> f32 {
         let takes = self.input.bodies.iter().any(|body| body.rigid.is_some());
-        if takes { self.fabric.density * self.rest.areas.iter().sum::<f32>() } else { 0.0 }
+        if takes { self.fabric.density * scratch.area } else { 0.0 }
     }
 
     /// Inner steps in a substep of `h` `[s]`: as many as tension needs to get along the cloth.

@@ -12,7 +12,7 @@ impl Stepped<'_> {
     /// depth does not count: more substeps in cloth that is drawn out already throw it up. A body that the cloth rests on is
     /// left out.
     pub(super) fn count_for_heavy_bodies(&self, scratch: &mut Scratch) {
-        let (own, bound) = (self.mass(), self.most_pressed());
+        let (own, bound) = (self.mass(scratch), self.most_pressed());
         let mut for_heavy_body = 1;
         for (index, body) in self.input.bodies.iter().enumerate() {
             let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));

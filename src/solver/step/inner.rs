@@ -42,6 +42,7 @@ impl Stepped<'_> {
             }
             scratch.coupling.place(anchors, s, x);
             scratch.pulls.solve(s, step, x);
+            scratch.coupling.note(x);
             scratch.bends.solve(&rest.bends, step, x);
             hold_together(rest, fabric, scratch, x);
             self.pull(step, s, input.gravity, scratch, x);
@@ -50,6 +51,7 @@ impl Stepped<'_> {
         let x = &mut state.positions;
         scratch.coupling.place(anchors, s1, x);
         anchor::solve_soft(anchors, s1, h, x);
+        scratch.coupling.note(x);
         self.bound_lengths(frame, state.substeps, scratch, x);
         if frame.taut {
             self.tighten(frame, x, scratch);

@@ -80,7 +80,7 @@ pub struct Stepped<'a> {
 /// Inputs of one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameInput<'a> {
-    /// Length of the frame `[s]`; 0, less or not finite: nothing moves.
+    /// Length of the frame `[s]`; 0, less or not a number: nothing moves. Of an infinite one the longest frame is simulated.
     pub dt: f32,
     /// Gravity `[m/s²]`.
     pub gravity: Vec3,

@@ -77,6 +77,13 @@ pub struct Scratch {
 }
 
 impl Scratch {
+    /// Forgets all that it knows of the last frames. What was set for the next one stays: the bodies that cloth moves, and what
+    /// pulls at it.
+    pub(crate) fn forget(&mut self) {
+        let Self { coupling, pulls, .. } = core::mem::take(self);
+        *self = Self { coupling, pulls, ..Self::default() };
+    }
+
     /// What pulls at the cloth in the frames to come; it stays until it is changed.
     pub(crate) fn pulls_mut(&mut self) -> &mut pull::Pulls {
         &mut self.pulls
@@ -162,6 +169,8 @@ impl Scratch {
             + size_of_val(&self.acceleration[..])
             + size_of_val(&self.motion[..])
             + size_of_val(&self.before[..])
+            + size_of_val(&self.inbound[..])
+            + size_of_val(&self.displaced[..])
             + size_of_val(&self.late[..])
     }
 }

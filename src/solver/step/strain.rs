@@ -20,6 +20,10 @@ pub(super) const WILD: f32 = 8.0;
 /// beyond it would do it every other frame.
 const EASED: f32 = 0.5;
 
+/// Least strain limit that these are multiples of (dimensionless). One pass over the springs leaves as much: of a limit of 0,
+/// any cloth would be in a storm.
+pub(super) const LEAST_LIMIT: f32 = 0.01;
+
 impl Scratch {
     /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse level, too.
     #[cfg(feature = "debug")]
@@ -31,7 +35,7 @@ impl Scratch {
     /// Finds out whether the cloth is strained, and whether it is taut, in the frame that begins.
     pub(super) fn judge(&mut self, fabric: &Fabric) -> (bool, bool) {
         // Of its first frame nothing is known: a cloth may start in a storm.
-        let beyond = |limits: f32, was: bool| self.strain() > if was { EASED } else { limits } * fabric.strain_limit;
+        let beyond = |limits: f32, was: bool| self.is_beyond(if was { EASED } else { limits }, fabric);
         let (strained, taut) = (beyond(STRAINED, self.strained) || self.worst_edge == 0.0, beyond(TAUT, self.taut));
         (self.strained, self.taut) = (strained, taut);
         (strained, taut)
@@ -39,18 +43,35 @@ impl Scratch {
 
     /// Whether any spring may get to its limit within the frame.
     pub(super) fn is_wild(&self, fabric: &Fabric) -> bool {
-        self.strain() > WILD * fabric.strain_limit
+        self.is_beyond(WILD, fabric)
     }
 
     /// Whether the frame is to end with its overlong edges shortened.
     pub(super) fn is_overlong(&self, fabric: &Fabric) -> bool {
         // In settling cloth what is shortened moves, and is shortened in the next frame again.
         let limits = if self.is_settling() { TAUT } else { STRAINED };
-        self.strain() > limits * fabric.strain_limit
+        self.is_beyond(limits, fabric)
     }
 
-    /// Elongation of the worst edge after the substeps of the last frame (dimensionless).
-    fn strain(&self) -> f32 {
-        self.worst_edge - 1.0
+    /// Whether the worst edge was longer by more than so many strain limits after the substeps of the last frame.
+    fn is_beyond(&self, limits: f32, fabric: &Fabric) -> bool {
+        self.worst_edge - 1.0 > limits * fabric.strain_limit.max(LEAST_LIMIT)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cloth_that_must_not_stretch_is_strained_by_more_than_one_pass_leaves() {
+        let is_strained = |worst_edge: f32, strain_limit: f32| {
+            let mut scratch = Scratch { worst_edge, ..Scratch::default() };
+            scratch.judge(&Fabric { strain_limit, ..Fabric::default() }).0
+        };
+        for strain_limit in [0.0, 1.0e-3, LEAST_LIMIT] {
+            assert!(!is_strained(1.012, strain_limit) && is_strained(1.02, strain_limit), "{strain_limit}");
+        }
+        assert!(!is_strained(1.07, 0.05) && is_strained(1.08, 0.05));
     }
 }
