@@ -129,7 +129,8 @@ pub(crate) fn scenes(
     }
 }
 
-/// Cloths and colliders of nodes that were just spawned.
+/// Cloths and colliders of nodes that were just spawned. What an app, or the node that this one is a clone of, has put on it
+/// stays.
 pub(crate) fn nodes(
     mut commands: Commands,
     added: Query<(Entity, &GltfExtras, Option<&Name>, Option<&Children>), Added<GltfExtras>>,
@@ -171,7 +172,7 @@ pub(crate) fn nodes(
             Some((_, Err(problem))) => problems.push(problem.clone()),
             Some((_, Ok(cloth))) => {
                 for &primitive in &primitives {
-                    commands.entity(primitive).try_insert(ClothRenderMesh { cloth: *cloth });
+                    commands.entity(primitive).try_insert_if_new(ClothRenderMesh { cloth: *cloth });
                 }
             }
         }
@@ -190,15 +191,15 @@ pub(crate) fn nodes(
                 make_cloth(&mut commands, (entity, Some(&mesh)), cloth, pin, &file, server.as_deref(), &mut problems);
                 let skin = primitives.first().and_then(|p| nodes.skinned.get(*p).ok()).cloned();
                 let mut bearer = commands.entity(entity);
-                bearer.try_insert(Mesh3d(known.find(&mut assets, mesh)));
+                bearer.try_insert_if_new(Mesh3d(known.find(&mut assets, mesh)));
                 if let Some(skin) = skin {
-                    bearer.try_insert(skin);
+                    bearer.try_insert_if_new(skin);
                 }
                 for (&primitive, first) in primitives.iter().zip(firsts) {
                     if is_proxy {
                         commands.entity(primitive).try_remove::<(Mesh3d, SkinnedMesh)>();
                     } else {
-                        commands.entity(primitive).try_insert(ClothPiece { cloth: entity, first });
+                        commands.entity(primitive).try_insert_if_new(ClothPiece { cloth: entity, first });
                     }
                 }
             } else {
@@ -218,10 +219,10 @@ pub(crate) fn nodes(
                     make_cloth(&mut commands, (bearer, mesh), cloth, pin, &file, server.as_deref(), &mut problems);
                     if bearer != primitive {
                         if let Ok(mesh) = meshes.get(primitive) {
-                            commands.entity(bearer).try_insert(mesh.clone());
+                            commands.entity(bearer).try_insert_if_new(mesh.clone());
                         }
                         if let Ok(skin) = nodes.skinned.get(primitive) {
-                            commands.entity(bearer).try_insert(skin.clone());
+                            commands.entity(bearer).try_insert_if_new(skin.clone());
                         }
                         commands.entity(primitive).try_remove::<(Mesh3d, SkinnedMesh)>();
                     }
@@ -231,7 +232,7 @@ pub(crate) fn nodes(
         if let Some(layers) = node.layers {
             // A joint hands them on to what is fitted to it.
             for bearer in core::iter::once(entity).chain(primitives.iter().copied()) {
-                commands.entity(bearer).try_insert(layers);
+                commands.entity(bearer).try_insert_if_new(layers);
             }
         }
         match node.collider {
@@ -247,7 +248,7 @@ pub(crate) fn nodes(
                 }
                 for bearer in bodies {
                     let mut bearer = commands.entity(bearer);
-                    bearer.try_insert(body);
+                    bearer.try_insert_if_new(body);
                     if let Some(layers) = node.layers {
                         bearer.try_insert_if_new(layers);
                     }
@@ -261,7 +262,7 @@ pub(crate) fn nodes(
                 };
                 let bearers = if lone_plane { std::slice::from_ref(&entity) } else { &primitives[..] };
                 for &bearer in bearers {
-                    commands.entity(bearer).try_insert(collider.clone());
+                    commands.entity(bearer).try_insert_if_new(collider.clone());
                 }
             }
         }
@@ -333,7 +334,7 @@ fn make_cloth(
                         backstop: backstop.clone().map(|given| (given.distance, given.radius)),
                         drive: drive.clone(),
                     };
-                    entity.try_insert((ClothPresetHandle(server.load(path)), overrides));
+                    entity.try_insert_if_new((ClothPresetHandle(server.load(path)), overrides));
                 }
                 Err(error) => problems.push(Problem::new("cloth.material", format!("is not a path: {error}"))),
             },
@@ -353,24 +354,24 @@ fn make_cloth(
         garment_layer: extras.layer.unwrap_or(0),
         ..default()
     };
-    entity.try_insert((Cloth, material, solver, pins, collision));
+    entity.try_insert_if_new((Cloth, material, solver, pins, collision));
     if let Some(limits) = maps::limits(mesh, max_distance.as_ref(), backstop.as_ref()) {
-        entity.try_insert(limits);
+        entity.try_insert_if_new(limits);
     }
     if let Some(drive) = drive.filter(|drive| !drive.frequency.is_off()) {
-        entity.try_insert(drive);
+        entity.try_insert_if_new(drive);
     }
     if let Some(inertia) = extras.inertia {
-        entity.try_insert(inertia);
+        entity.try_insert_if_new(inertia);
     }
     if let Some(longest_edge) = extras.subdivision {
-        entity.try_insert(ClothSubdivision { longest_edge });
+        entity.try_insert_if_new(ClothSubdivision { longest_edge });
     }
     if let Some(shortest_edge) = extras.decimation {
-        entity.try_insert(ClothDecimation { shortest_edge });
+        entity.try_insert_if_new(ClothDecimation { shortest_edge });
     }
     if let Some(weight) = extras.blend {
-        entity.try_insert(ClothBlend { weight, ..default() });
+        entity.try_insert_if_new(ClothBlend { weight, ..default() });
     }
 }
 

@@ -184,6 +184,39 @@ fn a_curtain_and_its_weather_come_out_of_the_file() {
 }
 
 #[test]
+fn what_an_app_or_the_cloth_that_a_clone_is_of_has_set_stays() {
+    let folder = folder("own");
+    write_gltf(&folder.join("room.gltf"), &[node("Curtain", r#"{"cloth": {"pin": "_PIN", "substep_rate": 600}}"#)], "{}");
+    let mut app = gltf_app(&folder);
+    app.add_observer(
+        |_: On<bevy::world_serialization::WorldInstanceReady>, mut commands: Commands, meshes: Query<Entity, With<Mesh3d>>| {
+            for mesh in &meshes {
+                commands.entity(mesh).insert((ClothPins::vertices([0]), ClothMaterial::SILK));
+            }
+        },
+    );
+    load(&mut app, "room.gltf");
+    for _ in 0..60 {
+        app.update();
+        std::thread::sleep(core::time::Duration::from_millis(2));
+    }
+    let curtain = primitive(&mut app, "Curtain");
+    let is_own = |app: &App, cloth: Entity| {
+        let rate = app.world().get::<ClothSolver>(cloth).expect("a solver").substep_rate;
+        (report(app, cloth).pinned, app.world().get::<ClothMaterial>(cloth) == Some(&ClothMaterial::SILK), rate)
+    };
+    assert_eq!(is_own(&app, curtain), (1, true, 600.0));
+    let parent = app.world().get::<ChildOf>(curtain).expect("a node").parent();
+    let clone = app.world_mut().entity_mut(parent).clone_and_spawn_with_opt_out(|builder| {
+        builder.linked_cloning(true);
+    });
+    run(&mut app, 10);
+    let clone = app.world().get::<Children>(clone).expect("a clone of the primitive")[0];
+    assert_eq!(is_own(&app, clone), (1, true, 600.0));
+    std::fs::remove_dir_all(&folder).expect("a folder to remove");
+}
+
+#[test]
 fn a_wrong_key_is_one_warning_with_file_node_and_key_and_the_rest_works() {
     let folder = folder("wrong");
     write_gltf(
