@@ -8,8 +8,11 @@ use crate::components::fitted::{ColliderBody, CoupledBody};
 use crate::components::grip::Grip;
 use crate::components::{ClothContacts, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus};
 use crate::islands::{ClothIsland, ClothIslands};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, WaitingSince, WorldAir};
+use crate::simulation::{
+    Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, WaitingSince, WorldAir,
+};
 use crate::solver::wind::Wind;
+use crate::systems::skin::exchange;
 use crate::time::ClothTime;
 
 /// The state of cloth between two frames: captured, kept, and gone back to as often as wanted. For rollback in a networked
@@ -76,6 +79,8 @@ struct SavedCloth {
     slumber: Slumber,
     report: ClothReport,
     contacts: ClothContacts,
+    /// Whether it had faded into its skin.
+    on_skin: bool,
     /// What queries see, and its origin `[m]`.
     shown: (Vec<Vec3>, DVec3),
 }
@@ -118,12 +123,13 @@ impl ClothSnapshot {
             &ClothReport,
             &ClothShown,
             &ClothStatus,
+            Option<&Binding>,
             Option<&ClothContacts>,
         )>();
         let mut cloths: Vec<SavedCloth> = query
             .iter(world)
-            .filter(|(entity, .., status, _)| wanted(*entity) && **status == ClothStatus::Active)
-            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, contacts)| SavedCloth {
+            .filter(|(entity, .., status, _, _)| wanted(*entity) && **status == ClothStatus::Active)
+            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, binding, contacts)| SavedCloth {
                 entity,
                 rest: rest.clone(),
                 particles: particles.clone(),
@@ -132,6 +138,7 @@ impl ClothSnapshot {
                 slumber: slumber.clone(),
                 report: report.clone(),
                 contacts: contacts.cloned().unwrap_or_default(),
+                on_skin: binding.is_some_and(|binding| binding.on_skin),
                 shown: (shown.particles.clone(), shown.origin),
             })
             .collect();
@@ -206,6 +213,9 @@ impl SavedCloth {
     fn restore(&self, world: &mut World) {
         let mut cloth = world.entity_mut(self.entity);
         cloth.remove::<(ClothError, WaitingSince)>();
+        if cloth.get::<Binding>().is_some_and(|binding| binding.on_skin != self.on_skin) {
+            exchange(&mut cloth, self.on_skin);
+        }
         put(&mut cloth, &ClothStatus::Active);
         put(&mut cloth, &self.particles);
         put(&mut cloth, &self.inputs);

@@ -12,44 +12,48 @@ use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothScratch, Clot
 pub(crate) fn change(
     mut commands: Commands,
     mut cloths: Query<
-        (
-            Entity,
-            &TakenSkin,
-            &mut Mesh3d,
-            &mut Binding,
-            (&mut ClothInputs, &mut ClothParticles, &mut ClothScratch, &mut ClothShown),
-            &mut ClothReport,
-        ),
-        With<Cloth>,
+        (Entity, &Binding, (&mut ClothInputs, &mut ClothParticles, &mut ClothScratch, &mut ClothShown), &mut ClothReport),
+        (With<Cloth>, With<TakenSkin>),
     >,
 ) {
-    for (entity, taken, mut mesh, mut binding, (mut inputs, mut particles, mut scratch, mut shown), mut report) in &mut cloths {
-        let is_on_skin = inputs.is_animated();
-        if is_on_skin == binding.on_skin || inputs.skin.is_none() {
+    for (entity, binding, (mut inputs, mut particles, mut scratch, mut shown), mut report) in &mut cloths {
+        let on_skin = inputs.is_animated();
+        if on_skin == binding.on_skin || inputs.skin.is_none() || binding.instance.is_none() {
             continue;
         }
-        let Some(instance) = &binding.instance else { continue };
-        let mut entity = commands.entity(entity);
-        if is_on_skin {
-            mesh.0 = binding.source.clone();
-            entity.try_insert(taken.skin()).try_remove::<Aabb>();
-            if !binding.own_bounds {
-                entity.try_remove::<NoAutoAabb>();
-            }
-            if taken.bounds {
-                entity.try_insert(DynamicSkinnedMeshBounds);
-            }
+        commands.entity(entity).queue_silenced(move |mut cloth: EntityWorldMut| exchange(&mut cloth, on_skin));
+        if on_skin {
             report.idle();
         } else {
-            mesh.0 = instance.clone();
-            entity.try_remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
-            entity.try_insert((NoAutoAabb, Aabb::default()));
             // It begins as a new one does, and knows of nothing before.
             (inputs.frames, inputs.on_skin, inputs.stale, shown.forced) = (0, false, true, true);
             (inputs.fade, inputs.skinned.scale) = (0.0, 0.0);
             (particles.carrier, *scratch) = (None, ClothScratch::default());
         }
-        binding.on_skin = is_on_skin;
-        inputs.active = !is_on_skin;
+        inputs.active = !on_skin;
+    }
+}
+
+/// Gives a cloth its authored mesh and its skin, or its own mesh and none.
+pub(crate) fn exchange(cloth: &mut EntityWorldMut, on_skin: bool) {
+    let Some(taken) = cloth.get::<TakenSkin>().cloned() else { return };
+    let Some(mut binding) = cloth.get_mut::<Binding>() else { return };
+    let Some(instance) = binding.instance.clone() else { return };
+    binding.on_skin = on_skin;
+    let (source, own_bounds) = (binding.source.clone(), binding.own_bounds);
+    if let Some(mut mesh) = cloth.get_mut::<Mesh3d>() {
+        mesh.0 = if on_skin { source } else { instance };
+    }
+    if on_skin {
+        cloth.insert(taken.skin()).remove::<Aabb>();
+        if !own_bounds {
+            cloth.remove::<NoAutoAabb>();
+        }
+        if taken.bounds {
+            cloth.insert(DynamicSkinnedMeshBounds);
+        }
+    } else {
+        cloth.remove::<(SkinnedMesh, DynamicSkinnedMeshBounds)>();
+        cloth.insert((NoAutoAabb, Aabb::default()));
     }
 }

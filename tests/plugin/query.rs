@@ -68,3 +68,29 @@ fn nonsense_finds_nothing() {
     assert_eq!(ask(&mut app, |q| q.nearest_point(Vec3::ZERO, -1.0)), None);
     assert_eq!(ask(&mut app, |q| q.nearest_point(Vec3::splat(3.0e38), f32::INFINITY)), None, "no distance is that far");
 }
+
+#[test]
+fn a_cloth_that_is_switched_off_is_found_where_its_mesh_went() {
+    let mut app = app();
+    let cloth = spawn(&mut app, sheet(6), ClothPins::where_position(|_| true));
+    run(&mut app, 2);
+    app.world_mut().entity_mut(cloth).insert(ClothDisabled);
+    app.world_mut().get_mut::<Transform>(cloth).expect("a transform").translation = Vec3::new(3.0, 1.0, 0.0);
+    run(&mut app, 2);
+    let down = |x: f32| Ray3d::new(Vec3::new(x, 3.0, 0.13), Dir3::NEG_Y);
+    assert_eq!(ask(&mut app, move |q| q.cast_ray(down(0.1), 10.0)), None, "it is not there any more");
+    let hit = ask(&mut app, move |q| q.cast_ray(down(3.1), 10.0)).expect("a hit");
+    assert!(hit.entity == cloth && (hit.distance - 2.0).abs() < 1.0e-4, "{hit:?}");
+}
+
+#[test]
+fn a_cloth_that_faded_into_its_skin_is_not_found() {
+    let mut app = app();
+    let (cloth, _) = crate::skinned::dressed(&mut app, 8, (ClothLimits::default(), ClothBlend::default()));
+    run(&mut app, 10);
+    assert!(ask(&mut app, |q| q.nearest_point(Vec3::ZERO, 1.0)).is_some());
+    app.world_mut().get_mut::<ClothBlend>(cloth).expect("a blend").weight = 0.0;
+    run(&mut app, 60);
+    assert_eq!(report(&app, cloth).substeps, 0, "it is only animated");
+    assert_eq!(ask(&mut app, |q| q.nearest_point(Vec3::ZERO, 1.0)), None);
+}

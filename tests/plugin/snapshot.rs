@@ -418,3 +418,32 @@ fn a_pose_that_does_not_fit_changes_nothing_and_is_taken_off() {
         assert!(apart(&particles(&app, cloth), &before) < 0.02);
     }
 }
+
+#[test]
+fn a_cloth_that_faded_into_its_skin_since_goes_back_to_when_it_was_simulated() {
+    let mut app = app();
+    let (cloth, joints) = crate::skinned::dressed(&mut app, 8, (ClothLimits::default(), ClothBlend::default()));
+    let frames = |app: &mut App, from: u32, count: u32| {
+        for frame in from..from + count {
+            (0..2).for_each(|i| crate::skinned::put(app, joints[i], crate::skinned::dance(frame as f32 / 60.0, i as f32)));
+            run(app, 1);
+        }
+    };
+    let set = |app: &mut App, weight: f32| {
+        app.world_mut().get_mut::<ClothBlend>(cloth).expect("a blend").set_if_neq(ClothBlend { weight, ..default() });
+    };
+    frames(&mut app, 0, 60);
+    let poses: Vec<(Entity, Transform)> = copies::<Transform>(&mut app);
+    let before = ClothSnapshot::capture(app.world_mut());
+    frames(&mut app, 60, 20);
+    let first = particles(&app, cloth);
+    set(&mut app, 0.0);
+    frames(&mut app, 80, 60);
+    assert_eq!(report(&app, cloth).substeps, 0, "it is only animated");
+    set(&mut app, 1.0);
+    put(&mut app, &poses);
+    before.restore(app.world_mut()).expect("all cloths");
+    frames(&mut app, 60, 20);
+    assert!(particles(&app, cloth) == first, "other bits");
+    assert!(app.world().get::<bevy::mesh::skinning::SkinnedMesh>(cloth).is_none());
+}
