@@ -292,7 +292,12 @@ fn build(members: &[Member]) -> Option<Island> {
     match Island::new(&parts) {
         Ok(island) => Some(island),
         Err(error) => {
-            warn_once!("cloths that meet are not untangled: {error}");
+            let first = members.first().map_or(Entity::PLACEHOLDER, |member| member.entity);
+            warn_once!(
+                "{} cloths that can meet, {first} the first of them, go through each other: {error}. Put some of them on other \
+                 `ClothCollisionLayers`",
+                members.len()
+            );
             None
         }
     }

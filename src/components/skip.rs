@@ -33,7 +33,7 @@ pub enum ClothSkipPolicy {
     Bounded,
     /// As Wen et al. 2009: keep the whole last clean shape until the cloth is clean again, for `max` frames at most.
     UntilClean {
-        /// Most frames held in a row.
+        /// Most frames held in a row (number); any number goes.
         max: u32,
     },
     /// Always show the live shape.

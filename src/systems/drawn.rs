@@ -68,15 +68,22 @@ impl DrawnItem<'_, '_> {
         if binding.is_some_and(|cloth| cloth.instance.is_some() && !cloth.on_skin) {
             return true;
         }
+        // It showed one that was taken away: nothing was forgotten.
+        let has_followed = self.binding.is_some();
         self.release(commands);
-        let name = match others.get(cloth) {
-            Ok((name, false)) => name,
-            Err(_) if cloth != Entity::PLACEHOLDER => None,
-            _ => return false,
-        };
-        if notices.first(self.entity, "shows no cloth") {
-            let [name, cloth] = [label(self.entity, self.name), label(cloth, name)];
-            warn!("{kind} {name} shows no cloth: insert `Cloth` on {cloth}, or name a cloth in `{component}::cloth`");
+        let name = label(self.entity, self.name);
+        match others.get(cloth) {
+            Ok((of, false)) if notices.first(self.entity, "shows no cloth") && !has_followed => {
+                let cloth = label(cloth, of);
+                warn!("{kind} {name} shows no cloth: insert `Cloth` on {cloth}, or name a cloth in `{component}::cloth`");
+            }
+            Err(_) if cloth != Entity::PLACEHOLDER && notices.first(self.entity, "shows what is gone") => {
+                warn!(
+                    "{kind} {name} shows no cloth, since {cloth} does not exist or is disabled: name another in \
+                     `{component}::cloth`, or remove `{component}`"
+                );
+            }
+            _ => {}
         }
         false
     }

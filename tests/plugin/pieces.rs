@@ -134,6 +134,26 @@ fn pieces_that_show_nothing_are_told_of_once() {
 }
 
 #[test]
+fn a_piece_whose_cloth_is_one_no_more_is_no_mistake_and_one_whose_cloth_is_gone_is_told_of() {
+    let lines = warnings(app(), |app| {
+        let (cloth, ..) = spawn_pieces(app);
+        run(app, 10);
+        app.world_mut().entity_mut(cloth).remove::<Cloth>();
+        run(app, 10);
+    });
+    assert_eq!(lines, Vec::<String>::new());
+    let lines = warnings(app(), |app| {
+        let (cloth, pieces, _) = spawn_pieces(app);
+        run(app, 10);
+        app.world_mut().entity_mut(pieces[0]).remove::<ChildOf>();
+        app.world_mut().despawn(cloth);
+        run(app, 10);
+    });
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("does not exist") && lines[0].contains("`ClothPiece::cloth`"), "{lines:#?}");
+}
+
+#[test]
 fn a_piece_that_becomes_a_cloth_is_one() {
     let lines = warnings(app(), |app| {
         let (_, pieces, meshes) = spawn_pieces(app);

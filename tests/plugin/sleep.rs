@@ -221,6 +221,16 @@ fn a_push_a_grip_a_teleport_and_another_mesh_wake_it() {
 }
 
 #[test]
+fn a_push_that_misses_wakes_nothing() {
+    assert!(!wakes(|app, cloth| {
+        let mut particles = app.world_mut().get_mut::<ClothParticles>(cloth).expect("a cloth");
+        assert_eq!(particles.apply_impulse(Vec3::splat(50.0), Vec3::Y, 0.2), 0);
+        assert_eq!(particles.apply_explosion(Vec3::splat(50.0), 1.0, 2.0), 0);
+        assert_eq!(particles.apply_impulse(Vec3::NAN, Vec3::Y, 0.2), 0);
+    }));
+}
+
+#[test]
 fn cloths_that_can_meet_sleep_and_wake_together() {
     let mut app = app();
     record::<ClothWoke>(&mut app);
