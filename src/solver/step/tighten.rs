@@ -61,6 +61,7 @@ impl Stepped<'_> {
         let (h, span) = (frame.h, frame.span());
         for _ in 0..CORNER_TURNS {
             scratch.coupling.place(anchors, span.1, positions);
+            scratch.coupling.note(positions);
             scratch.tight.solve(&rest.springs, &scratch.springs, fabric.strain_limit, positions);
             // Before bodies push: pins bear only what springs did.
             self.pull(h, span.1, Vec3::ZERO, scratch, positions);
