@@ -38,7 +38,7 @@ use crate::systems::{
 };
 use crate::time;
 
-/// Simulates every entity with [`Cloth`](crate::Cloth).
+/// Simulates every entity with [`Cloth`].
 ///
 /// By default it runs in [`PostUpdate`], after transforms are propagated: animation is done, so pinned cloth never lags. In a
 /// fixed schedule, `ClothPlugin::new(FixedPostUpdate)`, it runs after physics and in lockstep with it. It then sees the motion
