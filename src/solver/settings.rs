@@ -113,7 +113,8 @@ pub struct Stepping {
     /// It takes up to eight times as many while a body that moves much faster than the pins is near. So it does where gravity
     /// would let cloth fall by more than an edge in one.
     pub substep_rate: f32,
-    /// Longest frame that is simulated `[s]`; time beyond it is counted as lost, never simulated in one leap. Default 0.1, above 0.
+    /// Longest frame that is simulated `[s]`; time beyond it is counted as lost, never simulated in one leap. Above
+    /// 0; default 0.1.
     pub max_frame: f32,
     /// Most inner steps per second `[Hz]`. Default 3000, range 30 to 6000: the fall in a shorter step is no more than rounding.
     /// The mesh may ask for more steps ([`drape_rate`]) than there are substeps. Each substep is then cut into inner steps for
