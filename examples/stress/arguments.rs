@@ -36,6 +36,8 @@ pub enum SceneName {
     Pinch,
     /// A sheet dropped on twenty needles.
     Needles,
+    /// A sheet that hangs from a corner and is let go: a heap.
+    Heap,
     /// A skirt on a body that spins; `--garment` puts another one on it.
     Spin,
     /// A sheet on a ball that begins to turn.

@@ -73,6 +73,7 @@ fn scene(arguments: &Arguments) -> Result<Scene, String> {
         SceneName::Skirt => scenes::skirt(size),
         SceneName::Pinch => scenes::pinch(size),
         SceneName::Needles => scenes::needles(size),
+        SceneName::Heap => scenes::heap(size, 0),
         SceneName::Spin => match &arguments.garment {
             Some(path) => {
                 let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -111,9 +112,9 @@ fn look(scene: &mut Scene) -> Option<u32> {
 
 /// Whether a scene is about cloth that meets itself.
 fn folds(arguments: &Arguments) -> bool {
-    use SceneName::{Crosswise, Curtain, Funnel, Needles, Pinch, Skirt, Spin, Stack, Tablecloth, TurningBall, Twist};
+    use SceneName::{Crosswise, Curtain, Funnel, Heap, Needles, Pinch, Skirt, Spin, Stack, Tablecloth, TurningBall, Twist};
     let driven = matches!(arguments.scene, Curtain | Skirt | Pinch | Spin | TurningBall | Tablecloth);
-    driven || matches!(arguments.scene, Stack | Crosswise | Twist | Funnel | Needles)
+    driven || matches!(arguments.scene, Stack | Crosswise | Twist | Funnel | Needles | Heap)
 }
 
 /// The method asked for, or the one that suits the scene.

@@ -31,6 +31,12 @@ impl Effort {
         Self { most: u64::from(visits) * faces as u64, spent: 0 }
     }
 
+    /// The same for `factor` times (dimensionless) as many visits, none of them made.
+    #[must_use]
+    pub(crate) fn times(&self, factor: f32) -> Self {
+        Self { most: (self.most as f64 * f64::from(factor)) as u64, spent: 0 }
+    }
+
     /// Counts visits.
     #[inline]
     pub(crate) fn spend(&mut self, visits: usize) {

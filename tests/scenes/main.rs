@@ -89,6 +89,21 @@ fn a_sheet_slips_through_a_funnel() {
     shows_no_crossing("funnel", 300, 1.25, || scenes::funnel(20));
 }
 
+/// In frames of up to 0.1 s, within which all of it moves by several edges.
+#[test]
+fn a_sheet_that_is_let_go_falls_in_a_heap_at_any_frame_rate() {
+    for (rate, vertex) in [60, 20, 10].into_iter().flat_map(|rate| [(rate, 0), (rate, 15), (rate, 450)]) {
+        let mut scene = untangled(scenes::heap(30, vertex), true);
+        let mut worst = 0.0f32;
+        for frame in 1..=7 * rate {
+            scene.step(1.0 / rate as f32);
+            assert_eq!(scene.crossings(), 0, "vertex {vertex}, frame {frame} at {rate} Hz");
+            worst = worst.max(scene.cloths[0].report.worst_edge);
+        }
+        assert!(worst < 1.5, "vertex {vertex} at {rate} Hz: worst edge {worst}");
+    }
+}
+
 #[test]
 fn the_checker_counts_what_is_shown_of_every_cloth_also_of_one_that_is_pinned() {
     let mut scene = scenes::tangle(scenes::Tangle::FullCut, 12);

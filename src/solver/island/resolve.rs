@@ -7,9 +7,8 @@
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::{Island, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
-use crate::solver::detect::{Crossing, Surface};
 use crate::solver::resolve::{Method, Untangler};
-use crate::solver::rollback::Rollback;
+use crate::solver::rollback::{Rollback, Tangle};
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::step::{displace, relax};
 use crate::solver::verdict::Escalation;
@@ -187,34 +186,37 @@ impl Island {
 
     /// Rolls back what crosses since the last frame, if that ended clean and cloth is to be kept apart.
     fn roll_back(&mut self) {
-        let touches = self.takes_part.contains(&true);
-        let crossings = self.untangler.detector.crossings();
-        if !touches || self.total.is_clean() {
+        if !self.takes_part.contains(&true) || self.total.is_clean() {
             return;
         }
-        if !self.rollback.begin(&self.surface, crossings, &self.positions, &self.previous, &self.takes_part, self.count) {
+        let Self { surface, rollback, positions, previous, takes_part, count, .. } = self;
+        if !rollback.begin(surface, positions, previous, takes_part, *count) {
             return;
         }
-        self.put_back(MOST_ROUNDS, Rollback::restore_relative);
+        self.put_back(MOST_ROUNDS, true, Rollback::restore_relative);
         // What touched before may cross by rounding.
-        self.put_back(MOST_ROUNDS, Rollback::restore_exactly);
-        self.put_back(MOST_ROUNDS, Rollback::follow_pins);
+        self.put_back(MOST_ROUNDS, true, Rollback::restore_exactly);
+        self.put_back(MOST_ROUNDS, true, Rollback::follow_pins);
+        self.stay_whole();
     }
 
     /// Puts crossing cloth back and looks again, until nothing is left to put. It ends after `rounds` rounds, or when the work
-    /// of the frame is spent. Returns whether anything was put back.
+    /// of the frame is spent, if it is `bounded`. Returns whether anything was put back.
     fn put_back(
         &mut self,
         rounds: usize,
-        put: impl Fn(&mut Rollback, &Surface, &[Crossing], &mut [Vec4], &mut [Vec4]) -> bool,
+        bounded: bool,
+        put: impl Fn(&mut Rollback, &Tangle<'_>, &mut [Vec4], &mut [Vec4]) -> bool,
     ) -> bool {
         let mut any = false;
         for _ in 0..rounds {
             let Self { surface, untangler, rollback, positions, previous, .. } = self;
-            if self.total.is_clean() || untangler.resolver.effort.is_spent() {
+            if self.total.is_clean() || bounded && untangler.resolver.effort.is_spent() {
                 break;
             }
-            if !put(rollback, surface, untangler.detector.crossings(), positions, previous) {
+            let Untangler { detector, resolver } = &*untangler;
+            let tangle = Tangle { surface, crossings: detector.crossings(), graph: resolver.graph() };
+            if !put(rollback, &tangle, positions, previous) {
                 break;
             }
             (any, self.moved) = (true, true);
@@ -223,19 +225,22 @@ impl Island {
         any
     }
 
-    /// For the case that bodies pushed particles that were rolled back, and something crosses again. The crossing particles go
-    /// to the very place where they were when nothing crossed. Where that is not enough, the cloths that cross stay where they
-    /// were, as a whole. Returns whether anything was put back, and is to be [scattered](Self::scatter) once more. Call it
-    /// after [`Self::regather`].
+    /// For the case that bodies pushed what was rolled back, and something crosses again. The crossing particles go to the very
+    /// place where they were when nothing crossed, or the cloths that cross as a whole. Returns whether anything was put back,
+    /// and is to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
     pub(super) fn stay(&mut self) -> bool {
-        if !(self.stale && self.rollback.rolled_back()) {
+        if !(self.stale && self.rollback.rolls_back()) {
             return false;
         }
         self.look();
-        let there = self.put_back(MOST_ROUNDS, Rollback::restore_exactly);
-        // A cloth that stays may be met by one that went on.
-        let whole = self.put_back(self.surface.parts.len().min(MOST_ROUNDS), Rollback::restore_cloths);
-        there || whole
+        let there = self.put_back(MOST_ROUNDS, true, Rollback::restore_exactly);
+        self.stay_whole() || there
+    }
+
+    /// Leaves the cloths that cross where they were, as a whole, whatever work that is: no other place is known to be clean. A
+    /// cloth that stays may be met by one that went on.
+    fn stay_whole(&mut self) -> bool {
+        self.put_back(self.surface.parts.len().min(MOST_ROUNDS), false, Rollback::restore_cloths)
     }
 
     /// Uses stronger means from now on; `None` goes back to the ordinary ones.

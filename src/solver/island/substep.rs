@@ -7,7 +7,7 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
-use super::{CROWDED, Island, LOOK_AGAIN, Member};
+use super::{CROWDED, Island, LONGEST_LOOK, LOOK_AGAIN, Member};
 use crate::solver::respond::Contacts;
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::settings::Stepping;
@@ -22,10 +22,10 @@ impl Island {
     /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the
     /// others meet it where it is.
     pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
-        if self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
-            // Twice as many substeps for a while, as in an integrator that rejects a step. Not on bodies: a character's cape
-            // then was twice as often in a bone. Light cloth in gusts, eight seeds each at 40² and 30²: 280 of 4,800 frames
-            // cross without it, 51 with this.
+        if self.rollback.stayed() || self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
+            // Twice as many substeps for a while, as in an integrator that rejects a step. Not on bodies where only single
+            // particles were rolled back: a character's cape then was twice as often in a bone. Light cloth in gusts, eight
+            // seeds each at 40² and 30²: 280 of 4,800 frames cross without it, 51 with this.
             self.refined_for = RESPONSE_TIME;
         }
         let refined = self.refined_for > 0.0;
@@ -43,7 +43,8 @@ impl Island {
         }
         self.refined_for = (self.refined_for - longest).max(0.0);
         self.rolls_back &= self.rollback.knows();
-        (self.within, self.asked) = (self.most, self.most);
+        let most = self.most.times((longest / LONGEST_LOOK).max(1.0));
+        (self.within, self.asked) = (most, most);
         self.count = count;
         // Share of the time looked ahead that passes in a substep.
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };

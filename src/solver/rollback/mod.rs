@@ -2,9 +2,10 @@
 //!
 //! ```text
 //!   x ─► x0 + u     x0: where it was when the last frame ended clean; velocity is kept
-//!                   u: mean motion since of the cloth that crosses and moved least
-//!   x ─► x0         where that is not enough and u is short; goes on as all together did
+//!                   u: motion since of the particle of the contour that moved least
+//!   x ─► x0         where that is not enough; goes on with u
 //!   x ─► R x0 + c   where pins went on: along with those that it crosses ([`pins`])
+//!   all of it ─► x0 where none of these is enough, as long as pins and bodies let it
 //! ```
 //!
 //! What was clean together and moves together is clean, so each look adds the particles that still cross until none do.
@@ -17,21 +18,45 @@ use core::ops::Range;
 
 use glam::{Vec3, Vec3A, Vec4};
 
+use super::buffer::Buffer;
 use super::detect::{Crossing, Part, Surface};
+use super::resolve::ContourGraph;
 use pins::Pins;
 
 /// How much farther a particle may have gone in the frame than the fastest particle of its cloth flew, in mean edges. A
 /// particle that was moved farther, by a teleport, is not rolled back.
 const FARTHEST_EDGES: f32 = 4.0;
 
-/// How far all together may have moved, in mean edges, for single particles to be left where they were.
-const NEAR_EDGES: f32 = 0.25;
+/// How far single particles are put back, in mean edges: farther, they would tear at their neighbours, and the cloth is put
+/// back as a whole.
+const ALONE_EDGES: f32 = 1.0;
 
 /// How far a particle may be from where a frame left it when the next one begins, in mean edges.
 const MOVED_EDGES: f32 = 0.01;
 
 /// Frames in a row in which whole cloths stay where they were.
 const MOST_STAYS: u32 = 8;
+
+/// What crosses: the crossings, and the contours that they are of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tangle<'a> {
+    pub surface: &'a Surface,
+    pub crossings: &'a [Crossing],
+    pub graph: &'a ContourGraph,
+}
+
+impl Tangle<'_> {
+    /// The particles of each crossing, with the contour that it is of; of those that nothing holds as they are.
+    fn particles(&self) -> impl Iterator<Item = (usize, u32)> + '_ {
+        let topology = &self.surface.topology;
+        let of = self.crossings.iter().zip(&self.graph.contour_of).map(|(c, &contour)| (c, contour as usize));
+        let free = of.filter(|&(_, contour)| !self.graph.contours[contour].authored);
+        free.flat_map(|(crossing, contour)| {
+            let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
+            e.into_iter().chain(f).map(move |v| (contour, v))
+        })
+    }
+}
 
 /// Where everything was when nothing crossed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,17 +67,18 @@ pub(crate) struct Rollback {
     /// Which particles were rolled back in this frame, and in the one before.
     restored: Vec<bool>,
     was_restored: Vec<bool>,
-    /// Mean motion since then of the cloth that crosses and moved least `[m]`: what rests is not put where what fell on it
-    /// went.
-    shared: Vec3A,
+    /// Motion since then that particles which were rolled back have kept, and that of the particle of each contour that moved
+    /// least `[m]`: what rests is not put where what fell on it went.
+    kept: Buffer<Vec<Vec3A>>,
+    least: Buffer<Vec<Vec3A>>,
     /// Substeps of the frame.
     substeps: f32,
     /// Way of the fastest particle of each cloth in the last substep of the last clean frame `[m]`.
     fastest: Vec<f32>,
     /// How far particles of each cloth may be put back in this frame `[m]`.
     farthest: Vec<f32>,
-    /// Whether something was rolled back in this frame, and whether whole cloths stayed.
-    rolled_back: bool,
+    /// Whether this frame is to be rolled back, and whether whole cloths stayed.
+    rolls_back: bool,
     stayed: bool,
     /// Frames in a row in which they did.
     stays: u32,
@@ -70,6 +96,11 @@ impl Rollback {
     /// Whether any particle was rolled back in the frame that ended last.
     pub(crate) fn restored_any(&self) -> bool {
         self.was_restored.contains(&true)
+    }
+
+    /// Whether whole cloths stayed in the frame that ended last.
+    pub(crate) fn stayed(&self) -> bool {
+        self.stays > 0
     }
 
     /// Whether it is known where everything was when nothing crossed.
@@ -90,7 +121,7 @@ impl Rollback {
             self.fastest.extend(surface.parts.iter().map(|part| fastest(range(part), positions, previous)));
         }
         self.stays = if self.stayed { self.stays + 1 } else { 0 };
-        (self.rolled_back, self.stayed) = (false, false);
+        (self.rolls_back, self.stayed) = (false, false);
     }
 
     /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does. The cloth is
@@ -116,7 +147,6 @@ impl Rollback {
     pub(crate) fn begin(
         &mut self,
         surface: &Surface,
-        crossings: &[Crossing],
         positions: &[Vec4],
         previous: &[Vec4],
         takes_part: &[bool],
@@ -126,114 +156,82 @@ impl Rollback {
             return false;
         }
         self.substeps = substeps as f32;
+        self.rolls_back = true;
         self.pins.forget();
         self.farthest.clear();
-        self.note_crossed(surface, crossings);
-        let mut shared: Option<Vec3A> = None;
+        self.kept.clear();
+        self.kept.resize(positions.len(), Vec3A::ZERO);
         for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
             // What was stopped on its way flew before.
             let flown = fastest(range(part), positions, previous).max(before) * self.substeps;
             let farthest = FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 };
             // What no contact keeps apart would have to be rolled back for ever.
             self.farthest.push(if takes_part.get(i) == Some(&true) { farthest } else { 0.0 });
-            if !self.crossed[i] {
-                continue;
-            }
-            // Of free particles; of all where none is.
-            let held = positions[range(part)].iter().all(|x| x.w == 0.0);
-            let (mut sum, mut count) = (Vec3A::ZERO, 0.0);
-            for (now, then) in positions[range(part)].iter().zip(&self.clean[range(part)]) {
-                let way = Vec3A::from_vec4(*now - *then);
-                if (held || now.w > 0.0) && way.is_finite() {
-                    (sum, count) = (sum + way, count + 1.0);
-                }
-            }
-            let mean = sum / f32::max(count, 1.0);
-            shared = shared.filter(|least| least.length_squared() <= mean.length_squared()).or(Some(mean));
         }
-        self.shared = shared.unwrap_or(Vec3A::ZERO);
         true
     }
 
-    /// Takes the particles that cross back; whether there were any that had not been.
-    pub(crate) fn restore_relative(
-        &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
-        positions: &mut [Vec4],
-        previous: &mut [Vec4],
-    ) -> bool {
+    /// Takes the particles of each contour back, except for the motion of the one that moved least. Whether there were any that
+    /// had kept more.
+    pub(crate) fn restore_relative(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         let mut any = false;
-        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
-            if !std::mem::replace(&mut this.restored[v], true) {
-                let by = (this.clean[v] - *x).truncate() + Vec3::from(this.shared);
+        let alone = ALONE_EDGES * tangle.surface.mean_edge;
+        self.for_each_that_crosses(tangle, positions, |this, v, least, x| {
+            let by = (this.clean[v] - *x).truncate() + Vec3::from(least);
+            let moves = !this.restored[v] || least.length_squared() < this.kept[v].length_squared();
+            if moves && by.length() <= alone {
+                this.restored[v] = true;
+                this.kept[v] = least;
                 *x += by.extend(0.0);
                 previous[v] += by.extend(0.0);
                 any = true;
             }
         });
-        self.rolled_back |= any;
         any
     }
 
-    /// Whether something was rolled back in this frame.
-    pub(crate) fn rolled_back(&self) -> bool {
-        self.rolled_back
+    /// Whether this frame is to be rolled back.
+    pub(crate) fn rolls_back(&self) -> bool {
+        self.rolls_back
     }
 
-    /// Puts the particles that cross to the very place where they were, unless all have moved far since. A body pushed the
-    /// particles that were taken along with all, or rounding made them cross what they touched. They go on as all together did.
-    /// Returns whether any was elsewhere.
-    pub(crate) fn restore_exactly(
-        &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
-        positions: &mut [Vec4],
-        previous: &mut [Vec4],
-    ) -> bool {
-        if self.shared.length() > NEAR_EDGES * surface.mean_edge {
-            return false;
-        }
-        let mean = self.mean();
-        self.put(surface, crossings, positions, previous, |this, v| {
+    /// Puts the particles that cross to the very place where they were. A body pushed the particles that were taken along, or
+    /// rounding made them cross what they touched. They go on with the motion of the one that moved least. Returns whether any
+    /// was elsewhere.
+    pub(crate) fn restore_exactly(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        let (alone, substeps) = (ALONE_EDGES * tangle.surface.mean_edge, self.substeps.max(1.0));
+        self.put(tangle, positions, previous, |this, v, x, least| {
             let clean = this.clean[v].truncate();
-            Some([clean, clean - mean])
+            (x.distance(clean) <= alone).then(|| [clean, clean - Vec3::from(least / substeps)])
         })
     }
 
     /// Puts the particles that cross pins, or particles that were put there, where they were, carried on as these pins went
     /// since. Pins cannot be taken back. Whether any was elsewhere.
-    pub(crate) fn follow_pins(
-        &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
-        positions: &mut [Vec4],
-        previous: &mut [Vec4],
-    ) -> bool {
+    pub(crate) fn follow_pins(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         let mut pins = core::mem::take(&mut self.pins);
-        pins.meet(surface, crossings, positions, &self.clean);
+        pins.meet(tangle.surface, tangle.crossings, positions, &self.clean);
         let substeps = self.substeps.max(1.0);
-        let any = self.put(surface, crossings, positions, previous, |this, v| {
+        let any = self.put(tangle, positions, previous, |this, v, _, _| {
             let clean = this.clean[v].truncate();
             pins.destination(v, clean).map(|to| [to, to.lerp(clean, 1.0 / substeps)])
         });
         self.pins = pins;
-        self.rolled_back |= any;
         any
     }
 
     /// Puts the particles that cross where `place` says: positions now and a substep before `[m]`. Whether any was elsewhere.
     fn put(
         &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
+        tangle: &Tangle<'_>,
         positions: &mut [Vec4],
         previous: &mut [Vec4],
-        place: impl Fn(&Self, usize) -> Option<[Vec3; 2]>,
+        place: impl Fn(&Self, usize, Vec3, Vec3A) -> Option<[Vec3; 2]>,
     ) -> bool {
         let mut any = false;
-        self.for_each_that_crosses(surface, crossings, positions, |this, v, x| {
-            let Some([now, before]) = place(this, v).filter(|[now, _]| x.truncate() != *now) else { return };
+        self.for_each_that_crosses(tangle, positions, |this, v, least, x| {
+            let at = x.truncate();
+            let Some([now, before]) = place(this, v, at, least).filter(|[now, _]| at != *now) else { return };
             this.restored[v] = true;
             *x = now.extend(x.w);
             previous[v] = before.extend(previous[v].w);
@@ -242,52 +240,47 @@ impl Rollback {
         any
     }
 
-    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing, and with its
-    /// position `[m]`.
+    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing. It is told of
+    /// the motion of the particle of its contour that moved least, and its position `[m]`.
     fn for_each_that_crosses(
         &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
+        tangle: &Tangle<'_>,
         positions: &mut [Vec4],
-        mut act: impl FnMut(&mut Self, usize, &mut Vec4),
+        mut act: impl FnMut(&mut Self, usize, Vec3A, &mut Vec4),
     ) {
-        let topology = &surface.topology;
-        for crossing in crossings {
-            let (e, f) = (topology.edges[crossing.edge as usize], topology.faces[crossing.face as usize]);
-            for v in e.into_iter().chain(f) {
-                let farthest = self.farthest[usize::from(surface.part(v))];
-                let v = v as usize;
-                let way = Vec3A::from_vec4(positions[v] - self.clean[v]) - self.shared;
-                if positions[v].w > 0.0 && way.length_squared() < farthest * farthest {
-                    act(self, v, &mut positions[v]);
-                }
+        let mut least = core::mem::take(&mut *self.least);
+        least.clear();
+        least.resize(tangle.graph.contours.len(), Vec3A::INFINITY);
+        for (contour, v) in tangle.particles() {
+            let v = v as usize;
+            let motion = if self.restored[v] { self.kept[v] } else { Vec3A::from_vec4(positions[v] - self.clean[v]) };
+            if motion.length_squared() < least[contour].length_squared() {
+                least[contour] = motion;
             }
         }
+        for (contour, v) in tangle.particles() {
+            let farthest = self.farthest[usize::from(tangle.surface.part(v))];
+            let v = v as usize;
+            let way = Vec3A::from_vec4(positions[v] - self.clean[v]) - least[contour];
+            if positions[v].w > 0.0 && way.length_squared() < farthest * farthest {
+                act(self, v, least[contour], &mut positions[v]);
+            }
+        }
+        *self.least = least;
     }
 
-    /// Way of all together in a substep `[m]`.
-    fn mean(&self) -> Vec3 {
-        Vec3::from(self.shared / self.substeps.max(1.0))
-    }
-
-    /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere. A body pushed particles
-    /// that were rolled back, and no other place is known to be clean. No more than a few frames in a row. Velocity is kept,
-    /// except that particles that were rolled back go on as all together did: they would do the same again. A cloth that came
-    /// from far does not stay.
-    pub(crate) fn restore_cloths(
-        &mut self,
-        surface: &Surface,
-        crossings: &[Crossing],
-        positions: &mut [Vec4],
-        previous: &mut [Vec4],
-    ) -> bool {
+    /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere: no other place is known to
+    /// be clean. No more than a few frames in a row. Velocity is kept,
+    /// except that particles that were rolled back go on with what they had kept: they would do the same again. A cloth that
+    /// came from far does not stay.
+    pub(crate) fn restore_cloths(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         if self.stays >= MOST_STAYS {
             return false;
         }
-        let mean = self.mean();
         let mut any = false;
-        self.note_crossed(surface, crossings);
-        for (i, part) in surface.parts.iter().enumerate().filter(|(part, _)| self.crossed[*part]) {
+        let substeps = self.substeps.max(1.0);
+        self.note_crossed(tangle);
+        for (i, part) in tangle.surface.parts.iter().enumerate().filter(|(part, _)| self.crossed[*part]) {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
                 now.w > 0.0 && Vec3A::from_vec4(*now - *then).length_squared() > self.farthest[i] * self.farthest[i]
             };
@@ -301,7 +294,7 @@ impl Rollback {
                     positions[v] += by;
                     previous[v] += by;
                     if self.restored[v] {
-                        previous[v] = (positions[v].truncate() - mean).extend(previous[v].w);
+                        previous[v] = positions[v].truncate().extend(previous[v].w) - (self.kept[v] / substeps).extend(0.0);
                     }
                 }
             }
@@ -311,11 +304,10 @@ impl Rollback {
     }
 
     /// Notes which cloths are part of a crossing.
-    fn note_crossed(&mut self, surface: &Surface, crossings: &[Crossing]) {
+    fn note_crossed(&mut self, tangle: &Tangle<'_>) {
         self.crossed.clear();
-        self.crossed.resize(surface.parts.len(), false);
-        let parts = crossings.iter().flat_map(|c| [surface.part_of_edge(c.edge), surface.part_of_face(c.face)]);
-        parts.for_each(|part| self.crossed[usize::from(part)] = true);
+        self.crossed.resize(tangle.surface.parts.len(), false);
+        tangle.particles().for_each(|(_, v)| self.crossed[usize::from(tangle.surface.part(v))] = true);
     }
 }
 
@@ -334,8 +326,14 @@ mod tests {
     use glam::vec3;
 
     use super::*;
-    use crate::solver::detect::{Detector, PartRef};
+    use crate::solver::detect::PartRef;
+    use crate::solver::resolve::Untangler;
     use crate::solver::topology::Topology;
+
+    fn look<'a>(untangler: &'a mut Untangler, surface: &'a Surface, positions: &[Vec4]) -> Tangle<'a> {
+        untangler.look(surface, positions);
+        Tangle { surface, crossings: untangler.detector.crossings(), graph: untangler.resolver.graph() }
+    }
 
     /// A triangle, and a smaller one whose corner is above it.
     fn surface() -> (Surface, Vec<Vec4>) {
@@ -348,36 +346,75 @@ mod tests {
     }
 
     /// A rollback that knows where all was before it went 0.04 m in 4 substeps, the corner through the other triangle.
-    fn after_a_frame(takes_part: bool) -> (Surface, Vec<Vec4>, Rollback, Detector, Vec<Vec4>, Vec<Vec4>) {
+    fn after_a_frame(takes_part: bool) -> (Surface, Vec<Vec4>, Rollback, Untangler, Vec<Vec4>, Vec<Vec4>) {
         let (surface, clean) = surface();
         let mut rollback = Rollback::default();
         rollback.note(&surface, &clean, &clean, true);
         let mut positions: Vec<Vec4> = clean.iter().map(|x| *x + Vec4::X * 0.04).collect();
         positions[3].z = -0.1;
         let previous: Vec<Vec4> = positions.iter().map(|x| *x - Vec4::X * 0.01).collect();
-        let mut detector = Detector::new(&surface);
-        let crossings = detector.detect(&surface, &positions);
-        assert_eq!(crossings.len(), 2);
-        assert!(rollback.begin(&surface, crossings, &positions, &previous, &[takes_part; 2], 4));
-        (surface, clean, rollback, detector, positions, previous)
+        let mut untangler = Untangler::new(&surface);
+        assert_eq!(look(&mut untangler, &surface, &positions).crossings.len(), 2);
+        assert!(rollback.begin(&surface, &positions, &previous, &[takes_part; 2], 4));
+        (surface, clean, rollback, untangler, positions, previous)
     }
 
     #[test]
     fn what_crosses_goes_back_with_all_and_then_to_its_very_place() {
-        let (surface, clean, mut rollback, mut detector, mut positions, mut previous) = after_a_frame(true);
-        assert!(
-            rollback.restore_relative(&surface, detector.crossings(), &mut positions, &mut previous) && rollback.rolled_back()
-        );
+        let (surface, clean, mut rollback, mut untangler, mut positions, mut previous) = after_a_frame(true);
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(rollback.restore_relative(&tangle, &mut positions, &mut previous) && rollback.rolls_back());
         assert!(positions[3].distance(clean[3] + Vec4::X * 0.04) < 1e-6, "{}", positions[3]);
-        assert!(detector.detect(&surface, &positions).is_empty());
+        assert!(look(&mut untangler, &surface, &positions).crossings.is_empty());
         // Pushed through again, it was taken already.
         positions[3].z = -0.1;
-        detector.detect(&surface, &positions);
-        assert!(!rollback.restore_relative(&surface, detector.crossings(), &mut positions, &mut previous));
-        assert!(rollback.restore_exactly(&surface, detector.crossings(), &mut positions, &mut previous));
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!rollback.restore_relative(&tangle, &mut positions, &mut previous));
+        assert!(rollback.restore_exactly(&tangle, &mut positions, &mut previous));
         assert_eq!(positions[3], clean[3]);
         assert!((positions[3] - previous[3]).distance(Vec4::X * 0.01) < 1e-6, "goes on as all did");
-        assert!(!rollback.restore_exactly(&surface, detector.crossings(), &mut positions, &mut previous), "is there");
+        assert!(!rollback.restore_exactly(&tangle, &mut positions, &mut previous), "is there");
+    }
+
+    #[test]
+    fn what_fell_on_cloth_at_rest_goes_back_and_that_stays_whatever_the_rest_of_it_does() {
+        // One cloth: a triangle at rest, one that falls through it, and one that is far away by now.
+        let topology = Topology::new(9, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let rest: Vec<Vec3> = [Vec3::ZERO, vec3(0.1, 0.1, 0.1), Vec3::splat(3.0)]
+            .into_iter()
+            .zip([1.0, 0.5, 1.0])
+            .flat_map(|(at, size)| corners.map(|x| at + size * x))
+            .collect();
+        let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
+        let surface = Surface::new(&[part]).expect("a cloth");
+        let clean: Vec<Vec4> = rest.iter().map(|x| x.extend(1.0)).collect();
+        let mut rollback = Rollback::default();
+        rollback.note(&surface, &clean, &clean, true);
+        let mut positions = clean.clone();
+        positions[3].z -= 0.2;
+        positions[6..].iter_mut().for_each(|x| x.z -= 2.0);
+        let mut previous = clean.clone();
+        let mut untangler = Untangler::new(&surface);
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!tangle.crossings.is_empty() && rollback.begin(&surface, &positions, &previous, &[true], 4));
+        assert!(rollback.restore_relative(&tangle, &mut positions, &mut previous));
+        assert_eq!(positions[..6], clean[..6]);
+        assert!(look(&mut untangler, &surface, &positions).crossings.is_empty());
+    }
+
+    #[test]
+    fn single_particles_go_back_by_an_edge_at_most_and_farther_with_all_of_their_cloth() {
+        let (surface, clean, mut rollback, mut untangler, mut positions, mut previous) = after_a_frame(true);
+        positions[3].z = clean[3].z - 1.01 * surface.mean_edge;
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!tangle.crossings.is_empty());
+        let there = positions[3];
+        rollback.restore_relative(&tangle, &mut positions, &mut previous);
+        rollback.restore_exactly(&tangle, &mut positions, &mut previous);
+        assert_eq!(positions[3], there);
+        assert!(rollback.restore_cloths(&tangle, &mut positions, &mut previous));
+        assert_eq!(positions, clean);
     }
 
     #[test]
@@ -392,12 +429,12 @@ mod tests {
         let mut positions = clean.clone();
         positions[..3].iter_mut().for_each(|x| *x = (turn * x.truncate()).extend(0.0));
         let mut previous = positions.clone();
-        let mut detector = Detector::new(&surface);
-        let crossings = detector.detect(&surface, &positions).to_vec();
-        assert!(!crossings.is_empty() && rollback.begin(&surface, &crossings, &positions, &previous, &[true; 2], 4));
-        assert!(!rollback.restore_exactly(&surface, &crossings, &mut positions, &mut previous), "it is where it was");
-        assert!(rollback.follow_pins(&surface, &crossings, &mut positions, &mut previous) && rollback.rolled_back());
-        assert!(detector.detect(&surface, &positions).is_empty());
+        let mut untangler = Untangler::new(&surface);
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!tangle.crossings.is_empty() && rollback.begin(&surface, &positions, &previous, &[true; 2], 4));
+        assert!(!rollback.restore_exactly(&tangle, &mut positions, &mut previous), "it is where it was");
+        assert!(rollback.follow_pins(&tangle, &mut positions, &mut previous));
+        assert!(look(&mut untangler, &surface, &positions).crossings.is_empty());
         for v in 3..6 {
             let (expected, way) = (turn * clean[v].truncate(), (positions[v] - previous[v]).truncate());
             assert!(positions[v].truncate().distance(expected) < 1.0e-3, "{} instead of {expected}", positions[v]);
@@ -407,23 +444,24 @@ mod tests {
 
     #[test]
     fn whole_cloths_stay_for_a_few_frames_at_most() {
-        let (surface, clean, mut rollback, mut detector, mut positions, mut previous) = after_a_frame(true);
+        let (surface, clean, mut rollback, mut untangler, mut positions, mut previous) = after_a_frame(true);
         let crossing = positions.clone();
+        let tangle = look(&mut untangler, &surface, &positions);
         for frame in 0..=MOST_STAYS {
             positions.clone_from(&crossing);
-            let stayed = rollback.restore_cloths(&surface, detector.crossings(), &mut positions, &mut previous);
+            let stayed = rollback.restore_cloths(&tangle, &mut positions, &mut previous);
             assert_eq!(stayed, frame < MOST_STAYS, "frame {frame}");
             assert_eq!(positions, if stayed { clean.clone() } else { crossing.clone() });
             rollback.note(&surface, &clean, &clean, true);
-            let crossings = detector.detect(&surface, &crossing);
-            assert!(rollback.begin(&surface, crossings, &crossing, &previous, &[true; 2], 4));
+            assert!(rollback.begin(&surface, &crossing, &previous, &[true; 2], 4));
         }
     }
 
     #[test]
     fn cloth_that_no_contact_keeps_apart_is_not_taken_back() {
-        let (surface, _, mut rollback, detector, mut positions, mut previous) = after_a_frame(false);
-        assert!(!rollback.restore_relative(&surface, detector.crossings(), &mut positions, &mut previous));
-        assert!(!rollback.rolled_back());
+        let (surface, _, mut rollback, mut untangler, mut positions, mut previous) = after_a_frame(false);
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!rollback.restore_relative(&tangle, &mut positions, &mut previous));
+        assert!(!rollback.restore_cloths(&tangle, &mut positions, &mut previous));
     }
 }
