@@ -1,9 +1,12 @@
 //! What users were told, so that they are told once.
 
 use std::borrow::Cow;
+use std::marker::PhantomData;
 
+use bevy::ecs::world::DeferredWorld;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+use bevy::utils::prelude::ShortName;
 
 use crate::components::checked::{Checked, Values};
 
@@ -36,24 +39,33 @@ impl Notices {
         }
     }
 
-    /// Warns once for each setting that was clamped.
+    /// Warns once for each setting of an entity that was clamped.
     pub(crate) fn clamped(&mut self, entity: Entity, name: Option<&Name>, what: &str, checked: &Checked) {
+        self.changed(entity, || format!("{what} {}", label(entity, name)), checked);
+    }
+
+    /// Warns once for each setting of a resource that was clamped.
+    pub(crate) fn clamped_in<R: Resource>(&mut self, checked: &Checked) {
+        self.changed(Entity::PLACEHOLDER, || format!("resource `{}`", ShortName::of::<R>()), checked);
+    }
+
+    fn changed(&mut self, entity: Entity, of: impl Fn() -> String, checked: &Checked) {
         for (field, values) in checked.changes() {
             if !self.first(entity, field.clone()) {
                 continue;
             }
-            let entity = label(entity, name);
+            let of = of();
             match values {
                 Some(Values { given, used, range: (low, high), of_length }) => {
                     let length = if of_length { "a length of " } else { "" };
                     warn!(
-                        "{what} {entity} has `{field}` out of range, which is {low} to {high} (in the unit in brackets in its documentation): \
+                        "{of} has `{field}` out of range, which is {low} to {high} (in the unit in brackets in its documentation): \
                          {length}{used} is used in place of {given}"
                     );
                 }
                 None => {
                     warn!(
-                        "{what} {entity} has a `{field}` that cannot be used: set numbers that are finite and that its documentation allows"
+                        "{of} has a `{field}` that cannot be used: set numbers that are finite and that its documentation allows"
                     );
                 }
             }
@@ -63,6 +75,19 @@ impl Notices {
     /// Forgets an entity.
     pub(crate) fn forget(&mut self, entity: Entity) {
         self.told.remove(&entity);
+    }
+}
+
+/// Inserted when users were told that the plugin is missing that inserts `R`.
+#[derive(Resource)]
+struct Missed<R: Resource>(PhantomData<fn() -> R>);
+
+/// Says once that `C` on an entity has no effect, where the plugin is missing that inserts the resource `R`.
+pub(crate) fn needs_plugin<C: Component, R: Resource>(mut world: DeferredWorld<'_>, entity: Entity, plugin: &str) {
+    if !world.contains_resource::<R>() && !world.contains_resource::<Missed<R>>() {
+        world.commands().insert_resource(Missed::<R>(PhantomData));
+        let (component, on) = (ShortName::of::<C>(), label(entity, world.get::<Name>(entity)));
+        warn!("`{component}` on {on} has no effect: add `{plugin}` to the app before it is inserted");
     }
 }
 
@@ -79,8 +104,6 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
 /// How an entity is called in a warning.
 pub(crate) fn label(entity: Entity, name: Option<&Name>) -> String {
     match name {
-        // What is everywhere is no entity.
-        _ if entity == Entity::PLACEHOLDER => "as a whole".to_owned(),
         Some(name) => format!("`{name}` ({entity})"),
         None => format!("{entity}"),
     }

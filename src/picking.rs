@@ -1,6 +1,8 @@
 //! Pointers over cloth: a backend for Bevy's picking, and cloth that a pointer takes hold of.
 
 use bevy::camera::visibility::RenderLayers;
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
 use bevy::picking::backend::ray::{RayId, RayMap};
 use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::pointer::{PointerAction, PointerId, PointerInput, PointerPress};
@@ -8,6 +10,7 @@ use bevy::picking::{PickingSettings, PickingSystems};
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothGrab};
+use crate::notices;
 use crate::query::ClothQuery;
 
 /// Sends Bevy's pointer events, as `Pointer<Over>`, `Pointer<Click>` and `Pointer<Drag>`, to cloths where they are shown, and
@@ -57,6 +60,7 @@ pub struct ClothPickingSettings {
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[component(on_add = needs_plugin)]
 pub struct ClothDraggable {
     /// [`ClothGrab::radius`] `[m]`. Default 0.05, range 0 to 10. 0 pulls at one triangle, which shows.
     pub radius: f32,
@@ -71,6 +75,10 @@ impl Default for ClothDraggable {
         let ClothGrab { radius, compliance, max_force, .. } = ClothGrab::default();
         Self { radius, compliance, max_force }
     }
+}
+
+fn needs_plugin(world: DeferredWorld<'_>, HookContext { entity, .. }: HookContext) {
+    notices::needs_plugin::<ClothDraggable, ClothPickingSettings>(world, entity, "ClothPickingPlugin");
 }
 
 /// On the entity of a grip: whose it is.

@@ -24,14 +24,14 @@ use bevy::transform::systems::{
 use crate::avian;
 use crate::bind::{BodyCache, RestCache, Sources};
 use crate::components::{
-    Cloth, ClothBuildReport, ClothCollision, ClothGlobalWind, ClothGravity, ClothLoading, ClothMaterial, ClothPiece, ClothPins,
-    ClothRenderMesh, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver, ClothStatus, ClothUntangling,
+    Cloth, ClothBuildReport, ClothCollision, ClothContacts, ClothGlobalWind, ClothGravity, ClothLoading, ClothMaterial,
+    ClothPiece, ClothPins, ClothRenderMesh, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver, ClothStatus, ClothUntangling,
 };
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::schedule::ClothClock;
 pub use crate::schedule::ClothSystems;
-use crate::simulation::{WorldAir, WorldBodies};
+use crate::simulation::{ClothInputs, WorldAir, WorldBodies};
 use crate::systems::{
     bind, budget, carriers, character, colliders, couple, defaults, detect, evaluate, grab, inputs, integrate, lod, pieces,
     poses, release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, strays, subdivide, sync, touch,
@@ -155,7 +155,8 @@ fn register(app: &mut App) {
         .add_observer(couple::on_remove_coupling)
         .add_observer(release::on_remove_zone)
         .add_observer(touch::on_remove_events)
-        .add_observer(touch::on_remove_inputs)
+        .add_observer(touch::end_without::<ClothInputs>)
+        .add_observer(touch::end_without::<ClothContacts>)
         .add_observer(release::on_remove_grab)
         .add_observer(release::on_disable);
     keep_required(app);

@@ -11,16 +11,12 @@
 //!
 //! A new cloth begins in the bind pose: there it was made, and lies on the side of the bones where it belongs.
 
-use bevy::ecs::entity::EntityHashMap;
 use bevy::math::{Affine3A, DVec3, Mat3A, Vec3A};
 use bevy::prelude::*;
 
-use super::skin::{Skin, Transforms};
+use super::skin::{Skin, Transforms, joints_above};
 use crate::solver::body::Pose;
 use crate::solver::scales::RESPONSE_TIME;
-
-/// Most entities between a joint and the joint above it.
-const MOST_BETWEEN: usize = 256;
 
 /// Time in which a turn at the speed of a [jump](Crossfade::begin_after_jump) is one `[s]`: a frame of 60 Hz. At more frames a
 /// second a step of a clip that is not interpolated turns as fast.
@@ -220,12 +216,8 @@ fn dot(a: &Mat3A, b: &Mat3A) -> f32 {
 /// Joints of a skin and the nearest above them, from the roots down.
 fn hierarchy(skin: &Skin, parents: &Query<&ChildOf>) -> Vec<(u16, Option<u16>)> {
     let joints: Vec<Entity> = skin.entities().collect();
-    let mut index: EntityHashMap<u16> = EntityHashMap::default();
-    for (i, &joint) in (0..).zip(&joints) {
-        index.entry(joint).or_insert(i);
-    }
-    let above = |&joint: &Entity| parents.iter_ancestors(joint).take(MOST_BETWEEN).find_map(|at| index.get(&at).copied());
-    let above: Vec<Option<u16>> = joints.iter().map(above).collect();
+    let above = joints_above(&joints, |entity| parents.get(entity).ok().map(ChildOf::parent));
+    let above: Vec<Option<u16>> = above.into_iter().map(|joint| joint.and_then(|joint| u16::try_from(joint).ok())).collect();
     let depth = |joint: u16| core::iter::successors(above[usize::from(joint)], |&up| above[usize::from(up)]).count();
     let mut hierarchy: Vec<(u16, Option<u16>)> = (0..).zip(above.iter().copied()).collect();
     hierarchy.sort_by_key(|(joint, _)| depth(*joint));

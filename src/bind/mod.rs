@@ -25,6 +25,6 @@ pub(crate) use instance::{bounds_between, corners, instance_of};
 pub(crate) use placement::{Placement, is_near, seen_from, uniform_scale};
 pub(crate) use read::{Authored, read, unreadable};
 pub(crate) use shapes::{ColliderError, shape_of};
-pub(crate) use skin::{Skin, Transforms, skinning_matrices};
+pub(crate) use skin::{Skin, Transforms, joints_above, skinning_matrices};
 pub(crate) use subdivide::{MOST_VERTICES, Subdivided, subdivide};
 pub(crate) use surface::{Surface, VertexBuffers};

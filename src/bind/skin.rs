@@ -1,5 +1,6 @@
 //! A cloth whose mesh is skinned: pinned particles and the animated pose follow the joints.
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::math::{Affine3A, DVec3, Mat3, Vec4};
 use bevy::mesh::VertexAttributeValues;
@@ -27,6 +28,22 @@ pub(crate) struct Skin {
     carriers: Vec<(u16, f32)>,
     /// Middle of what they carry `[m]`, in the space of the mesh.
     center: Vec3,
+}
+
+/// Most entities between a joint and the joint above it.
+const MOST_BETWEEN: usize = 256;
+
+/// The nearest joint above each joint, by number; `parent` of an entity.
+pub(crate) fn joints_above(joints: &[Entity], parent: impl Fn(Entity) -> Option<Entity>) -> Vec<Option<usize>> {
+    let mut index: EntityHashMap<usize> = EntityHashMap::default();
+    for (i, &joint) in joints.iter().enumerate() {
+        index.entry(joint).or_insert(i);
+    }
+    let above = |&joint: &Entity| {
+        let mut ancestors = core::iter::successors(parent(joint), |&entity| parent(entity)).take(MOST_BETWEEN);
+        ancestors.find_map(|entity| index.get(&entity).copied())
+    };
+    joints.iter().map(above).collect()
 }
 
 /// Transforms of joints and targets; disabled ones still hold.

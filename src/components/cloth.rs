@@ -1,11 +1,15 @@
 //! The marker that makes a mesh a cloth.
 
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
 use super::{
     ClothBuildReport, ClothCollision, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSleep, ClothSolver,
     ClothStatus, ClothUntangling,
 };
+use crate::notices;
+use crate::schedule::ClothClock;
 
 /// Makes the [`Mesh3d`] of its entity a cloth.
 ///
@@ -40,6 +44,7 @@ use super::{
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
+#[component(on_add = needs_plugin)]
 #[require(
     ClothMaterial,
     ClothSolver,
@@ -54,6 +59,10 @@ use super::{
     Transform
 )]
 pub struct Cloth;
+
+fn needs_plugin(world: DeferredWorld<'_>, HookContext { entity, .. }: HookContext) {
+    notices::needs_plugin::<Cloth, ClothClock>(world, entity, "ClothPlugin");
+}
 
 /// Switches the cloth of its entity off for as long as it is there. The cloth is not simulated, costs nothing and meets no
 /// other cloth. It keeps its last shape in the space of its entity, or the authored mesh if it never ran. When this is removed

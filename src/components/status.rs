@@ -153,6 +153,17 @@ pub enum ClothRecoveryCause {
     Overstretched,
 }
 
+impl ClothRecoveryCause {
+    /// The same in a sentence.
+    pub(crate) const fn because(self) -> &'static str {
+        match self {
+            Self::NotFinite => "a position was not finite",
+            Self::TooFast => "a particle was faster than `ClothSolver::max_speed`",
+            Self::Overstretched => "an edge was longer than `ClothSolver::reset_edge_ratio` allows",
+        }
+    }
+}
+
 /// A cloth has begun to cross itself or another, and untangling did not end it within the frame.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothTangled {

@@ -96,7 +96,7 @@ pub struct ClothWindZone {
 pub enum ClothWindZoneShape {
     /// In a cuboid around the origin.
     Cuboid {
-        /// Half its lengths `[m]`.
+        /// Half its lengths `[m]`, not negative.
         half_size: Vec3,
     },
     /// In a sphere around the origin.
@@ -134,9 +134,13 @@ impl ClothWindZone {
     pub(crate) fn checked(&self, checked: &mut Checked) -> Self {
         Self {
             shape: match self.shape {
-                ClothWindZoneShape::Cuboid { half_size } => ClothWindZoneShape::Cuboid {
-                    half_size: checked.vector("zone.half_size", half_size, Vec3::ZERO, 1.0e6).max(Vec3::ZERO),
-                },
+                ClothWindZoneShape::Cuboid { half_size } => {
+                    if half_size.min_element() < 0.0 {
+                        checked.refuse("zone.half_size");
+                    }
+                    let half_size = half_size.max(Vec3::ZERO);
+                    ClothWindZoneShape::Cuboid { half_size: checked.vector("zone.half_size", half_size, Vec3::ZERO, 1.0e6) }
+                }
                 ClothWindZoneShape::Sphere { radius } => {
                     ClothWindZoneShape::Sphere { radius: checked.within("zone.radius", radius, 0.0, 0.0, 1.0e6) }
                 }

@@ -143,7 +143,7 @@ pub(crate) fn budget(
     let Buffers { checked, places, groups, of } = &mut *buffers;
     checked.clear();
     let ms = budget.checked(checked);
-    notices.clamped(Entity::PLACEHOLDER, None, "the world", checked);
+    notices.clamped_in::<ClothBudget>(checked);
     eyes(&cameras, places);
     groups.clear();
     of.clear();

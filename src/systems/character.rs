@@ -10,7 +10,6 @@
 
 use std::sync::Arc;
 
-use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::relationship::RelationshipTarget;
@@ -19,15 +18,14 @@ use bevy::math::{Affine3A, Mat3};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 
-use crate::bind::{BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sources, collider_of, margin_of, uniform_scale};
+use crate::bind::{
+    BodyCache, BodyError, BodyKey, BodyWait, SkinnedVertices, Sources, collider_of, joints_above, margin_of, uniform_scale,
+};
 use crate::character::{BoneCollider, FitSettings, SkinnedBody, fit};
 use crate::components::checked::Checked;
 use crate::components::fitted::{FittedBody, FittedColliders, FittedTo, MadeOf, Stage};
 use crate::components::{Cloth, ClothBody, ClothCollider, ClothCollisionLayers, ClothPiece, ClothRenderMesh};
 use crate::notices::{Notices, PATIENCE, label};
-
-/// Most entities between a joint and the joint above it.
-const MOST_BETWEEN: usize = 256;
 
 /// A skinned body, fitted or not.
 #[derive(QueryData)]
@@ -318,16 +316,7 @@ impl Anatomy<'_, '_> {
 
     /// The nearest joint above each joint.
     fn parents(&self, joints: &[Entity]) -> Vec<Option<usize>> {
-        let mut index: EntityHashMap<usize> = EntityHashMap::default();
-        for (i, &joint) in joints.iter().enumerate() {
-            index.entry(joint).or_insert(i);
-        }
-        let up = |entity: Entity| self.joints.get(entity).ok()?.1.map(ChildOf::parent);
-        let parent = |&joint: &Entity| {
-            let mut above = std::iter::successors(up(joint), |&entity| up(entity)).take(MOST_BETWEEN);
-            above.find_map(|entity| index.get(&entity).copied())
-        };
-        joints.iter().map(parent).collect()
+        joints_above(joints, |entity| self.joints.get(entity).ok()?.1.map(ChildOf::parent))
     }
 
     /// Whether two bodies have one skeleton and the same settings.

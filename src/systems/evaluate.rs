@@ -132,9 +132,10 @@ pub(crate) fn recoveries(
         if level != ClothRecoveryLevel::Frozen {
             if notices.first(entity, "recovered") {
                 warn!(
-                    "cloth {} blew up ({cause:?}) and was taken back ({level:?}): if it does so again, raise `ClothSolver::substep_rate` or \
+                    "cloth {} blew up, as {} ({cause:?}), and was taken back ({level:?}): if it does so again, raise `ClothSolver::substep_rate` or \
                      let what pushes it be slower or lighter; this is said once, `ClothReport` counts on",
-                    label(entity, name)
+                    label(entity, name),
+                    cause.because()
                 );
             }
             continue;

@@ -31,8 +31,10 @@ pub(crate) fn air(
     let WorldAir { wind: air, gravity: pull, zones: known, checked } = &mut *air;
     checked.clear();
     blow(air, &wind.checked(checked));
+    notices.clamped_in::<ClothGlobalWind>(checked);
+    checked.clear();
     *pull = gravity.checked(checked);
-    notices.clamped(Entity::PLACEHOLDER, None, "the world", checked);
+    notices.clamped_in::<ClothGravity>(checked);
     air.advance(time.delta_secs());
     known.clear();
     for (entity, name, zone, global) in &zones {

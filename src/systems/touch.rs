@@ -87,9 +87,9 @@ fn end(commands: &mut Commands, entity: Entity, contacts: &mut ClothContacts) {
     }
 }
 
-/// Ends all that touches a cloth that is not simulated any more.
-pub(crate) fn on_remove_inputs(
-    removed: On<Remove, ClothInputs>,
+/// Ends all that touches a cloth that loses `C`: that is not simulated any more, or whose list goes.
+pub(crate) fn end_without<C: Component>(
+    removed: On<Remove, C>,
     mut commands: Commands,
     mut cloths: Query<&mut ClothContacts, Allow<Disabled>>,
 ) {
@@ -98,15 +98,8 @@ pub(crate) fn on_remove_inputs(
     }
 }
 
-/// Ends all that touches a cloth that no longer asks for it, and takes its list away.
-pub(crate) fn on_remove_events(
-    removed: On<Remove, ClothContactEvents>,
-    mut commands: Commands,
-    mut cloths: Query<&mut ClothContacts, Allow<Disabled>>,
-) {
-    if let Ok(mut contacts) = cloths.get_mut(removed.entity) {
-        end(&mut commands, removed.entity, &mut contacts);
-    }
+/// Takes the list of a cloth away that no longer asks for it.
+pub(crate) fn on_remove_events(removed: On<Remove, ClothContactEvents>, mut commands: Commands) {
     if let Ok(mut entity) = commands.get_entity(removed.entity) {
         entity.try_remove::<ClothContacts>();
     }

@@ -40,6 +40,43 @@ fn each_setting_out_of_range_is_one_warning() {
 }
 
 #[test]
+fn resources_out_of_range_are_named_and_a_zone_is_not_turned_inside_out() {
+    let lines = warnings(app(), |app| {
+        app.insert_resource(ClothGlobalWind::new(Vec3::X * 1.0e4));
+        app.insert_resource(ClothGravity(Vec3::splat(f32::NAN)));
+        app.world_mut().spawn((ClothWindZone::cuboid(Vec3::new(2.0, -1.0, 2.0), Vec3::X), Name::new("draught")));
+        spawn(app, sheet(5), border());
+        run(app, 100);
+    });
+    assert_eq!(lines.len(), 3, "{lines:#?}");
+    let told = |what: &[&str]| lines.iter().any(|line| what.iter().all(|what| line.contains(what)));
+    assert!(told(&["`ClothGlobalWind`", "`wind.velocity`"]) && told(&["`ClothGravity`"]), "{lines:#?}");
+    assert!(told(&["draught", "`zone.half_size`"]), "{lines:#?}");
+}
+
+#[test]
+fn a_missing_plugin_is_one_warning_that_names_it() {
+    let log = Log::default();
+    log.listen(|| {
+        let mut world = World::new();
+        for name in ["flag", "sail"] {
+            world.spawn((Cloth, Name::new(name)));
+        }
+    });
+    let lines = log.read();
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("flag") && lines[0].contains("`ClothPlugin`"), "{lines:#?}");
+    let lines = warnings(app(), |app| {
+        for name in ["flag", "sail"] {
+            spawn(app, sheet(5), (border(), ClothDraggable::default(), Name::new(name)));
+        }
+        run(app, 10);
+    });
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("`ClothDraggable`") && lines[0].contains("`ClothPickingPlugin`"), "{lines:#?}");
+}
+
+#[test]
 fn waiting_is_silent_for_five_seconds_and_then_one_warning() {
     let lines = warnings(app(), |app| {
         spawn(app, sheet(5), (Transform::from_scale(Vec3::ZERO), Name::new("growing")));
