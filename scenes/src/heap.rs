@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use bevy_drape::ClothMaterial;
 use bevy_drape::solver::anchors::Anchors;
 use bevy_drape::solver::body::{Body, Pose, shape};
 use bevy_drape::solver::rest::RestShape;
-use bevy_drape::solver::settings::Fabric;
 use glam::{Vec3, vec3};
 
 use super::{Scene, SceneCloth, grid};
@@ -20,16 +20,7 @@ const HEIGHT: f32 = 1.9;
 /// A sheet of `n` x `n` vertices of raw denim that hangs from `vertex`, and is let go after [`LET_GO`].
 #[must_use]
 pub fn heap(n: u32, vertex: u32) -> Scene {
-    let denim = Fabric {
-        density: 0.4,
-        stretch_stiffness: 20_000.0,
-        shear_stiffness: 190.0,
-        bend_stiffness: 7.2e-5,
-        bend_ratio: 2.3,
-        bend_hysteresis: 35.0,
-        damping: 4.0,
-        ..Fabric::default()
-    };
+    let denim = ClothMaterial::DENIM.to_fabric();
     let mesh = grid(n, n, |u, v| SIDE * vec3(u - 0.5, 0.0, v - 0.5));
     let rest = RestShape::build(&mesh).map(|(rest, _)| rest).unwrap_or_default();
     let mut scene = Scene::new(vec![SceneCloth::new(Arc::new(rest), denim, Vec3::Y * HEIGHT, &[vertex])]);
