@@ -34,7 +34,7 @@ pub(super) fn remember(
     cloth.clear();
     bodies.clear();
     for island in &islands.list {
-        let pairs = island.solver.contacts().touching_pairs();
+        let pairs = island.solver.touching_pairs();
         cloth.extend(pairs.map(|pair| (pair.points.map(|x| place(island.origin, x)), pair.normal, pair.force)));
     }
     for (particles, scratch) in &cloths {

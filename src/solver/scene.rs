@@ -290,7 +290,7 @@ impl Scene {
     }
 
     /// The island and the cloths in it, for a frame of `dt` `[s]`; none without untangling.
-    fn together(&mut self, dt: f32) -> Option<(&mut Untangling, Vec<Member<'_>>)> {
+    pub(super) fn together(&mut self, dt: f32) -> Option<(&mut Untangling, Vec<Member<'_>>)> {
         let Self { cloths, bodies, wind, gravity, untangle, .. } = self;
         let untangling = untangle.as_mut()?;
         let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: None };

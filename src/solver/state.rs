@@ -25,7 +25,30 @@ pub struct ClothState {
     pub time: f64,
 }
 
+/// A cloth while it is stepped: its [`ClothState`], with its particles where the island has them.
+#[derive(Debug)]
+pub(crate) struct StateMut<'a> {
+    pub positions: &'a mut [Vec4],
+    pub previous: &'a mut [Vec4],
+    pub folds: &'a mut Vec<Vec4>,
+    pub substep: &'a mut f32,
+    pub substeps: &'a mut u64,
+    pub time: &'a mut f64,
+}
+
 impl ClothState {
+    /// The cloth with its particles where they are.
+    pub(crate) fn as_mut(&mut self) -> StateMut<'_> {
+        let Self { positions, previous, folds, substep, substeps, time } = self;
+        StateMut { positions, previous, folds, substep, substeps, time }
+    }
+
+    /// The cloth with its particles elsewhere, where it is stepped: `xyz` `[m]`, `w` inverse mass `[1/kg]`, now and when the
+    /// substep began.
+    pub(crate) fn as_mut_at<'a>(&'a mut self, positions: &'a mut [Vec4], previous: &'a mut [Vec4]) -> StateMut<'a> {
+        StateMut { positions, previous, ..self.as_mut() }
+    }
+
     /// Velocity `[m/s]` of particle `i` over the last substep; zero before the first.
     #[must_use]
     pub fn velocity(&self, i: usize) -> Vec3 {

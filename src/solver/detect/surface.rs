@@ -47,6 +47,14 @@ pub struct Part {
     pub thickness: f32,
 }
 
+impl Part {
+    /// Its particles.
+    #[must_use]
+    pub(crate) fn range(&self) -> Range<usize> {
+        self.particles.start as usize..self.particles.end as usize
+    }
+}
+
 /// Why cloths cannot be concatenated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SurfaceError {

@@ -1,5 +1,5 @@
-//! What an island takes in of its cloths, and gives back. Each cloth lives in a frame of its own; `offset` brings it into that
-//! of the island, and 0 for the only cloth of an island changes no bit.
+//! What an island takes in of its cloths between the stages, and gives back. Each cloth lives in a frame of its own; `offset`
+//! brings it into that of the island, and 0 for the only cloth of an island changes no bit.
 
 use glam::{Vec3, Vec4};
 
@@ -31,20 +31,34 @@ impl Island {
         if state.positions.len() != range.len() || state.previous.len() != range.len() {
             return;
         }
-        debug_assert!(self.positions.len() == self.surface.len() && self.previous.len() == self.surface.len());
         self.substep[part] = state.substep;
         self.fixed[part] = fixed;
         self.untangler.detector.set_moving(part, fixed && state.positions.iter().any(|x| x.w > 0.0));
-        let offset = offset.extend(0.0);
+        self.put(part, [&state.positions, &state.previous], offset, fixed);
+    }
+
+    /// Takes over a cloth that is being stepped.
+    pub(super) fn gather_moving(&mut self, part: usize, m: &Member<'_>) {
+        self.substep[part] = m.state.substep;
+        self.fixed[part] = false;
+        self.untangler.detector.set_moving(part, false);
+        let moving = core::mem::take(&mut self.moving);
+        self.put(part, moving.of(&self.surface.parts[part]), m.offset, false);
+        self.moving = moving;
+    }
+
+    fn put(&mut self, part: usize, [positions, previous]: [&[Vec4]; 2], offset: Vec3, fixed: bool) {
+        debug_assert!(self.positions.len() == self.surface.len() && self.previous.len() == self.surface.len());
+        let (range, offset) = (self.range(part), offset.extend(0.0));
         let all = self.positions[range.clone()].iter_mut().zip(&mut self.pinned[range.clone()]);
-        for ((to, pinned), from) in all.zip(&state.positions) {
+        for ((to, pinned), from) in all.zip(positions) {
             *to = *from + offset;
             *pinned = from.w == 0.0;
             if fixed {
                 to.w = 0.0;
             }
         }
-        for (to, from) in self.previous[range].iter_mut().zip(&state.previous) {
+        for (to, from) in self.previous[range].iter_mut().zip(previous) {
             *to = *from + offset;
         }
     }

@@ -1,6 +1,6 @@
 //! A cloth as its island sees it.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 use crate::solver::evaluate::Outcome;
 use crate::solver::fit::fit;
@@ -45,17 +45,6 @@ pub struct Member<'a> {
 }
 
 impl Member<'_> {
-    /// Where a particle is and where it was when the substep began `[m]`, in the frame of the island; `w` inverse mass
-    /// `[1/kg]`. That of a cloth that does not move has no speed, whatever it had, and nothing pushes it. NaN is nobody.
-    pub(super) fn particle(&self, particle: usize) -> [Vec4; 2] {
-        let offset = self.offset.extend(0.0);
-        match (self.state.positions.get(particle), self.state.previous.get(particle)) {
-            (Some(&now), Some(&old)) if self.moves => [now + offset, old + offset],
-            (Some(&now), Some(_)) => [now.truncate().extend(0.0) + offset, now + offset],
-            _ => [Vec4::NAN; 2],
-        }
-    }
-
     /// Writes the pose that it is drawn to when nothing else helps `[m]`: the animated one, or the shape at rest where that
     /// fits best.
     pub(super) fn pose(&self, pose: &mut Vec<Vec3>) {

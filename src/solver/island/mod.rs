@@ -5,8 +5,9 @@
 //! ```
 //!
 //! [`Stage::FRAME`] is the whole frame: [`Island::run`] runs each stage once, in this order, for systems, scenes and recordings
-//! alike, on a slice of [`Member`]s. The island copies their particles into arrays of its own when it detects. While nothing
-//! crosses it writes nothing back, so that a clean cloth has the same bits with and without an island.
+//! alike, on a slice of [`Member`]s. Integrate takes their particles in once, each cloth in its own frame of simulation, and
+//! publishes them once. Detect copies them into the frame of the island. While nothing crosses that writes nothing back, so
+//! that a clean cloth has the same bits with and without an island.
 
 mod detect;
 mod display;
@@ -14,6 +15,7 @@ mod gather;
 pub mod load;
 mod look;
 mod member;
+mod moving;
 mod deferred;
 mod rescale;
 mod resolve;
@@ -41,6 +43,7 @@ use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
 use super::respond::{Contacts, NeighborList};
 use super::rollback::Rollback;
 use super::verdict::Verdict;
+use moving::Moving;
 use skins::Skins;
 use undo::Undo;
 
@@ -93,6 +96,9 @@ impl Default for UntangleSettings {
 pub struct Island {
     surface: Surface,
     untangler: Untangler,
+    /// All particles while they are stepped.
+    moving: Buffer<Moving>,
+    /// The same between the stages, in the frame of the island `[m]`.
     positions: Vec<Vec4>,
     previous: Vec<Vec4>,
     before: Buffer<Vec<Vec4>>,
@@ -116,8 +122,8 @@ pub struct Island {
     pinned: Vec<bool>,
     held: Vec<bool>,
     rollback: Rollback,
-    /// Whether what comes to cross within a frame will be rolled back at its end.
-    rolls_back: bool,
+    /// Whether what comes to cross within a frame can be rolled back at its end.
+    can_roll_back: bool,
     /// Thickness and friction of each cloth, and whether it rests on others; of this frame and of the last.
     touch: Vec<Touch>,
     takes_part: Vec<bool>,
@@ -216,6 +222,12 @@ impl Island {
         &self.contacts
     }
 
+    /// The pairs that touched in the last substep.
+    #[cfg(feature = "debug")]
+    pub(crate) fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
+        self.contacts.touching_pairs(&self.positions)
+    }
+
     /// Calls `found` for every pair of different cloths that touched in the last substep. Its arguments are both cloths, a
     /// point between them `[m]` in the frame of the island, and the unit normal towards the first. The last is the mean push
     /// per substep times the mass it moves `[kg·m]`.
@@ -240,8 +252,7 @@ impl Island {
     }
 
     fn range(&self, part: usize) -> Range<usize> {
-        let range = &self.surface.parts[part].particles;
-        range.start as usize..range.end as usize
+        self.surface.parts[part].range()
     }
 
     /// The verdict on all cloths together.

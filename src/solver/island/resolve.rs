@@ -4,9 +4,10 @@
 //! roll back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► give back what moved ─► bodies ─► stay: put back what they pushed
 //! ```
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Vec3, Vec4};
 
-use super::{Island, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
+use super::moving::Moving;
+use super::{Contacts, Island, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::rollback::{Rollback, Tangle};
 use crate::solver::scales::RESPONSE_TIME;
@@ -73,7 +74,7 @@ impl Island {
 
     /// Takes the crossings found apart. `relax` sweeps the springs of a cloth, given its number and its positions.
     pub(super) fn take_apart(&mut self, settings: &UntangleSettings, mut relax: impl FnMut(usize, &mut [Vec4])) {
-        self.rolls_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
+        self.can_roll_back = settings.iterations > 0 && self.total.is_clean() && !self.fixed.contains(&true);
         self.undo.forget();
         if !self.fixed.contains(&false) {
             return;
@@ -162,24 +163,24 @@ impl Island {
         if self.contacts.is_empty() || self.start.len() != self.positions.len() {
             return;
         }
-        let Self { surface, contacts, positions, previous, start, weights, weighed, caught, asked, .. } = self;
-        contacts.begin_start();
-        contacts.begin_gather();
-        for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
-            contacts.note_start(part, |i| (start[range + i], Vec3A::ZERO));
-            contacts.gather_end(part, |i| positions[range + i]);
+        let Self { surface, contacts, moving, positions, previous, start, weights, weighed, caught, asked, .. } = self;
+        // Pairs know each cloth in its frame of simulation.
+        let Moving { now, old } = &mut **moving;
+        let offset = |contacts: &Contacts, v: usize| contacts.offset(surface.part(v as u32)).extend(0.0);
+        for (own, all) in [(&mut *old, &**start), (&mut *now, &*positions)] {
+            own.clear();
+            own.extend(all.iter().enumerate().map(|(v, x)| *x - offset(contacts, v)));
         }
+        contacts.note_start(old, old, 0.0);
         // Weights of a tangle that was taken apart long ago say nothing.
         let weights = if *weighed { weights.as_slice() } else { &[] };
         let tangled =
             |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
-        if contacts.clamp_motion_except(asked, |a, b| tangled(a) && tangled(b)) {
-            for (part, range) in surface.parts.iter().map(|p| p.particles.start as usize).enumerate() {
-                contacts.scatter_clamped(part, |i, x| {
-                    let v = range + i;
-                    previous[v] += x - positions[v];
-                    positions[v] = x;
-                });
+        if contacts.clamp_motion_except(now, asked, |a, b| tangled(a) && tangled(b)) {
+            for v in contacts.stopped() {
+                let x = now[v] + offset(contacts, v);
+                previous[v] += x - positions[v];
+                positions[v] = x;
             }
         }
     }

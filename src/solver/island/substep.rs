@@ -5,14 +5,14 @@
 //!    ─► (shorten ─► push apart ─► CCD)* )* ─► finish ─► CCD
 //! ```
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::Vec3;
 
+use super::moving::Moving;
 use super::{CROWDED, Island, LONGEST_LOOK, LOOK_AGAIN, Member};
-use crate::solver::respond::Contacts;
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::settings::Stepping;
-use crate::solver::state::ClothState;
-use crate::solver::step::substeps_of;
+use crate::solver::state::StateMut;
+use crate::solver::step::{Scratch, Stepped, substeps_of};
 
 /// Turns in which what contacts stretched is shortened and kept apart again, at most. Light cloth in gusts, eight seeds at 40²:
 /// 105 of 2,400 frames have an edge beyond 1.5 without, one with three, none with six.
@@ -31,7 +31,7 @@ impl Island {
         let refined = self.refined_for > 0.0;
         let (mut count, mut longest, mut fast_body) = (0, 0.0f32, false);
         for (part, m) in cloths.iter_mut().enumerate() {
-            count = count.max(m.cloth.substeps(m.stepping, m.state, m.scratch));
+            count = count.max(m.cloth.substeps(m.stepping, &m.state.as_mut(), m.scratch));
             fast_body |= m.scratch.meets_fast_body();
             longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
             if refined {
@@ -42,7 +42,7 @@ impl Island {
             }
         }
         self.refined_for = (self.refined_for - longest).max(0.0);
-        self.rolls_back &= self.rollback.knows();
+        self.can_roll_back &= self.rollback.knows();
         let most = self.most.times((longest / LONGEST_LOOK).max(1.0));
         (self.within, self.asked) = (most, most);
         self.count = count;
@@ -51,52 +51,87 @@ impl Island {
         let gap = (LOOK_AGAIN * count as f32 / longest.max(f32::MIN_POSITIVE)).round().max(1.0) as u32;
         self.share = 0.0;
         let tangled = !self.contours().is_empty();
-        for (part, m) in cloths.iter_mut().enumerate() {
-            let range = self.surface.parts[part].particles.clone();
-            let own = |p: u32| range.contains(&p).then(|| p - range.start);
+        self.contacts.set_offsets(&self.surface, cloths.iter().map(|m| m.offset));
+        self.moving.take_in(&self.surface, cloths);
+        for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
             // Inner steps would draw back what untangling moves.
             let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
-            m.cloth.begin(if tangled { &whole } else { m.stepping }, Some(count), m.state, m.scratch);
+            let stepping = if tangled { &whole } else { m.stepping };
+            self.moving.step(part, m, |cloth, state, scratch| cloth.begin(stepping, Some(count), state, scratch));
             if tangled {
                 m.scratch.leave_air();
             }
+            let own = |p: u32| part.particles.contains(&p).then(|| p - part.particles.start);
             m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
         }
         for n in 1..=count {
             self.contacts.age_support();
             self.note_start(cloths);
             let lies = self.lies_on_bodies(cloths);
-            for m in &mut *cloths {
-                m.cloth.constrain(m.state, m.scratch);
-            }
+            self.step_each(cloths, |cloth, state, scratch| _ = cloth.constrain(state, scratch));
             if lies {
-                Self::project_provisionally(cloths);
+                self.project_provisionally(cloths);
             }
             self.keep_apart(cloths, lies);
-            for (part, m) in cloths.iter_mut().enumerate() {
-                m.cloth.project(m.state, m.scratch);
-                let first = self.surface.parts[part].particles.start;
-                let contacts = &mut self.contacts;
-                let offset = m.offset.into();
-                m.cloth.each_on_body(m.state, m.scratch, |p, bearing| contacts.touch_ground(first + p, bearing, offset));
-            }
-            self.apply_friction(cloths);
-            self.apply_restitution(cloths);
-            self.clamp_motion(cloths, false);
+            self.project(cloths);
+            self.apply_friction();
+            self.apply_restitution();
+            self.clamp_motion();
             self.limit_strain(cloths);
             self.share += each;
             if n < count {
-                let often = fast_body || refined || !self.rolls_back || self.contacts.len() > CROWDED * self.surface.len();
+                let often = fast_body || refined || !self.can_roll_back || self.contacts.len() > CROWDED * self.surface.len();
                 self.look_ahead(cloths, each, often || n % gap == 0);
             }
         }
         self.note_start(cloths);
-        let crowded = !self.contacts.is_empty();
-        for m in &mut *cloths {
-            *m.report = m.cloth.finish(crowded, m.state, m.scratch);
+        self.finish(cloths);
+        self.moving.publish(&self.surface, cloths);
+    }
+
+    /// Calls `act` with each cloth and its particles.
+    fn step_each(&mut self, cloths: &mut [Member<'_>], act: impl Fn(&Stepped<'_>, &mut StateMut<'_>, &mut Scratch)) {
+        for (part, m) in self.surface.parts.iter().zip(cloths) {
+            self.moving.step(part, m, &act);
         }
-        // Overlong edges were shortened without heed to what is between them.
-        self.clamp_motion(cloths, true);
+    }
+
+    /// Puts what lies on bodies where they will put it.
+    fn project_provisionally(&mut self, cloths: &mut [Member<'_>]) {
+        self.step_each(cloths, |cloth, state, scratch| cloth.project_provisionally(state, scratch));
+    }
+
+    /// Keeps all cloths out of bodies, and notes what lies on those.
+    fn project(&mut self, cloths: &mut [Member<'_>]) {
+        let Self { surface, moving, contacts, .. } = self;
+        for (part, m) in surface.parts.iter().zip(cloths) {
+            moving.step(part, m, |cloth, state, scratch| {
+                cloth.project(state, scratch);
+                cloth.each_on_body(state, scratch, |p, bearing| contacts.touch_ground(part.particles.start + p, bearing));
+            });
+        }
+    }
+
+    /// Ends the frame of all cloths. Overlong edges are shortened without heed to what is between them; what would pass through
+    /// is stopped on that way. It gave no speed. To be stopped there gives a settling cloth none either. For other cloth the
+    /// stop is a brake: without it edges of a strip that is overwound get seven times as long.
+    fn finish(&mut self, cloths: &mut [Member<'_>]) {
+        let crowded = !self.contacts.is_empty();
+        for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
+            *m.report = self.moving.step(part, m, |cloth, state, scratch| cloth.finish(crowded, state, scratch)).flatten();
+        }
+        if crowded {
+            (*self.before).clone_from(&self.moving.now);
+        }
+        if self.clamp_motion() {
+            let Moving { now, old } = &mut *self.moving;
+            for p in self.contacts.stopped() {
+                let m = &cloths[usize::from(self.surface.part(p as u32))];
+                if m.scratch.is_settling() {
+                    old[p] += now[p] - self.before[p];
+                }
+            }
+        }
     }
 
     /// Whether cloth that lies on bodies may touch cloth, so that care is to be taken of both at once. Folds of one cloth in
@@ -107,27 +142,13 @@ impl Island {
         !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
-    /// Puts what lies on bodies where they will put it.
-    fn project_provisionally(cloths: &mut [Member<'_>]) {
-        for m in cloths {
-            m.cloth.project_provisionally(m.state, m.scratch);
-        }
-    }
-
-    /// Notes where everything is that may touch, and how fast.
+    /// Notes where everything is, and how fast.
     fn note_start(&mut self, cloths: &[Member<'_>]) {
         if self.contacts.is_empty() {
             return;
         }
-        self.contacts.begin_start();
-        for (part, Member { state, offset, moves, .. }) in cloths.iter().enumerate() {
-            let offset = offset.extend(0.0);
-            let per_second = if *moves && state.substep > 0.0 { state.substep.recip() } else { 0.0 };
-            self.contacts.note_start(part, |i| match (state.positions.get(i), state.previous.get(i)) {
-                (Some(&x), Some(&old)) => (x + offset, Vec3A::from_vec4(x - old) * per_second),
-                _ => (Vec4::NAN, Vec3A::ZERO),
-            });
-        }
+        let Moving { now, old } = &*self.moving;
+        self.contacts.note_start(now, old, Self::substep(cloths));
     }
 
     /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
@@ -135,19 +156,14 @@ impl Island {
         if self.contacts.is_empty() {
             return;
         }
-        let h = cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max);
-        let gravity = Self::gravity(cloths);
+        let Moving { now, old } = &mut *self.moving;
+        self.contacts.touch(Self::substep(cloths), Self::gravity(cloths), now, old);
         if lies {
-            self.on_pairs(cloths, |contacts| contacts.touch(h, gravity));
             // What was pushed into a body lies on it again.
-            Self::project_provisionally(cloths);
-            self.on_pairs(cloths, Contacts::solve);
-        } else {
-            self.on_pairs(cloths, |contacts| {
-                contacts.touch(h, gravity);
-                contacts.solve();
-            });
+            self.project_provisionally(cloths);
         }
+        let Moving { now, old } = &mut *self.moving;
+        self.contacts.solve(now, old);
     }
 
     /// Shortens edges that contacts and the CCD hold far beyond the strain limit, and keeps cloth apart again, in turns.
@@ -158,15 +174,23 @@ impl Island {
         }
         for turn in 0..STRAIN_TURNS {
             let mut any = false;
-            for m in cloths.iter_mut().filter(|m| m.moves) {
-                any |= m.cloth.shorten_overlong(turn > 0, m.state, m.scratch);
+            for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
+                let shorten = |cloth: &Stepped<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch| {
+                    cloth.shorten_overlong(turn > 0, state, scratch)
+                };
+                any |= self.moving.step(part, m, shorten) == Some(true);
             }
             if !any {
                 return;
             }
-            self.on_pairs(cloths, Contacts::push_apart);
-            self.clamp_motion(cloths, false);
+            self.contacts.push_apart(&mut self.moving.now);
+            self.clamp_motion();
         }
+    }
+
+    /// The longest of the last substeps of the cloths that move `[s]`.
+    fn substep(cloths: &[Member<'_>]) -> f32 {
+        cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max)
     }
 
     /// Sum of what pulls the cloths that move `[m/s²]`, for its direction.
@@ -175,78 +199,21 @@ impl Island {
     }
 
     /// Holds pairs that slip, when bodies have pushed, too.
-    fn apply_friction(&mut self, cloths: &mut [Member<'_>]) {
-        if self.contacts.has_constraints() {
-            self.on_pairs(cloths, Contacts::apply_friction);
-        }
+    fn apply_friction(&mut self) {
+        let Moving { now, old } = &mut *self.moving;
+        self.contacts.apply_friction(now, old);
     }
 
     /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the
     /// substep began.
-    fn apply_restitution(&mut self, cloths: &mut [Member<'_>]) {
-        if self.contacts.has_impacts() {
-            self.on_pairs(cloths, Contacts::apply_restitution);
-        }
+    fn apply_restitution(&mut self) {
+        let Moving { now, old } = &mut *self.moving;
+        self.contacts.apply_restitution(now, old);
     }
 
-    /// Gathers the particles of pairs, acts on them, and gives them back to their cloths.
-    fn on_pairs(&mut self, cloths: &mut [Member<'_>], act: impl FnOnce(&mut Contacts)) {
-        self.gather_pairs(cloths);
-        act(&mut self.contacts);
-        self.scatter_pairs(cloths);
-    }
-
-    /// Takes in where the particles of pairs are and where they were when the substep began.
-    fn gather_pairs(&mut self, cloths: &[Member<'_>]) {
-        self.contacts.begin_gather();
-        for (part, cloth) in cloths.iter().enumerate() {
-            self.contacts.gather(part, |i| cloth.particle(i));
-        }
-    }
-
-    /// Gives back where they are and where they were.
-    fn scatter_pairs(&mut self, cloths: &mut [Member<'_>]) {
-        for (part, Member { state, offset, .. }) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
-            let offset = offset.extend(0.0);
-            self.contacts.scatter(part, |i, now, old| {
-                if let (Some(x), Some(was)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
-                    // What nothing touched keeps every bit.
-                    if *x + offset != now {
-                        *x = now - offset;
-                    }
-                    if *was + offset != old {
-                        *was = old - offset;
-                    }
-                }
-            });
-        }
-    }
-
-    /// Stops on its way what would have passed through since [`Self::note_start`]; `finished`: on the way that
-    /// [`Stepped::finish`] moved it, which gave it no speed. To be stopped there gives a settling cloth none either. For other
-    /// cloth the stop is a brake: without it edges of a strip that is overwound get seven times as long.
-    fn clamp_motion(&mut self, cloths: &mut [Member<'_>], finished: bool) {
-        if self.contacts.is_empty() {
-            return;
-        }
-        for (part, cloth) in cloths.iter().enumerate() {
-            self.contacts.gather_end(part, |i| cloth.particle(i)[0]);
-        }
-        if !self.contacts.clamp_motion(&mut self.asked) {
-            return;
-        }
-        for (part, Member { state, scratch, offset, .. }) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
-            let (offset, silent) = (offset.extend(0.0), finished && scratch.is_settling());
-            self.contacts.scatter_clamped(part, |i, now| {
-                if let (Some(x), Some(old)) = (state.positions.get_mut(i), state.previous.get_mut(i)) {
-                    let to = now - offset;
-                    if silent {
-                        *old += to - *x;
-                    }
-                    *x = to;
-                }
-            });
-        }
+    /// Stops on its way what would have passed through since [`Self::note_start`]; whether anything.
+    fn clamp_motion(&mut self) -> bool {
+        !self.contacts.is_empty() && self.contacts.clamp_motion(&mut self.moving.now, &mut self.asked)
     }
 
     /// Looks for pairs again everywhere when the time looked ahead is up. Before that only when it is `due`, and where cloth
@@ -258,18 +225,17 @@ impl Island {
             return;
         }
         let mut strayed = over;
-        for ((i, part), touch) in self.surface.parts.iter().enumerate().zip(&self.touch).filter(|_| !over) {
-            let Some(m) = cloths.get(i).filter(|m| m.moves) else { continue };
-            if m.state.positions.len() == part.particles.len() {
-                let first = part.particles.start as usize;
-                let ClothState { positions, previous, .. } = &m.state;
-                strayed |= self.neighbors.strayed(first, positions, previous, m.offset, next, touch.thickness);
-            }
+        let cloths_that_move = self.surface.parts.iter().zip(cloths).zip(&self.touch).filter(|((_, m), _)| m.moves && !over);
+        for ((part, m), touch) in cloths_that_move {
+            let [now, old] = self.moving.of(part);
+            strayed |= self.neighbors.strayed(part.range().start, now, old, m.offset, next, touch.thickness);
         }
         if strayed {
             for (part, m) in cloths.iter().enumerate() {
-                self.gather(part, m.state, m.offset, !m.moves);
-                if !m.moves {
+                if m.moves {
+                    self.gather_moving(part, m);
+                } else {
+                    self.gather(part, m.state, m.offset, true);
                     self.hold(part);
                 }
             }

@@ -32,15 +32,18 @@ pub(super) fn sum(weights: &[f32; 4], points: &[Vec4; 4]) -> Vec3 {
 pub(super) struct Constraint {
     /// Which pair it is of.
     pub pair: u32,
-    /// Slots of its particles, and the weights of the closest points.
-    pub slots: [u32; 4],
+    /// Its particles, and the weights of the closest points.
+    pub particles: [u32; 4],
     pub weights: [f32; 4],
     /// How far each particle goes when the closest points part by one (dimensionless).
     pub shares: [f32; 4],
     /// How far a unit push moves the closest points apart `[1/kg]`.
     pub mobility: f32,
-    /// Across the unit vector towards the first primitive, one thickness from the second.
+    /// Across the unit vector towards the first primitive, one thickness from the second. It is where the two are in one frame
+    /// of simulation.
     pub plane: Plane,
+    /// Distance kept `[m]`.
+    pub thickness: f32,
     pub friction: Friction,
     /// Speed apart after an impact over that of approach before (dimensionless); none on the wrong side.
     pub restitution: Option<f32>,
@@ -104,7 +107,7 @@ impl Constraint {
     pub(super) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
         let end = self.delta(now);
         let mut push = Vec3A::ZERO;
-        if self.plane.gap(end) < TOUCHING * self.plane.offset {
+        if self.plane.gap(end) < TOUCHING * self.thickness {
             let slipped = slip(self.plane.normal, end - self.delta(old));
             push = self.friction.hold(self.tangent_push + slipped, self.mean_load());
         }
@@ -130,24 +133,24 @@ impl Constraint {
     /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep
     /// began. None of one that did not, however hard springs press it together, or that was not pushed.
     #[inline]
-    pub(super) fn impact(&self, velocities: &[Vec3A]) -> Option<f32> {
-        let approach = -self.along(self.slots.map(|s| velocities[s as usize]));
+    pub(super) fn impact(&self, velocity: impl Fn(usize) -> Vec3A) -> Option<f32> {
+        let approach = -self.along(self.particles.map(|p| velocity(p as usize)));
         (self.push > 0.0 && approach > IMPACT_SPEED).then_some(self.restitution? * approach)
     }
 
     /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
     pub(super) fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
-        let way = self.along(self.slots.map(|s| Vec3A::from_vec4(positions[s as usize] - previous[s as usize])));
+        let way = self.along(self.particles.map(|s| Vec3A::from_vec4(positions[s as usize] - previous[s as usize])));
         let by = self.plane.normal * (way - apart);
         if by.is_finite() {
             self.move_by(by, previous);
         }
     }
 
-    /// From the closest point of the second primitive to that of the first `[m]`.
+    /// From the closest point of the second primitive to that of the first `[m]`, each in its frame of simulation.
     #[inline]
     fn delta(&self, points: &[Vec4]) -> Vec3A {
-        sum(&self.weights, &self.slots.map(|s| points[s as usize])).into()
+        sum(&self.weights, &self.particles.map(|s| points[s as usize])).into()
     }
 
     /// How far apart four vectors are along the normal, the closest points of either side.
@@ -159,8 +162,8 @@ impl Constraint {
     #[inline]
     fn move_by(&self, way: Vec3A, points: &mut [Vec4]) {
         let way = Vec3::from(way).extend(0.0);
-        for (&slot, share) in self.slots.iter().zip(self.shares) {
-            points[slot as usize] += way * share;
+        for (&p, share) in self.particles.iter().zip(self.shares) {
+            points[p as usize] += way * share;
         }
     }
 }
@@ -175,11 +178,12 @@ mod tests {
     fn over(friction: f32) -> (Constraint, Vec<Vec4>, Vec<Vec4>) {
         let constraint = Constraint {
             pair: 0,
-            slots: [0, 1, 1, 1],
+            particles: [0, 1, 1, 1],
             weights: [1.0, -1.0, 0.0, 0.0],
             shares: [0.5, -0.5, 0.0, 0.0],
             mobility: 2.0,
             plane: Plane { normal: Vec3A::Y, offset: 1.0 },
+            thickness: 1.0,
             friction: Friction { fixed: friction, sliding: friction },
             restitution: Some(0.5),
             floor: 0.0,

@@ -42,8 +42,8 @@ pub(super) struct Contact {
     pub kind: ProximityKind,
     /// The faces whose boxes met.
     pub faces: [u32; 2],
-    /// Slots of its particles, as [`Proximity::particles`](crate::solver::detect::Proximity::particles).
-    pub slots: [u32; 4],
+    /// Its particles, as [`Proximity::particles`](crate::solver::detect::Proximity::particles).
+    pub particles: [u32; 4],
     /// Weights of the closest points when last asked.
     pub weights: [f32; 4],
     /// Unit vector towards the first primitive, on whichever side it is.
@@ -55,6 +55,8 @@ pub(super) struct Contact {
     pub restitution: f32,
     /// Whether it is of two cloths.
     pub across: bool,
+    /// From the frame of simulation of the first primitive to that of the second `[m]`.
+    pub offset: Vec3,
     /// Mean push `[m]`.
     pub load: f32,
     /// Mean of what all pushes of a substep do: push over mobility `[kg·m]`; divided by the substep it is an impulse.
@@ -66,9 +68,8 @@ pub(super) struct Contact {
     pub was_inverted: bool,
 }
 
-/// The particles that pairs are made of, by slot; depths by particle.
+/// All particles, as pairs see them.
 pub(super) struct Particles<'a> {
-    pub ids: &'a [u32],
     pub now: &'a [Vec4],
     pub old: &'a [Vec4],
     pub depths: &'a mut Depths,
@@ -77,7 +78,19 @@ pub(super) struct Particles<'a> {
 }
 
 impl Contact {
-    /// How many of the slots make up the first primitive.
+    /// Where its particles are of all `positions` `[m]`, in the frame of the second primitive.
+    #[inline]
+    pub(super) fn points(&self, positions: &[Vec4]) -> [Vec4; 4] {
+        let mut points = self.particles.map(|p| positions[p as usize]);
+        let offset = self.offset.extend(0.0);
+        points[0] += offset;
+        if self.kind == ProximityKind::EdgeEdge {
+            points[1] += offset;
+        }
+        points
+    }
+
+    /// How many of the particles make up the first primitive.
     #[inline]
     pub(super) fn first(&self) -> usize {
         if self.kind == ProximityKind::VertexFace { 1 } else { 2 }
@@ -99,14 +112,14 @@ impl Contact {
         if self.was_inverted != self.inverted {
             self.was_inverted = self.inverted;
         }
-        let mut x = self.slots.map(|s| particles.now[s as usize]);
+        let mut x = self.points(particles.now);
         if self.is_apart(&x) {
             if self.inverted {
                 self.inverted = false;
             }
             return None;
         }
-        let was = self.slots.map(|s| particles.old[s as usize]);
+        let was = self.points(particles.old);
         let at = |points: &[Vec4; 4]| match self.kind {
             ProximityKind::VertexFace => vertex_face([0, 1, 2, 3], |i| points[i as usize].truncate()),
             ProximityKind::EdgeEdge => edge_edge([0, 1, 2, 3], |i| points[i as usize].truncate()),
@@ -147,11 +160,12 @@ impl Contact {
         // The vector between the closest points is pushed out as a particle is out of a body, and shared out by mass.
         (mobility > 0.0).then(|| Constraint {
             pair,
-            slots: self.slots,
+            particles: self.particles,
             weights: self.weights,
             shares: core::array::from_fn(|i| self.weights[i] * x[i].w / mobility),
             mobility,
-            plane: Plane { normal: self.normal.into(), offset: self.thickness },
+            plane: Plane { normal: self.normal.into(), offset: self.thickness - self.normal.dot(self.offset) },
+            thickness: self.thickness,
             friction: self.friction,
             restitution: (!(self.inverted || self.was_inverted)).then_some(self.restitution),
             floor: 0.0,
@@ -190,7 +204,7 @@ impl Contact {
     /// fall back, for ever.
     #[inline]
     fn support(&self, particles: &mut Particles<'_>, x: &mut [Vec4; 4]) {
-        let ids = self.slots.map(|s| particles.ids[s as usize]);
+        let ids = self.particles;
         let split = self.first();
         let (first, second) = (particles.depths.least(&ids[..split]), particles.depths.least(&ids[split..]));
         // Upwards along the normal, from the heavy side to the one it carries.
@@ -213,18 +227,19 @@ impl Contact {
 
 #[cfg(test)]
 impl Contact {
-    /// A pair of the first four slots that has not touched yet, without friction, `thickness` `[m]` apart.
+    /// A pair of the first four particles that has not touched yet, without friction, `thickness` `[m]` apart.
     pub(crate) fn bare(kind: ProximityKind, thickness: f32) -> Self {
         Self {
             kind,
             faces: [0; 2],
-            slots: [0, 1, 2, 3],
+            particles: [0, 1, 2, 3],
             weights: [0.0; 4],
             normal: Vec3::X,
             thickness,
             friction: Friction { fixed: 0.0, sliding: 0.0 },
             restitution: 0.0,
             across: true,
+            offset: Vec3::ZERO,
             load: 0.0,
             drive: 0.0,
             tangent_push: Vec3::ZERO,
@@ -249,11 +264,11 @@ mod tests {
             let x = [center + u, center - u, center + v, center - v].map(|x| x.extend(1.0));
             // Thinner than the numbers around it can tell.
             let mut pair = Contact::bare(ProximityKind::EdgeEdge, 1.0e-8);
-            let (ids, mut depths) = ([0, 1, 2, 3], Depths::default());
-            depths.fit(ids.len());
-            pair.touch(0, &mut Particles { ids: &ids, now: &x, old: &x, depths: &mut depths, up: Vec3::Y });
+            let mut depths = Depths::default();
+            depths.fit(x.len());
+            pair.touch(0, &mut Particles { now: &x, old: &x, depths: &mut depths, up: Vec3::Y });
             assert!((pair.normal.length() - 1.0).abs() < 1.0e-3, "{x:?}: {}", pair.normal);
-            let near = edge_edge(ids, |i| x[i as usize].truncate());
+            let near = edge_edge([0, 1, 2, 3], |i| x[i as usize].truncate());
             without_direction += u32::from(near.distance > 0.0 && sum(&near.weights, &x) == Vec3::ZERO);
         }
         assert!(without_direction > 0, "no pair has a distance and no direction");

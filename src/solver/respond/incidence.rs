@@ -3,10 +3,10 @@
 use super::contact::Contact;
 use crate::solver::topology::NONE;
 
-/// The pairs of each slot, a list for each; and which pairs are due, in a pass and in the next.
+/// The pairs of each particle, a list for each; and which pairs are due, in a pass and in the next.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Incidence {
-    /// By slot: [`PER_PAIR`] times the number of a pair, plus the place of the slot in it; or [`NONE`].
+    /// By particle: [`PER_PAIR`] times the number of a pair, plus its place in it; or [`NONE`].
     first: Vec<u32>,
     /// What follows, by pair and place.
     next: Vec<[u32; PER_PAIR]>,
@@ -15,17 +15,17 @@ pub(super) struct Incidence {
     due_next: Vec<u64>,
 }
 
-/// Slots of a pair.
+/// Particles of a pair.
 const PER_PAIR: usize = 4;
 
 impl Incidence {
-    /// Makes room for so many slots and pairs.
-    pub(super) fn reserve(&mut self, slots: usize, pairs: usize) {
+    /// Makes room for so many particles and pairs.
+    pub(super) fn reserve(&mut self, particles: usize, pairs: usize) {
         fn room<T>(of: &mut Vec<T>, count: usize) {
             of.clear();
             of.reserve(count);
         }
-        room(&mut self.first, slots);
+        room(&mut self.first, particles);
         room(&mut self.next, pairs);
         let words = pairs.div_ceil(u64::BITS as usize);
         room(&mut self.due, words);
@@ -33,15 +33,15 @@ impl Incidence {
     }
 
     /// Takes in all pairs; none is due.
-    pub(super) fn list(&mut self, slots: usize, pairs: &[Contact]) {
+    pub(super) fn list(&mut self, particles: usize, pairs: &[Contact]) {
         let Self { first, next, due, due_next } = self;
         first.clear();
-        first.resize(slots, NONE);
+        first.resize(particles, NONE);
         next.clear();
         for (pair, number) in pairs.iter().zip(0_u32..) {
             next.push(core::array::from_fn(|place| {
                 let entry = PER_PAIR as u32 * number + place as u32;
-                core::mem::replace(&mut first[pair.slots[place] as usize], entry)
+                core::mem::replace(&mut first[pair.particles[place] as usize], entry)
             }));
         }
         for due in [due, due_next] {
@@ -50,15 +50,15 @@ impl Incidence {
         }
     }
 
-    /// The pairs that a slot is in.
-    pub(super) fn of(&self, slot: u32) -> impl Iterator<Item = usize> + '_ {
-        pairs_of(&self.first, &self.next, slot)
+    /// The pairs that a particle is in.
+    pub(super) fn of(&self, particle: u32) -> impl Iterator<Item = usize> + '_ {
+        pairs_of(&self.first, &self.next, particle)
     }
 
-    /// Says that the pairs of a slot are due in the next pass, and those after pair `at` in this one, too.
-    pub(super) fn ask_again(&mut self, slot: u32, at: Option<usize>) {
+    /// Says that the pairs of a particle are due in the next pass, and those after pair `at` in this one, too.
+    pub(super) fn ask_again(&mut self, particle: u32, at: Option<usize>) {
         let Self { first, next, due, due_next } = self;
-        for pair in pairs_of(first, next, slot) {
+        for pair in pairs_of(first, next, particle) {
             let (word, bit) = (pair / u64::BITS as usize, 1 << (pair % u64::BITS as usize));
             due_next[word] |= bit;
             if at.is_none_or(|at| pair > at) {
@@ -83,9 +83,9 @@ impl Incidence {
     }
 }
 
-/// The pairs in the list of a slot.
-fn pairs_of<'a>(first: &[u32], next: &'a [[u32; PER_PAIR]], slot: u32) -> impl Iterator<Item = usize> + use<'a> {
-    let mut entry = first[slot as usize];
+/// The pairs in the list of a particle.
+fn pairs_of<'a>(first: &[u32], next: &'a [[u32; PER_PAIR]], particle: u32) -> impl Iterator<Item = usize> + use<'a> {
+    let mut entry = first[particle as usize];
     core::iter::from_fn(move || {
         (entry != NONE).then(|| {
             let (pair, place) = (entry as usize / PER_PAIR, entry as usize % PER_PAIR);
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn pairs_of_what_was_cut_are_due_in_their_order() {
-        let bare = |slots: [u32; 4]| Contact { slots, ..Contact::bare(ProximityKind::VertexFace, 0.01) };
+        let bare = |particles: [u32; 4]| Contact { particles, ..Contact::bare(ProximityKind::VertexFace, 0.01) };
         let pairs: Vec<Contact> = (0..100).map(|i| bare([i, i + 1, i + 2, 200])).collect();
         let mut incidence = Incidence::default();
         incidence.list(201, &pairs);

@@ -31,7 +31,6 @@ use glam::{Vec3, Vec3A, Vec4};
 use crate::solver::body::{Bearing, Touch};
 use crate::solver::buffer::Buffer;
 use crate::solver::detect::{ProximityKind, Surface};
-use crate::solver::topology::NONE;
 use constraint::Constraint;
 use contact::{Contact, Particles};
 use depth::Depths;
@@ -40,34 +39,30 @@ use incidence::Incidence;
 use loads::{Load, Loads};
 pub(crate) use neighbors::{Moment, NeighborList};
 
-/// Pairs that may touch before the next frame, and the particles they are made of.
+/// Pairs that may touch before the next frame. Positions are those of all particles of an island, each in the frame of
+/// simulation of its cloth.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Contacts {
     pairs: Vec<Contact>,
-    /// Particle of each slot, in the order in which pairs ask for them.
-    particles: Vec<u32>,
-    /// Slot of each particle, or [`NONE`].
-    slots: Vec<u32>,
-    /// First particle of each cloth, and the slots of its particles.
-    firsts: Vec<u32>,
-    slots_of: Vec<Vec<u32>>,
-    /// Positions `[m]` with inverse masses `[1/kg]`, now and at the start of the substep; by slot.
-    now: Buffer<Vec<Vec4>>,
-    old: Buffer<Vec<Vec4>>,
-    /// Velocities at the start of the substep `[m/s]`; by slot.
-    velocities: Buffer<Vec<Vec3A>>,
+    /// Whether each particle is part of a pair.
+    paired: Vec<bool>,
+    /// From the frame of simulation of each cloth to that of the island `[m]`.
+    offsets: Vec<Vec3>,
     /// Constraints of pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
     impacts: Buffer<Vec<(u32, f32)>>,
-    /// Positions at the start of the substep, whatever was done to velocities since `[m]`.
+    /// Positions at the start of the substep, whatever was done to velocities since (`[m]`, `w` inverse mass `[1/kg]`), and a
+    /// time before it `[m]`; one over that time `[1/s]`.
     start: Buffer<Vec<Vec4>>,
-    /// Pass of the CCD in which the particle was last stopped, by slot.
+    before: Buffer<Vec<Vec4>>,
+    per_second: f32,
+    /// Pass of the CCD in which each particle was last stopped.
     cut: Buffer<Vec<u8>>,
-    /// How far each particle may go at last, by slot `[m]`.
+    /// How far each particle may go at last `[m]`.
     bounds: Buffer<Vec<f32>>,
     /// What divides each pair when the substep begins, where the CCD asks again.
     dividers: Buffer<Vec<Vec4>>,
-    /// The pairs of each slot, where the CCD asks again.
+    /// The pairs of each particle, where the CCD asks again.
     incidence: Buffer<Incidence>,
     depths: Depths,
     /// What bodies bear in the substep.
@@ -101,11 +96,7 @@ const RESTITUTION_PASSES: u32 = 3;
 impl Contacts {
     /// Forgets all pairs.
     pub(crate) fn clear(&mut self) {
-        for &p in &self.particles {
-            self.slots[p as usize] = NONE;
-        }
-        self.particles.clear();
-        self.slots_of.iter_mut().for_each(Vec::clear);
+        self.paired.fill(false);
         self.pairs.clear();
         self.inverted.clear();
         self.close.clear();
@@ -119,21 +110,15 @@ impl Contacts {
         self.coincide = false;
         let (close, listed, touching) = (self.close.len(), self.pairs.len(), self.constraints.len());
         self.forget_all_but(|pair| pair.inverted);
-        let Self { pairs, particles, .. } = self;
-        for pair in pairs.iter_mut() {
-            pair.slots = pair.slots.map(|s| particles[s as usize]);
-        }
-        let mut kept = core::mem::take(&mut self.pairs);
+        let kept = core::mem::take(&mut self.pairs);
         self.clear();
-        for pair in &mut kept {
-            pair.slots = pair.slots.map(|v| self.slot(v));
-        }
         self.pairs = kept;
+        let Self { pairs, paired, .. } = self;
+        pairs.iter().for_each(|pair| note_paired(paired, pair.particles));
         self.note_inverted();
         // What is brought up to date grows by what comes close, until the next look at everything.
         self.close.reserve(2 * close);
         self.pairs.reserve(listed + listed / 2);
-        self.particles.reserve(listed);
         self.loads.reserve(listed + listed / 2);
         self.impacts.reserve(touching);
         self.constraints.reserve(2 * touching);
@@ -141,9 +126,8 @@ impl Contacts {
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
     pub(crate) fn clear_inverted(&mut self, put: impl Fn(u32) -> bool) {
-        let Self { pairs, particles, .. } = self;
-        for pair in pairs.iter_mut().filter(|pair| pair.inverted) {
-            pair.inverted = !pair.slots.iter().any(|&s| put(particles[s as usize]));
+        for pair in self.pairs.iter_mut().filter(|pair| pair.inverted) {
+            pair.inverted = !pair.particles.iter().any(|&p| put(p));
         }
     }
 
@@ -182,42 +166,35 @@ impl Contacts {
     /// touched in the last substep.
     pub(crate) fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
         let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
-        touching.map(|pair| (pair.slots.map(|s| self.particles[s as usize]), pair.weights, pair.normal, pair.drive))
+        touching.map(|pair| (pair.particles, pair.weights, pair.normal, pair.drive))
     }
 
     /// Makes room for the particles of a surface.
     fn fit(&mut self, surface: &Surface) {
-        self.slots.resize(surface.len(), NONE);
+        self.paired.resize(surface.len(), false);
+        self.offsets.resize(surface.parts.len(), Vec3::ZERO);
         self.depths.fit(surface.len());
         // Room for what folded cloth has, so that lists do not grow when it is at rest.
         let (faces, particles) = (surface.topology.faces.len(), surface.len());
         self.close.reserve((4 * faces).saturating_sub(self.close.len()));
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
-        self.particles.reserve(particles.saturating_sub(self.particles.len()));
         self.loads.fit(particles);
         self.impacts.reserve(particles);
         self.constraints.reserve(particles);
         self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));
-        self.firsts.clear();
-        self.firsts.extend(surface.parts.iter().map(|part| part.particles.start));
-        self.slots_of.resize_with(surface.parts.len(), Vec::new);
-    }
-
-    fn slots_of(&self, part: usize) -> &[u32] {
-        self.slots_of.get(part).map_or(&[], Vec::as_slice)
     }
 
     /// Lists the pairs that are on the other side than they belong: a new look would take the wrong side for theirs.
     fn note_inverted(&mut self) {
         self.inverted.clear();
-        let Self { pairs, particles, inverted, .. } = self;
-        inverted.extend(pairs.iter().filter(|p| p.inverted).map(|p| (p.kind as u8, p.slots.map(|s| particles[s as usize]))));
+        let Self { pairs, inverted, .. } = self;
+        inverted.extend(pairs.iter().filter(|p| p.inverted).map(|p| (p.kind as u8, p.particles)));
         inverted.sort_unstable();
     }
 
     /// Forgets all pairs but those to `keep`, and notes what the others bear.
     fn forget_all_but(&mut self, keep: impl Fn(&Contact) -> bool) {
-        let Self { pairs, particles, loads, constraints, impacts, .. } = self;
+        let Self { pairs, loads, constraints, impacts, .. } = self;
         // They index pairs.
         constraints.clear();
         impacts.clear();
@@ -227,7 +204,7 @@ impl Contacts {
             if !keep && pair.load > 0.0 {
                 loads.note(
                     pair.kind,
-                    pair.slots.map(|s| particles[s as usize]),
+                    pair.particles,
                     Load { push: pair.load, drive: pair.drive, tangent_push: pair.tangent_push },
                 );
             }
@@ -245,78 +222,64 @@ impl Contacts {
     }
 
     /// Says that a particle lies on a body. Cloth on top of it gives way, and the CCD moves it no farther into the body that is
-    /// `bearing` it, `offset` `[m]` from there.
-    pub(crate) fn touch_ground(&mut self, particle: u32, bearing: Option<Bearing>, offset: Vec3A) {
+    /// `bearing` it.
+    pub(crate) fn touch_ground(&mut self, particle: u32, bearing: Option<Bearing>) {
         self.depths.ground(particle);
-        let slot = self.slots.get(particle as usize).filter(|slot| **slot != NONE);
-        if let Some((&slot, Bearing { at, normal, way })) = slot.zip(bearing)
-            && let Some(start) = self.start.get(slot as usize)
+        let v = particle as usize;
+        if let Some(Bearing { at, normal, way }) = bearing.filter(|_| self.paired.get(v) == Some(&true))
+            && let Some(start) = self.start.get(v)
         {
-            self.ground.add(slot, normal, way, at + offset - Vec3A::from_vec4(*start));
+            self.ground.add(particle, normal, way, at - Vec3A::from_vec4(*start));
         }
     }
 
-    fn slot(&mut self, particle: u32) -> u32 {
-        let slot = &mut self.slots[particle as usize];
-        if *slot == NONE {
-            *slot = self.particles.len() as u32;
-            self.particles.push(particle);
-            let part = self.firsts.partition_point(|&first| first <= particle) - 1;
-            self.slots_of[part].push(*slot);
+    /// Takes in where the frame of simulation of each cloth is in that of the island `[m]`.
+    pub(crate) fn set_offsets(&mut self, surface: &Surface, offsets: impl Iterator<Item = Vec3> + Clone) {
+        if self.offsets.iter().copied().eq(offsets.clone()) {
+            return;
         }
-        *slot
+        self.offsets.clear();
+        self.offsets.extend(offsets);
+        let Self { pairs, offsets, .. } = self;
+        for pair in pairs.iter_mut().filter(|pair| pair.across) {
+            pair.offset = offset_between(offsets, surface, pair.particles);
+        }
     }
 
-    /// Makes room for what [`Self::note_start`] takes in.
-    pub(crate) fn begin_start(&mut self) {
-        self.start.clear();
-        self.start.resize(self.particles.len(), Vec4::NAN);
-        self.velocities.clear();
-        self.velocities.resize(self.particles.len(), Vec3A::ZERO);
+    /// Where the frame of simulation of a cloth is in that of the island `[m]`.
+    pub(crate) fn offset(&self, part: u16) -> Vec3 {
+        self.offsets.get(usize::from(part)).copied().unwrap_or_default()
+    }
+
+    /// From the frame of simulation of the first primitive of a pair to that of the second `[m]`.
+    fn offset_of(&self, surface: &Surface, particles: [u32; 4]) -> Vec3 {
+        offset_between(&self.offsets, surface, particles)
+    }
+
+    /// Begins a substep: notes where all are (`[m]`, `w` inverse mass), and where they were a time of `h` `[s]` before `[m]`.
+    pub(crate) fn note_start(&mut self, positions: &[Vec4], previous: &[Vec4], h: f32) {
+        let n = positions.len();
+        positions.clone_into(&mut self.start);
+        previous.clone_into(&mut self.before);
+        self.per_second = if h > 0.0 { h.recip() } else { 0.0 };
         // For the CCD, which mostly needs none of them.
-        self.ground.begin(self.particles.len());
+        self.ground.begin(n);
         self.bounds.clear();
-        self.bounds.reserve(self.particles.len());
+        self.bounds.reserve(n);
         self.dividers.clear();
         self.dividers.reserve(self.pairs.capacity());
-        self.incidence.reserve(self.particles.len(), self.pairs.capacity());
-    }
-
-    /// Notes where the particles of pairs in cloth `part` are before a substep, and how fast: `read` gives the position of its
-    /// `i`-th `[m]` and its velocity `[m/s]`.
-    pub(crate) fn note_start(&mut self, part: usize, read: impl Fn(usize) -> (Vec4, Vec3A)) {
-        let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
-        for &s in slots {
-            (self.start[s as usize], self.velocities[s as usize]) = read((self.particles[s as usize] - first) as usize);
-        }
-    }
-
-    /// Makes room for what [`Self::gather`] takes in.
-    pub(crate) fn begin_gather(&mut self) {
-        // Of what nobody gives, nothing is known, and nothing touches it.
-        self.now.clear();
-        self.old.clear();
-        self.now.resize(self.particles.len(), Vec4::NAN);
-        self.old.resize(self.particles.len(), Vec4::NAN);
-    }
-
-    /// Takes in the particles of pairs in cloth `part`: `read` gives the position (`[m]`, `w` inverse mass) and the position at
-    /// the start of the substep `[m]` of its `i`-th.
-    pub(crate) fn gather(&mut self, part: usize, read: impl Fn(usize) -> [Vec4; 2]) {
-        let Some((slots, &first)) = self.slots_of.get(part).zip(self.firsts.get(part)) else { return };
-        for &s in slots {
-            [self.now[s as usize], self.old[s as usize]] = read((self.particles[s as usize] - first) as usize);
-        }
+        self.incidence.reserve(n, self.pairs.capacity());
     }
 
     /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along
-    /// `gravity`, carries what lies on it.
-    pub(crate) fn touch(&mut self, h: f32, gravity: Vec3) {
+    /// `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the substep, of all particles
+    /// (`[m]`, `w` inverse mass).
+    pub(crate) fn touch(&mut self, h: f32, gravity: Vec3, now: &mut [Vec4], old: &mut [Vec4]) {
         // What was pushed in a substep goes with its square.
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
-        let Self { pairs, particles: ids, now, old, depths, constraints, .. } = self;
+        let Self { pairs, depths, constraints, .. } = self;
         constraints.clear();
         for (i, pair) in (0..).zip(pairs) {
             if ratio != 1.0 && pair.load > 0.0 {
@@ -324,7 +287,7 @@ impl Contacts {
                 pair.drive *= ratio;
                 pair.tangent_push *= ratio;
             }
-            let touched = pair.touch(i, &mut Particles { ids, now, old, depths, up });
+            let touched = pair.touch(i, &mut Particles { now, old, depths, up });
             if let Some(mut constraint) = touched {
                 constraint.bring_out(recovery, now, old);
                 constraints.push(constraint);
@@ -333,8 +296,9 @@ impl Contacts {
     }
 
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around.
-    pub(crate) fn solve(&mut self) {
-        let Self { pairs, now, old, velocities, impacts, constraints, .. } = self;
+    pub(crate) fn solve(&mut self, now: &mut [Vec4], old: &[Vec4]) {
+        let Self { pairs, start, before, per_second, impacts, constraints, .. } = self;
+        let velocity = |p: usize| Vec3A::from_vec4(start[p] - before[p]) * *per_second;
         constraints.iter_mut().for_each(|constraint| constraint.note_start(old));
         for _ in 1..PASSES {
             constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
@@ -344,32 +308,29 @@ impl Contacts {
             let pair = &mut pairs[constraint.pair as usize];
             (pair.load, pair.drive) = (constraint.mean_load(), constraint.mean_drive(pair.drive));
             constraint.warm_start(now);
-            impacts.extend(constraint.impact(velocities).map(|apart| (i, apart)));
+            impacts.extend(constraint.impact(velocity).map(|apart| (i, apart)));
         }
         debug_assert!(self.is_consistent());
     }
 
     /// Pushes pairs that touched in the substep apart again, when something has moved them since.
-    pub(crate) fn push_apart(&mut self) {
-        let Self { now, constraints, .. } = self;
-        constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
+    pub(crate) fn push_apart(&mut self, now: &mut [Vec4]) {
+        self.constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
     }
 
-    /// Whether every particle has the slot that has it, weights of every pair add up to zero, and normals have a length of one.
+    /// Whether pairs are of known particles, their weights add up to zero, and normals have a length of one.
     fn is_consistent(&self) -> bool {
-        let slots = self.particles.iter().zip(0..).all(|(&p, s)| self.slots.get(p as usize) == Some(&s));
-        slots
-            && self.constraints.iter().all(|constraint| (constraint.pair as usize) < self.pairs.len())
+        self.constraints.iter().all(|constraint| (constraint.pair as usize) < self.pairs.len())
             && self.pairs.iter().filter(|pair| pair.load > 0.0).all(|pair| {
-                pair.slots.iter().all(|&s| (s as usize) < self.particles.len())
+                pair.particles.iter().all(|&p| self.paired.get(p as usize) == Some(&true))
                     && pair.weights.iter().sum::<f32>().abs() < 1.0e-4
                     && (pair.normal.length() - 1.0).abs() < 1.0e-3
             })
     }
 
     /// Holds pairs that slip, when bodies have pushed, too.
-    pub(crate) fn apply_friction(&mut self) {
-        let Self { pairs, constraints, now, old, .. } = self;
+    pub(crate) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
+        let Self { pairs, constraints, .. } = self;
         for constraint in constraints.iter_mut() {
             constraint.apply_friction(now, old);
             pairs[constraint.pair as usize].tangent_push = constraint.tangent_push.into();
@@ -387,8 +348,8 @@ impl Contacts {
     }
 
     /// Gives pairs that met fast in the last substep their speed apart; nothing moves.
-    pub(crate) fn apply_restitution(&mut self) {
-        let Self { constraints, impacts, now, old, .. } = self;
+    pub(crate) fn apply_restitution(&mut self, now: &[Vec4], old: &mut [Vec4]) {
+        let Self { constraints, impacts, .. } = self;
         // There and back, as pairs share particles.
         for _ in 0..RESTITUTION_PASSES {
             for &(i, apart) in impacts.iter().chain(impacts.iter().rev()) {
@@ -397,13 +358,15 @@ impl Contacts {
         }
         impacts.clear();
     }
+}
 
-    /// Gives back what [`Self::gather`] took.
-    pub(crate) fn scatter(&self, part: usize, mut write: impl FnMut(usize, Vec4, Vec4)) {
-        let first = self.firsts.get(part).copied().unwrap_or_default();
-        for &s in self.slots_of(part) {
-            let s = s as usize;
-            write((self.particles[s] - first) as usize, self.now[s], self.old[s]);
-        }
-    }
+/// Notes that particles are part of a pair.
+fn note_paired(paired: &mut [bool], particles: [u32; 4]) {
+    particles.iter().for_each(|&p| paired[p as usize] = true);
+}
+
+/// From the frame of simulation of the first primitive of a pair to that of the second `[m]`.
+fn offset_between(offsets: &[Vec3], surface: &Surface, [first, .., second]: [u32; 4]) -> Vec3 {
+    let of = |particle: u32| offsets[usize::from(surface.part(particle))];
+    of(first) - of(second)
 }

@@ -1,6 +1,6 @@
 //! The pairs that touch, to be looked at.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::Contacts;
 use crate::solver::detect::ProximityKind;
@@ -20,13 +20,14 @@ pub(crate) struct Touching {
 }
 
 impl Contacts {
-    /// The pairs that touched when last [solved](Self::solve). The next look for pairs forgets them.
+    /// The pairs that touched when last [solved](Self::solve), of particles at `positions` `[m]` in the frame of the island. The
+    /// next look for pairs forgets them.
     ///
     /// Force `F = C / (h² Σ w² m⁻¹)`, a mean over the last substeps. `C` is the push of a pair in a substep `h`, `w` are
     /// weights of the closest points, `m` masses as they were pushed.
-    pub(crate) fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
-        self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(|pair| {
-            let [Some(a), Some(b), Some(c), Some(d)] = pair.slots.map(|s| self.now.get(s as usize)) else { return None };
+    pub(crate) fn touching_pairs<'a>(&'a self, positions: &'a [Vec4]) -> impl Iterator<Item = Touching> + 'a {
+        self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(move |pair| {
+            let [Some(a), Some(b), Some(c), Some(d)] = pair.particles.map(|p| positions.get(p as usize)) else { return None };
             let x = [a, b, c, d];
             let of = |range: core::ops::Range<usize>, sign: f32| -> Vec3 {
                 range.map(|i| x[i].truncate() * (sign * pair.weights[i])).sum()

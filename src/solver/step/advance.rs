@@ -7,20 +7,20 @@ use super::hold::hold_together;
 use super::{Scratch, Stepped};
 use crate::solver::couple::Pull;
 use crate::solver::integrate::anchor;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 impl Stepped<'_> {
     /// A substep in one step: prediction, and all that holds the cloth together.
-    pub(super) fn advance(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
+    pub(super) fn advance(&self, frame: &Frame, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, input } = *self;
         let h = frame.h;
         self.predict(frame.forces(h, Self::motion(state, h), scratch.last_step(state)), state, scratch);
-        state.substep = h;
+        *state.substep = h;
         scratch.inner_steps = 1;
-        let (x, old) = (&mut state.positions, &mut state.previous);
+        let (x, old) = (&mut *state.positions, &*state.previous);
         scratch.inbound.clear();
         if fabric.restitution > 0.0 {
-            scratch.inbound.extend(x.iter().zip(&*old).map(|(x, old)| *x - *old));
+            scratch.inbound.extend(x.iter().zip(old).map(|(x, old)| *x - *old));
         }
         let (s0, s) = frame.span();
         anchor::solve(anchors, s, h, x);
@@ -33,7 +33,7 @@ impl Stepped<'_> {
         scratch.coupling.note(x);
         self.fold_again(frame, x, &mut state.folds, &mut scratch.bends);
         scratch.bends.solve(&rest.bends, h, x);
-        self.bound_lengths(frame, state.substeps, scratch, x);
+        self.bound_lengths(frame, *state.substeps, scratch, x);
         hold_together(rest, fabric, scratch, x);
         if frame.taut {
             self.tighten(frame, x, scratch);

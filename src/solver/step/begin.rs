@@ -8,7 +8,7 @@ use crate::solver::body::{Approach, Sheet};
 use crate::solver::integrate::{air, bend, damp};
 use crate::solver::settings::{MembraneModel, Stepping};
 use crate::solver::skinned::{FASTEST, Skinned};
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 /// Wind forces are evaluated at least this often `[Hz]`.
 const WIND_RATE: f32 = 60.0;
@@ -16,7 +16,7 @@ const WIND_RATE: f32 = 60.0;
 impl Stepped<'_> {
     /// Prepares a frame of as many substeps as asked for, or as `stepping` says. None begins when no time passes or the
     /// state does not fit.
-    pub fn begin(&self, stepping: &Stepping, count: Option<u32>, state: &mut ClothState, scratch: &mut Scratch) {
+    pub(crate) fn begin(&self, stepping: &Stepping, count: Option<u32>, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         scratch.frame = None;
         let Self { rest, fabric, input, .. } = *self;
         // NaN fails the comparison; `min` alone would let it pass as a whole frame.
@@ -45,7 +45,7 @@ impl Stepped<'_> {
             self.find_tight(settling, state, scratch);
         }
         self.make_room(scratch);
-        (*scratch.before).clone_from(&state.positions);
+        state.positions.clone_into(&mut scratch.before);
         scratch.contacts.leave_out(&scratch.pinned_to_bodies);
         scratch.faces.leave_out(&scratch.pinned_to_bodies);
         scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
@@ -68,7 +68,7 @@ impl Stepped<'_> {
     }
 
     /// Begins the frame of `dt` `[s]` for the bodies that cloth moves, and lists the particles that are pinned to them.
-    fn begin_coupling(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
+    fn begin_coupling(&self, dt: f32, state: &StateMut<'_>, scratch: &mut Scratch) {
         scratch.coupling.begin(dt, self.anchors, &state.positions);
         scratch.pinned_to_bodies.clear();
         scratch.pinned_to_bodies.extend(scratch.coupling.pinned_to_bodies(self.anchors));
@@ -76,7 +76,7 @@ impl Stepped<'_> {
     }
 
     /// Computes the factors of springs and of the coarse level for a `step` `[s]`, if they are for another.
-    fn factor(&self, step: f32, state: &ClothState, scratch: &mut Scratch) {
+    fn factor(&self, step: f32, state: &StateMut<'_>, scratch: &mut Scratch) {
         if scratch.factors_for != step {
             scratch.springs.update(&self.rest.springs, self.fabric, &state.positions, step);
             scratch.coarse.update(&self.rest.coarse, &state.positions);
@@ -95,25 +95,25 @@ impl Stepped<'_> {
     }
 
     /// Takes from velocities what damping and the friction of yarns take in `dt` `[s]`.
-    fn damp(&self, dt: f32, state: &mut ClothState, scratch: &mut Scratch) {
+    fn damp(&self, dt: f32, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Self { rest, fabric, .. } = *self;
         if fabric.damping > 0.0 {
             let Scratch { motion, .. } = scratch;
             damp::note(&state.positions, &state.previous, motion);
-            bend::rub(&rest.bends, fabric, dt, state.substep, motion);
+            bend::rub(&rest.bends, fabric, dt, *state.substep, motion);
             damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
             damp::apply(&state.positions, motion, &mut state.previous);
         }
     }
 
     /// Lists the particles and faces that may meet a body within `dt` `[s]`.
-    fn gather_bodies(&self, dt: f32, state: &ClothState, scratch: &mut Scratch) {
+    fn gather_bodies(&self, dt: f32, state: &StateMut<'_>, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, input } = *self;
         let drawn = if scratch.pierced.drawn().is_empty() { 0.0 } else { FASTEST * dt };
         let skin = input.skinned.map_or(0.0, Skinned::longest_way) + drawn;
         let approach = Approach {
             dt,
-            substep: state.substep,
+            substep: *state.substep,
             gravity: input.gravity,
             thickness: fabric.thickness,
             extra: anchors.longest_way().max(skin) + input.wind.fastest() * dt + scratch.pulls.reach(dt, &state.positions),
@@ -129,7 +129,7 @@ impl Stepped<'_> {
     }
 
     /// Begins to carry air along, if there is any use in it: where `none` is, little moves or something is drawn back.
-    fn take_air(&self, none: bool, state: &ClothState, scratch: &mut Scratch) {
+    fn take_air(&self, none: bool, state: &StateMut<'_>, scratch: &mut Scratch) {
         let Self { rest, fabric, input, .. } = *self;
         // Where little moves the air does nothing, and what is drawn back to its length must get there.
         let air = if none { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };

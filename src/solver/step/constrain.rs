@@ -2,12 +2,12 @@
 
 use super::frame::Frame;
 use super::{Scratch, Stepped};
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 impl Stepped<'_> {
     /// Begins the next substep: forces, prediction, and all that holds the cloth together. False when the frame is over, or
     /// none was begun.
-    pub(crate) fn constrain(&self, state: &mut ClothState, scratch: &mut Scratch) -> bool {
+    pub(crate) fn constrain(&self, state: &mut StateMut<'_>, scratch: &mut Scratch) -> bool {
         let Some(frame) = scratch.frame.as_mut().and_then(Frame::next_substep) else { return false };
         Self::give_back(state, scratch);
         if self.input.wind.density > 0.0 && frame.is_gusty() {
@@ -19,13 +19,13 @@ impl Stepped<'_> {
         if let Some(skinned) = self.input.skinned {
             skinned.draw(scratch.pierced.drawn(), frame.span(), frame.h, &mut state.positions, &mut state.previous);
         }
-        scratch.carried.note(state.substep, &state.positions, &state.previous);
+        scratch.carried.note(*state.substep, &state.positions, &state.previous);
         if frame.steps > 1 {
             self.advance_in_steps(&frame, state, scratch);
         } else {
             self.advance(&frame, state, scratch);
         }
-        state.substeps += 1;
+        *state.substeps += 1;
         true
     }
 }

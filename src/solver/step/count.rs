@@ -6,7 +6,7 @@ use super::strain::LEAST_LIMIT;
 use super::{Scratch, Stepped};
 use crate::solver::body::Body;
 use crate::solver::settings::{Stepping, drape_rate};
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 /// Most times as many substeps a cloth takes while a body comes through (dimensionless).
 pub(super) const MOST_FOR_BODIES: f32 = 8.0;
@@ -32,7 +32,7 @@ impl Stepped<'_> {
     /// Substeps that the next frame should take: as many as `stepping` says, or up to eight times as many. More while a body
     /// that is heavier than the cloth and moves much faster than the pins may meet it, or lies on it.
     #[must_use]
-    pub fn substeps(&self, stepping: &Stepping, state: &ClothState, scratch: &mut Scratch) -> u32 {
+    pub(crate) fn substeps(&self, stepping: &Stepping, state: &StateMut<'_>, scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = self.substeps_of_pull(stepping);
         scratch.fast_body = false;

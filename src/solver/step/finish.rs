@@ -4,15 +4,15 @@ use super::settling::{damp_oscillation, mean_square_speed};
 use super::shorten::shorten;
 use super::{Scratch, StepReport, Stepped};
 use crate::solver::integrate::spring;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 impl Stepped<'_> {
     /// Ends the frame; nothing when none was begun. `crowded`: whether it may touch cloth.
-    pub fn finish(&self, crowded: bool, state: &mut ClothState, scratch: &mut Scratch) -> Option<StepReport> {
+    pub(crate) fn finish(&self, crowded: bool, state: &mut StateMut<'_>, scratch: &mut Scratch) -> Option<StepReport> {
         let frame = scratch.frame.take()?;
         let Self { rest, fabric, .. } = *self;
         let mut report = frame.report;
-        state.time += f64::from(frame.dt);
+        *state.time += f64::from(frame.dt);
         Self::give_back(state, scratch);
         report.bend_held = scratch.bends.held(frame.h / frame.steps as f32);
         scratch.keep_air(state);

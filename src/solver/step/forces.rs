@@ -3,12 +3,12 @@
 use super::frame::Frame;
 use super::{Scratch, Stepped};
 use crate::solver::integrate::predict;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 use crate::solver::wind::Aerodynamics;
 
 impl Stepped<'_> {
     /// Evaluates the wind and gravity for the substeps until the wind is next evaluated.
-    pub(super) fn blow(&self, frame: &Frame, state: &ClothState, scratch: &mut Scratch) {
+    pub(super) fn blow(&self, frame: &Frame, state: &StateMut<'_>, scratch: &mut Scratch) {
         let Self { rest, fabric, input, .. } = *self;
         let (x, old) = (&state.positions, &state.previous);
         scratch.acceleration.clear();
@@ -16,12 +16,12 @@ impl Stepped<'_> {
         let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
         let hold = frame.dt / frame.gusts as f32;
         let faces = &rest.topology.faces;
-        scratch.wind.apply(input.wind, air, faces, x, old, state.substep, hold, &mut scratch.acceleration);
+        scratch.wind.apply(input.wind, air, faces, x, old, *state.substep, hold, &mut scratch.acceleration);
     }
 
     /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration
     /// times `push` `[s²]`.
-    pub(super) fn predict(&self, (carry, push): (f32, f32), state: &mut ClothState, scratch: &Scratch) {
+    pub(super) fn predict(&self, (carry, push): (f32, f32), state: &mut StateMut<'_>, scratch: &Scratch) {
         let (x, old) = (&mut state.positions, &mut state.previous);
         if self.input.wind.density > 0.0 {
             predict::predict(x, old, &scratch.acceleration, carry, push);
@@ -31,7 +31,7 @@ impl Stepped<'_> {
     }
 
     /// The way of a substep of `h` `[s]` over that of the last one (dimensionless), 0 after none.
-    pub(super) fn motion(state: &ClothState, h: f32) -> f32 {
-        if state.substep > 0.0 { h / state.substep } else { 0.0 }
+    pub(super) fn motion(state: &StateMut<'_>, h: f32) -> f32 {
+        if *state.substep > 0.0 { h / *state.substep } else { 0.0 }
     }
 }

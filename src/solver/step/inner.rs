@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::hold::hold_together;
 use super::{Scratch, Stepped};
 use crate::solver::integrate::anchor;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 impl Stepped<'_> {
     /// A substep in inner steps: forces, bending and membrane act in each. Bounds on lengths and soft pins follow at its end,
@@ -15,15 +15,15 @@ impl Stepped<'_> {
     /// Bounds and contacts act on the mean velocity of the substep, `(x - start) / h`. What they hold in its place so has none.
     /// That of the last inner step differs by what the forces of the substep do. The difference is [given
     /// back](Self::give_back) after contacts: no momentum is lost.
-    pub(super) fn advance_in_steps(&self, frame: &Frame, state: &mut ClothState, scratch: &mut Scratch) {
+    pub(super) fn advance_in_steps(&self, frame: &Frame, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, input } = *self;
         let (h, steps) = (frame.h, frame.steps as f32);
         let step = h / steps;
         let (s0, s1) = frame.span();
         let mut forces = frame.forces(step, Self::motion(state, h) / steps, scratch.last_step(state));
-        state.substep = h;
+        *state.substep = h;
         scratch.inner_steps = frame.steps;
-        (*scratch.late).clone_from(&state.positions);
+        state.positions.clone_into(&mut scratch.late);
         self.fold_again(frame, &state.positions, &mut state.folds, &mut scratch.bends);
         scratch.coupling.advance(h);
         scratch.inbound.clear();
@@ -32,7 +32,7 @@ impl Stepped<'_> {
             forces = frame.forces(step, 1.0, step);
             let x = &mut state.positions;
             if k == 1 && fabric.restitution > 0.0 {
-                scratch.inbound.extend(x.iter().zip(&state.previous).map(|(x, old)| (*x - *old) * steps));
+                scratch.inbound.extend(x.iter().zip(&*state.previous).map(|(x, old)| (*x - *old) * steps));
             }
             let at = |k: u32| s0 + (s1 - s0) * k as f32 / steps;
             let s = at(k);
@@ -52,7 +52,7 @@ impl Stepped<'_> {
         scratch.coupling.place(anchors, s1, x);
         anchor::solve_soft(anchors, s1, h, x);
         scratch.coupling.note(x);
-        self.bound_lengths(frame, state.substeps, scratch, x);
+        self.bound_lengths(frame, *state.substeps, scratch, x);
         if frame.taut {
             self.tighten(frame, x, scratch);
         }
@@ -60,8 +60,8 @@ impl Stepped<'_> {
     }
 
     /// Takes the mean velocity of the substep for that of the last of its inner `steps`, and notes the difference.
-    fn take_mean(steps: f32, state: &mut ClothState, scratch: &mut Scratch) {
-        for ((x, old), late) in state.positions.iter().zip(&mut state.previous).zip(scratch.late.iter_mut()) {
+    fn take_mean(steps: f32, state: &mut StateMut<'_>, scratch: &mut Scratch) {
+        for ((x, old), late) in state.positions.iter().zip(&mut *state.previous).zip(scratch.late.iter_mut()) {
             let start = core::mem::replace(late, (*x - *old) * steps - (*x - *late));
             *old = start;
         }
@@ -69,7 +69,7 @@ impl Stepped<'_> {
 
     /// Ends a substep taken [in inner steps](Self::advance_in_steps): velocities become those of the last, and what bounds and
     /// contacts added.
-    pub(super) fn give_back(state: &mut ClothState, scratch: &mut Scratch) {
+    pub(super) fn give_back(state: &mut StateMut<'_>, scratch: &mut Scratch) {
         for (old, late) in state.previous.iter_mut().zip(scratch.late.iter()) {
             *old -= *late;
         }

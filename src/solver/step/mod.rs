@@ -56,6 +56,7 @@ pub fn step(
     scratch: &mut Scratch,
 ) -> StepReport {
     let cloth = Stepped { rest, fabric, anchors, input: *input };
+    let state = &mut state.as_mut();
     cloth.begin(stepping, None, state, scratch);
     while cloth.constrain(state, scratch) {
         cloth.project(state, scratch);

@@ -7,7 +7,7 @@ use super::{Scratch, Stepped};
 use crate::solver::body::{Bearing, BodyContext, Projection, Touch};
 use crate::solver::couple::Coupling;
 use crate::solver::settings::Fabric;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 /// Most by which tethers give way, as a share of their length at rest (dimensionless). How fast they do, and come back `[1/s]`:
 /// cloth that is let go from a body would be thrown.
@@ -17,7 +17,7 @@ const GIVE_BACK: f32 = 0.5;
 
 impl Stepped<'_> {
     /// Puts what lies on bodies where [`Self::project`] will put it, until that begins; for what is done in between.
-    pub fn project_provisionally(&self, state: &mut ClothState, scratch: &mut Scratch) {
+    pub(crate) fn project_provisionally(&self, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, provisional, .. } = scratch;
         let mut context = self.context(span, coupling);
@@ -26,7 +26,7 @@ impl Stepped<'_> {
     }
 
     /// Ends the substep: keeps the cloth out of bodies, holds what slips on them, and keeps it within the limits of its skin.
-    pub fn project(&self, state: &mut ClothState, scratch: &mut Scratch) {
+    pub(crate) fn project(&self, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Some(frame) = scratch.frame else { return };
         let span = frame.span();
         scratch.provisional.restore(&mut state.positions);
@@ -53,7 +53,7 @@ impl Stepped<'_> {
     }
 
     /// Calls `lies` for particles that touched a body in the substep, with how that bears them.
-    pub(crate) fn each_on_body(&self, state: &ClothState, scratch: &mut Scratch, mut lies: impl FnMut(u32, Option<Bearing>)) {
+    pub(crate) fn each_on_body(&self, state: &StateMut<'_>, scratch: &mut Scratch, mut lies: impl FnMut(u32, Option<Bearing>)) {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, .. } = scratch;
         let mut context = self.context(span, coupling);
@@ -67,7 +67,7 @@ impl Stepped<'_> {
     }
 
     /// Pushes particles, then faces, out of bodies; the number of touches.
-    fn push_out(&self, span: (f32, f32), projection: Projection, state: &mut ClothState, scratch: &mut Scratch) -> u32 {
+    fn push_out(&self, span: (f32, f32), projection: Projection, state: &mut StateMut<'_>, scratch: &mut Scratch) -> u32 {
         let (x, old) = (&mut state.positions, &mut state.previous);
         let Scratch { contacts, faces, inbound, coupling, .. } = scratch;
         let mut context = self.context(span, coupling);
@@ -79,7 +79,7 @@ impl Stepped<'_> {
     }
 
     /// Holds what slips on bodies.
-    fn apply_friction(&self, span: (f32, f32), state: &mut ClothState, scratch: &mut Scratch) {
+    fn apply_friction(&self, span: (f32, f32), state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Scratch { contacts, faces, coupling, .. } = scratch;
         let mut context = self.context(span, coupling);
         contacts.apply_friction(&mut context, &mut state.positions, &state.previous);

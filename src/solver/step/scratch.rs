@@ -8,7 +8,9 @@ use crate::solver::buffer::Buffer;
 use crate::solver::couple::Coupling;
 use crate::solver::integrate::{air, bend, coarse, follow_the_leader, pull, spring, tether};
 use crate::solver::skinned::TangledLimits;
+#[cfg(feature = "debug")]
 use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 use crate::solver::wind::WindForces;
 
 /// Memory of one cloth that decides its next frame, such as contacts and loads. It also holds the factors that
@@ -106,8 +108,8 @@ impl Scratch {
     }
 
     /// The time over which velocities were the last substep's `[s]`: that of its last inner step.
-    pub(super) fn last_step(&self, state: &ClothState) -> f32 {
-        state.substep / self.inner_steps.max(1) as f32
+    pub(super) fn last_step(&self, state: &StateMut<'_>) -> f32 {
+        *state.substep / self.inner_steps.max(1) as f32
     }
 
     /// Takes no air along for the rest of the frame: what is tangled has none between its layers.
@@ -121,9 +123,9 @@ impl Scratch {
     }
 
     /// Ends a substep for the air: what it carries keeps of the change of velocity its share.
-    pub(super) fn keep_air(&mut self, state: &mut ClothState) {
+    pub(super) fn keep_air(&mut self, state: &mut StateMut<'_>) {
         self.carried.leave_out(self.contacts.touching().chain(self.faces.touching()));
-        self.carried.keep(state.substep, &state.positions, &mut state.previous);
+        self.carried.keep(*state.substep, &state.positions, &mut state.previous);
     }
 
     /// Particles that touched a body in the last substep, one once for each of its faces that did. Each comes with the force of

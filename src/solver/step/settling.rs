@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use super::Scratch;
 use crate::solver::scales::RESPONSE_TIME;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 /// Root mean square of the speeds over a frame below which a cloth begins to settle `[m/s]`; at twice that it no longer does.
 const SETTLING_SPEED: f32 = 0.03;
@@ -35,8 +35,8 @@ impl Scratch {
 
 /// Gives particles that hardly moved [`OSCILLATING`] since they were `before`, a substep being the `share` of that time, the
 /// speed with which they did.
-pub(super) fn damp_oscillation(before: &[Vec4], share: f32, state: &mut ClothState) {
-    for ((x, old), before) in state.positions.iter().zip(&mut state.previous).zip(before) {
+pub(super) fn damp_oscillation(before: &[Vec4], share: f32, state: &mut StateMut<'_>) {
+    for ((x, old), before) in state.positions.iter().zip(&mut *state.previous).zip(before) {
         let (motion, mean) = (*x - *old, (*x - *before) * share);
         if mean.length_squared() < OSCILLATING * OSCILLATING * motion.length_squared() {
             *old = *x - mean;

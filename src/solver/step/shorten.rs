@@ -5,7 +5,7 @@ use glam::Vec4;
 use super::{FrameInput, Scratch, Stepped};
 use crate::solver::body::{BodyContext, Projection, Touch};
 use crate::solver::integrate::spring;
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 /// Share of the thickness by which a particle that may touch cloth is moved at most, to shorten edges. Two that are moved
 /// farther could pass through each other unseen.
@@ -18,25 +18,25 @@ const FINISH_PASSES: u32 = 8;
 const EVEN: f32 = 0.2;
 
 /// Shortens edges that are beyond the strain limit at the end of a frame. No particle gains speed by it or goes into a body.
-pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut ClothState, scratch: &mut Scratch, mean_edge: f32) {
+pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut StateMut<'_>, scratch: &mut Scratch, mean_edge: f32) {
     let Stepped { rest, fabric, input: FrameInput { bodies, .. }, .. } = *cloth;
     let bound = 1.0 + fabric.strain_limit;
-    let x = &mut state.positions;
+    let x = &mut *state.positions;
     let before = &mut *scratch.before;
-    before.clone_from(x);
+    x.clone_into(before);
     scratch.overlong.find(&rest.springs, [bound; 2], x);
     scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES, x);
     // A cloth that is stretched as a whole would be crumpled.
     if mean_edge < 1.0 + EVEN * fabric.strain_limit && !scratch.follow_the_leader.is_empty() {
         let worst = spring::strain(&rest.springs, x).0;
-        (*scratch.displaced).clone_from(x);
+        x.clone_into(&mut scratch.displaced);
         scratch.follow_the_leader.solve(rest, bound, x);
         // Each particle was drawn to the last of its neighbours: even that out.
         scratch.overlong.find(&rest.springs, [bound; 2], x);
         scratch.overlong.shorten(&rest.springs, &scratch.springs, bound, FINISH_PASSES / 2, x);
         // Where what was drawn to one pin meets what was drawn to another, it does not fit.
         if spring::strain(&rest.springs, x).0 > worst {
-            x.clone_from(&scratch.displaced);
+            x.copy_from_slice(&scratch.displaced);
         }
     }
     // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked

@@ -7,7 +7,7 @@ use super::frame::Frame;
 use super::shorten::limit_ways;
 use super::strain::{TAUT, WILD};
 use super::{Scratch, Stepped};
-use crate::solver::state::ClothState;
+use crate::solver::state::StateMut;
 
 /// Sweeps for the strain limit in each substep of a taut cloth, and in each turn with contacts.
 const TAUT_SWEEPS: u32 = 2;
@@ -25,7 +25,7 @@ const CORNER_TURNS: u32 = 8;
 
 impl Stepped<'_> {
     /// Lists the springs that may get to the strain limit within the frame.
-    pub(super) fn find_tight(&self, settling: bool, state: &ClothState, scratch: &mut Scratch) {
+    pub(super) fn find_tight(&self, settling: bool, state: &StateMut<'_>, scratch: &mut Scratch) {
         // A settling cloth would feel a list that shrinks.
         let all = scratch.is_wild(self.fabric);
         scratch.tight.find(&self.rest.springs, self.fabric.strain_limit, (all, settling), &state.positions);
@@ -80,11 +80,11 @@ impl Stepped<'_> {
     /// Shortens edges that cloth holds beyond the strain limit, if one is [far beyond](WILD) it, or when `again` still
     /// [taut](TAUT); whether it is. No particle goes farther than a thickness in a substep. Only where cloth [stands
     /// alone](Self::stands_alone); `again` only what was shortened in the first turn.
-    pub(crate) fn shorten_overlong(&self, again: bool, state: &mut ClothState, scratch: &mut Scratch) -> bool {
+    pub(crate) fn shorten_overlong(&self, again: bool, state: &mut StateMut<'_>, scratch: &mut Scratch) -> bool {
         let Self { rest, fabric, .. } = *self;
         let bound = 1.0 + fabric.strain_limit;
         let from = if again { TAUT } else { WILD };
-        let x = &mut state.positions;
+        let x = &mut *state.positions;
         let alone = self.stands_alone(scratch);
         let Scratch { overlong, springs, displaced: before, .. } = scratch;
         if !again {
@@ -96,7 +96,7 @@ impl Stepped<'_> {
             return false;
         }
         if !again {
-            (**before).clone_from(x);
+            x.clone_into(before);
         }
         overlong.shorten(&rest.springs, springs, bound, TAUT_SWEEPS, x);
         limit_ways(x, before, fabric.thickness);

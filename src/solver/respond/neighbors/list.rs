@@ -1,11 +1,14 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
+use glam::Vec3;
+
 use super::narrow_phase::NarrowPhase;
 use super::near::{Found, REST_SHARE};
 use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::ProximityKind;
 use crate::solver::respond::contact::Contact;
+use crate::solver::respond::note_paired;
 
 /// Share of their thickness at which pairs are kept apart where how far they are is not up to them (dimensionless). That is
 /// where both sides are pinned somewhere, as cloth beside pins that are closer would have to stretch. It is around a tangle,
@@ -61,17 +64,20 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let contacts = &mut *self.contacts;
         let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
         let friction = Friction::between(rub(mine), rub(other));
-        let (slots, load) = (ids.map(|v| contacts.slot(v)), contacts.loads.of(pair.kind, ids));
+        let load = contacts.loads.of(pair.kind, ids);
+        let offset = if p == q { Vec3::ZERO } else { contacts.offset_of(self.surface, ids) };
+        note_paired(&mut contacts.paired, ids);
         contacts.pairs.push(Contact {
             kind: pair.kind,
             faces,
-            slots,
+            particles: ids,
             weights: pair.weights,
             normal,
             thickness,
             friction,
             restitution: mine.restitution.max(other.restitution),
             across: p != q,
+            offset,
             load: load.push,
             drive: load.drive,
             tangent_push: load.tangent_push,
