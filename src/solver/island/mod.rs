@@ -40,6 +40,8 @@ use super::detect::tree::Tree;
 use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
 use super::effort::Effort;
 use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
+#[cfg(feature = "debug")]
+use super::respond::Touching;
 use super::respond::{Contacts, NeighborList};
 use super::rollback::Rollback;
 use super::verdict::Verdict;

@@ -22,48 +22,12 @@ impl Island {
     /// Steps all cloths by a frame side by side, and keeps apart what touches. A cloth that cannot be stepped stays, and the
     /// others meet it where it is.
     pub(super) fn integrate(&mut self, cloths: &mut [Member<'_>]) {
-        if self.rollback.stayed() || self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
-            // Twice as many substeps for a while, as in an integrator that rejects a step. Not on bodies where only single
-            // particles were rolled back: a character's cape then was twice as often in a bone. Light cloth in gusts, eight
-            // seeds each at 40² and 30²: 280 of 4,800 frames cross without it, 51 with this.
-            self.refined_for = RESPONSE_TIME;
-        }
-        let refined = self.refined_for > 0.0;
-        let (mut count, mut longest, mut fast_body) = (0, 0.0f32, false);
-        for (part, m) in cloths.iter_mut().enumerate() {
-            count = count.max(m.cloth.substeps(m.stepping, &m.state.as_mut(), m.scratch));
-            fast_body |= m.scratch.meets_fast_body();
-            longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
-            if refined {
-                count = count.max(2 * substeps_of(m.stepping, m.cloth.input.dt));
-            }
-            if m.moves {
-                self.rollback.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
-            }
-        }
-        self.refined_for = (self.refined_for - longest).max(0.0);
-        self.can_roll_back &= self.rollback.knows();
-        let most = self.most.times((longest / LONGEST_LOOK).max(1.0));
-        (self.within, self.asked) = (most, most);
-        self.count = count;
+        let (longest, careful) = self.count_substeps(cloths);
+        let count = self.count;
         // Share of the time looked ahead that passes in a substep.
         let each = if self.horizon > 0.0 { longest / (count.max(1) as f32 * self.horizon) } else { 1.0 };
         let gap = (LOOK_AGAIN * count as f32 / longest.max(f32::MIN_POSITIVE)).round().max(1.0) as u32;
-        self.share = 0.0;
-        let tangled = !self.contours().is_empty();
-        self.contacts.set_offsets(&self.surface, cloths.iter().map(|m| m.offset));
-        self.moving.take_in(&self.surface, cloths);
-        for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
-            // Inner steps would draw back what untangling moves.
-            let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
-            let stepping = if tangled { &whole } else { m.stepping };
-            self.moving.step(part, m, |cloth, state, scratch| cloth.begin(stepping, Some(count), state, scratch));
-            if tangled {
-                m.scratch.leave_air();
-            }
-            let own = |p: u32| part.particles.contains(&p).then(|| p - part.particles.start);
-            m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
-        }
+        self.begin(longest, cloths);
         for n in 1..=count {
             self.contacts.age_support();
             self.note_start(cloths);
@@ -80,13 +44,60 @@ impl Island {
             self.limit_strain(cloths);
             self.share += each;
             if n < count {
-                let often = fast_body || refined || !self.can_roll_back || self.contacts.len() > CROWDED * self.surface.len();
+                let often = careful || !self.can_roll_back || self.contacts.len() > CROWDED * self.surface.len();
                 self.look_ahead(cloths, each, often || n % gap == 0);
             }
         }
         self.note_start(cloths);
         self.finish(cloths);
         self.moving.publish(&self.surface, cloths);
+    }
+
+    /// Counts the substeps, of which all take as many as the one that needs most. Returns the longest of their frames `[s]`,
+    /// and whether stray cloth is to be looked for in every substep.
+    fn count_substeps(&mut self, cloths: &mut [Member<'_>]) -> (f32, bool) {
+        if self.rollback.stayed() || self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
+            // Twice as many substeps for a while, as in an integrator that rejects a step. Not on bodies where only single
+            // particles were rolled back: a character's cape then was twice as often in a bone. Light cloth in gusts, eight
+            // seeds each at 40² and 30²: 280 of 4,800 frames cross without it, 51 with this.
+            self.refined_for = RESPONSE_TIME;
+        }
+        let refined = self.refined_for > 0.0;
+        let (mut longest, mut fast_body) = (0.0f32, false);
+        self.count = 0;
+        for m in cloths {
+            let count = m.cloth.substeps(m.stepping, &m.state.as_mut(), m.scratch);
+            let least = if refined { 2 * substeps_of(m.stepping, m.cloth.input.dt) } else { 0 };
+            self.count = self.count.max(count).max(least);
+            fast_body |= m.scratch.meets_fast_body();
+            longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
+        }
+        self.refined_for = (self.refined_for - longest).max(0.0);
+        (longest, fast_body || refined)
+    }
+
+    /// Begins a frame of `dt` `[s]`: takes all cloths in, and lets each find what it needs once.
+    fn begin(&mut self, dt: f32, cloths: &mut [Member<'_>]) {
+        for (part, m) in cloths.iter().enumerate().filter(|(_, m)| m.moves) {
+            self.rollback.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
+        }
+        self.can_roll_back &= self.rollback.knows();
+        let most = self.most.times((dt / LONGEST_LOOK).max(1.0));
+        (self.within, self.asked, self.share) = (most, most, 0.0);
+        let (count, tangled) = (self.count, !self.contours().is_empty());
+        self.contacts.set_offsets(&self.surface, cloths.iter().map(|m| m.offset));
+        self.moving.take_in(&self.surface, cloths);
+        for (part, m) in self.surface.parts.iter().zip(cloths) {
+            // Inner steps would draw back what untangling moves.
+            let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
+            let stepping = if tangled { &whole } else { m.stepping };
+            self.moving.step(part, m, |cloth, state, scratch| cloth.begin(stepping, Some(count), state, scratch));
+            if tangled {
+                m.scratch.leave_air();
+            }
+            let own = |p: u32| part.particles.contains(&p).then(|| p - part.particles.start);
+            m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
+        }
     }
 
     /// Calls `act` with each cloth and its particles.
@@ -98,7 +109,9 @@ impl Island {
 
     /// Puts what lies on bodies where they will put it.
     fn project_provisionally(&mut self, cloths: &mut [Member<'_>]) {
-        self.step_each(cloths, |cloth, state, scratch| cloth.project_provisionally(state, scratch));
+        self.step_each(cloths, |cloth, state, scratch| {
+            cloth.project_provisionally(state, scratch);
+        });
     }
 
     /// Keeps all cloths out of bodies, and notes what lies on those.

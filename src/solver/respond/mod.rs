@@ -38,6 +38,8 @@ use ground::Ground;
 use incidence::Incidence;
 use loads::{Load, Loads};
 pub(crate) use neighbors::{Moment, NeighborList};
+#[cfg(feature = "debug")]
+pub(crate) use touching::Touching;
 
 /// Pairs that may touch before the next frame. Positions are those of all particles of an island, each in the frame of
 /// simulation of its cloth.
@@ -335,16 +337,6 @@ impl Contacts {
             constraint.apply_friction(now, old);
             pairs[constraint.pair as usize].tangent_push = constraint.tangent_push.into();
         }
-    }
-
-    /// Whether pairs touched in the last substep.
-    pub(crate) fn has_constraints(&self) -> bool {
-        !self.constraints.is_empty()
-    }
-
-    /// Whether pairs met fast in the last substep.
-    pub(crate) fn has_impacts(&self) -> bool {
-        !self.impacts.is_empty()
     }
 
     /// Gives pairs that met fast in the last substep their speed apart; nothing moves.

@@ -31,7 +31,7 @@ impl Stepped<'_> {
         scratch.coupling.place(anchors, s, x);
         scratch.pulls.solve(s, h, x);
         scratch.coupling.note(x);
-        self.fold_again(frame, x, &mut state.folds, &mut scratch.bends);
+        self.fold_again(frame, x, state.folds, &mut scratch.bends);
         scratch.bends.solve(&rest.bends, h, x);
         self.bound_lengths(frame, *state.substeps, scratch, x);
         hold_together(rest, fabric, scratch, x);

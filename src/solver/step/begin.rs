@@ -33,11 +33,11 @@ impl Stepped<'_> {
         self.factor(h / steps as f32, state, scratch);
         self.choose_membrane(stepping, scratch);
         let settling = scratch.is_settling();
-        scratch.bends.fold(&rest.bends, fabric, &state.positions, &mut state.folds);
+        scratch.bends.fold(&rest.bends, fabric, state.positions, state.folds);
         self.damp(dt, state, scratch);
         let Scratch { pierced, tangled_limits, worst_edge, .. } = &mut *scratch;
         let skinned = input.skinned.map(|skinned| (skinned, &*tangled_limits));
-        pierced.find(input.bodies, skinned, fabric, &rest.springs, *worst_edge, &state.positions);
+        pierced.find(input.bodies, skinned, fabric, &rest.springs, *worst_edge, state.positions);
         self.gather_bodies(dt, state, scratch);
         let (strained, taut) = scratch.judge(fabric);
         self.take_air(settling || strained, state, scratch);
@@ -48,7 +48,7 @@ impl Stepped<'_> {
         state.positions.clone_into(&mut scratch.before);
         scratch.contacts.leave_out(&scratch.pinned_to_bodies);
         scratch.faces.leave_out(&scratch.pinned_to_bodies);
-        scratch.pinches.find(input.bodies, fabric.thickness, &state.positions);
+        scratch.pinches.find(input.bodies, fabric.thickness, state.positions);
         scratch.contacts.leave_out(scratch.pinches.particles());
         scratch.faces.leave_out(scratch.pinches.particles());
         scratch.contacts.let_through(&scratch.pierced);
@@ -69,7 +69,7 @@ impl Stepped<'_> {
 
     /// Begins the frame of `dt` `[s]` for the bodies that cloth moves, and lists the particles that are pinned to them.
     fn begin_coupling(&self, dt: f32, state: &StateMut<'_>, scratch: &mut Scratch) {
-        scratch.coupling.begin(dt, self.anchors, &state.positions);
+        scratch.coupling.begin(dt, self.anchors, state.positions);
         scratch.pinned_to_bodies.clear();
         scratch.pinned_to_bodies.extend(scratch.coupling.pinned_to_bodies(self.anchors));
         scratch.pinned_to_bodies.sort_unstable();
@@ -78,8 +78,8 @@ impl Stepped<'_> {
     /// Computes the factors of springs and of the coarse level for a `step` `[s]`, if they are for another.
     fn factor(&self, step: f32, state: &StateMut<'_>, scratch: &mut Scratch) {
         if scratch.factors_for != step {
-            scratch.springs.update(&self.rest.springs, self.fabric, &state.positions, step);
-            scratch.coarse.update(&self.rest.coarse, &state.positions);
+            scratch.springs.update(&self.rest.springs, self.fabric, state.positions, step);
+            scratch.coarse.update(&self.rest.coarse, state.positions);
             scratch.factors_for = step;
         }
     }
@@ -99,10 +99,10 @@ impl Stepped<'_> {
         let Self { rest, fabric, .. } = *self;
         if fabric.damping > 0.0 {
             let Scratch { motion, .. } = scratch;
-            damp::note(&state.positions, &state.previous, motion);
+            damp::note(state.positions, state.previous, motion);
             bend::rub(&rest.bends, fabric, dt, *state.substep, motion);
-            damp::solve(&rest.springs, fabric.damping, dt, &state.positions, motion);
-            damp::apply(&state.positions, motion, &mut state.previous);
+            damp::solve(&rest.springs, fabric.damping, dt, state.positions, motion);
+            damp::apply(state.positions, motion, state.previous);
         }
     }
 
@@ -116,13 +116,13 @@ impl Stepped<'_> {
             substep: *state.substep,
             gravity: input.gravity,
             thickness: fabric.thickness,
-            extra: anchors.longest_way().max(skin) + input.wind.fastest() * dt + scratch.pulls.reach(dt, &state.positions),
+            extra: anchors.longest_way().max(skin) + input.wind.fastest() * dt + scratch.pulls.reach(dt, state.positions),
         };
-        scratch.contacts.gather(input.bodies, &state.positions, &state.previous, &approach);
+        scratch.contacts.gather(input.bodies, state.positions, state.previous, &approach);
         let sheet = Sheet {
             topology: &rest.topology,
             longest_edge: scratch.longest_edge,
-            positions: &state.positions,
+            positions: state.positions,
             thickness: fabric.thickness,
         };
         scratch.faces.gather(input.bodies, &sheet, scratch.contacts.way(), dt);
@@ -133,7 +133,7 @@ impl Stepped<'_> {
         let Self { rest, fabric, input, .. } = *self;
         // Where little moves the air does nothing, and what is drawn back to its length must get there.
         let air = if none { 0.0 } else { air::share(fabric, scratch.area, input.gravity.length(), input.wind.density) };
-        scratch.carried.begin(air, rest, &state.positions);
+        scratch.carried.begin(air, rest, state.positions);
     }
 
     /// Makes room for all that may be laid on bodies in a substep.

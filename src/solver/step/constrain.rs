@@ -17,9 +17,9 @@ impl Stepped<'_> {
             scratch.keep_air(state);
         }
         if let Some(skinned) = self.input.skinned {
-            skinned.draw(scratch.pierced.drawn(), frame.span(), frame.h, &mut state.positions, &mut state.previous);
+            skinned.draw(scratch.pierced.drawn(), frame.span(), frame.h, state.positions, state.previous);
         }
-        scratch.carried.note(*state.substep, &state.positions, &state.previous);
+        scratch.carried.note(*state.substep, state.positions, state.previous);
         if frame.steps > 1 {
             self.advance_in_steps(&frame, state, scratch);
         } else {

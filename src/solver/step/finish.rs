@@ -20,17 +20,17 @@ impl Stepped<'_> {
         if frame.settling && fabric.damping > 0.0 {
             damp_oscillation(&scratch.before, 1.0 / report.substeps as f32, state);
         }
-        let speed2 = mean_square_speed(&state.positions, &scratch.before, frame.dt);
-        (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+        let speed2 = mean_square_speed(state.positions, &scratch.before, frame.dt);
+        (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, state.positions);
         scratch.worst_edge = report.worst_edge;
         if scratch.is_overlong(fabric) {
             shorten(self, crowded, state, scratch, report.mean_edge);
             // Pins on bodies that cloth moves have a mass, and yet stay where they are.
-            scratch.coupling.place(self.anchors, 1.0, &mut state.positions);
+            scratch.coupling.place(self.anchors, 1.0, state.positions);
             if let Some(skinned) = self.input.skinned {
-                skinned.limit_silently(&scratch.tangled_limits, &mut state.positions, &mut state.previous);
+                skinned.limit_silently(&scratch.tangled_limits, state.positions, state.previous);
             }
-            (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, &state.positions);
+            (report.worst_edge, report.mean_edge) = spring::strain(&rest.springs, state.positions);
         }
         self.count_for_heavy_bodies(scratch);
         scratch.note_speed(speed2, frame.dt);

@@ -24,7 +24,7 @@ impl Stepped<'_> {
         *state.substep = h;
         scratch.inner_steps = frame.steps;
         state.positions.clone_into(&mut scratch.late);
-        self.fold_again(frame, &state.positions, &mut state.folds, &mut scratch.bends);
+        self.fold_again(frame, state.positions, state.folds, &mut scratch.bends);
         scratch.coupling.advance(h);
         scratch.inbound.clear();
         for k in 1..=frame.steps {
@@ -38,7 +38,7 @@ impl Stepped<'_> {
             let s = at(k);
             anchor::solve_rigid(anchors, s, x);
             if let Some(skinned) = input.skinned {
-                skinned.drive([at(k - 1), s], step, &state.previous, x);
+                skinned.drive([at(k - 1), s], step, state.previous, x);
             }
             scratch.coupling.place(anchors, s, x);
             scratch.pulls.solve(s, step, x);

@@ -21,23 +21,23 @@ impl Stepped<'_> {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, provisional, .. } = scratch;
         let mut context = self.context(span, coupling);
-        contacts.project_provisionally(&mut context, &mut state.positions, provisional);
-        faces.project_provisionally(&mut context, &mut state.positions, provisional);
+        contacts.project_provisionally(&mut context, state.positions, provisional);
+        faces.project_provisionally(&mut context, state.positions, provisional);
     }
 
     /// Ends the substep: keeps the cloth out of bodies, holds what slips on them, and keeps it within the limits of its skin.
     pub(crate) fn project(&self, state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Some(frame) = scratch.frame else { return };
         let span = frame.span();
-        scratch.provisional.restore(&mut state.positions);
+        scratch.provisional.restore(state.positions);
         let touches = self.push_out(span, Projection::First, state, scratch);
         // Skinned cloth is laid on its bones instead, before each sweep of `tighten`.
         if frame.taut && scratch.faces.candidates() > 0 && self.input.skinned.is_none() {
-            self.tighten_over_corners(&frame, &mut state.positions, scratch);
+            self.tighten_over_corners(&frame, state.positions, scratch);
             self.push_out(span, Projection::Relax, state, scratch);
         }
         self.apply_friction(span, state, scratch);
-        scratch.faces.stop_again(&mut self.context(span, &mut scratch.coupling), &mut state.positions, &mut state.previous);
+        scratch.faces.stop_again(&mut self.context(span, &mut scratch.coupling), state.positions, state.previous);
         if let Some(skinned) = self.input.skinned {
             let (x, old) = (&mut state.positions, &mut state.previous);
             skinned.limit(&scratch.tangled_limits, [span.0, span.1], x, old);
@@ -45,7 +45,7 @@ impl Stepped<'_> {
         // Without a fast body once a frame is enough.
         if scratch.fast_body || span.1 == 1.0 {
             let since = if scratch.fast_body { frame.h } else { frame.dt };
-            scratch.give = give(self.fabric, scratch, &state.positions, since);
+            scratch.give = give(self.fabric, scratch, state.positions, since);
         }
         if let Some(frame) = &mut scratch.frame {
             frame.report.body_contacts = touches;
@@ -57,8 +57,8 @@ impl Stepped<'_> {
         let Some(span) = scratch.frame.as_ref().map(Frame::span) else { return };
         let Scratch { contacts, faces, coupling, .. } = scratch;
         let mut context = self.context(span, coupling);
-        contacts.each_touch(&mut context, &state.positions, &mut lies);
-        faces.each_touch(&mut context, &state.positions, &mut lies);
+        contacts.each_touch(&mut context, state.positions, &mut lies);
+        faces.each_touch(&mut context, state.positions, &mut lies);
     }
 
     /// Bodies at the end of the substep, as the cloth touches them. `span`: shares of the frame at which it begins and ends.
@@ -82,8 +82,8 @@ impl Stepped<'_> {
     fn apply_friction(&self, span: (f32, f32), state: &mut StateMut<'_>, scratch: &mut Scratch) {
         let Scratch { contacts, faces, coupling, .. } = scratch;
         let mut context = self.context(span, coupling);
-        contacts.apply_friction(&mut context, &mut state.positions, &state.previous);
-        faces.apply_friction(&mut context, &mut state.positions, &state.previous);
+        contacts.apply_friction(&mut context, state.positions, state.previous);
+        faces.apply_friction(&mut context, state.positions, state.previous);
     }
 }
 

@@ -125,7 +125,7 @@ impl Scratch {
     /// Ends a substep for the air: what it carries keeps of the change of velocity its share.
     pub(super) fn keep_air(&mut self, state: &mut StateMut<'_>) {
         self.carried.leave_out(self.contacts.touching().chain(self.faces.touching()));
-        self.carried.keep(*state.substep, &state.positions, &mut state.previous);
+        self.carried.keep(*state.substep, state.positions, state.previous);
     }
 
     /// Particles that touched a body in the last substep, one once for each of its faces that did. Each comes with the force of

@@ -28,7 +28,7 @@ impl Stepped<'_> {
     pub(super) fn find_tight(&self, settling: bool, state: &StateMut<'_>, scratch: &mut Scratch) {
         // A settling cloth would feel a list that shrinks.
         let all = scratch.is_wild(self.fabric);
-        scratch.tight.find(&self.rest.springs, self.fabric.strain_limit, (all, settling), &state.positions);
+        scratch.tight.find(&self.rest.springs, self.fabric.strain_limit, (all, settling), state.positions);
     }
 
     /// Shortens springs beyond the strain limit. Skinned cloth is laid on its bones before each sweep. It takes no
