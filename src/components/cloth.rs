@@ -13,14 +13,15 @@ use crate::schedule::ClothClock;
 
 /// Makes the [`Mesh3d`] of its entity a cloth.
 ///
-/// Everything else has defaults: [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`] say what it is made of, how exactly it is
-/// simulated and where it is held; [`ClothCollision`], [`ClothUntangling`] and [`ClothSkipFrame`] what happens when it meets
-/// itself or another cloth; [`ClothSleep`] when it is left alone; [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`] say
-/// how it fares. One that is removed while `Cloth` stays comes back as its default.
+/// Everything else has defaults, and what is removed while `Cloth` stays comes back as its default:
+/// - [`ClothMaterial`], [`ClothSolver`] and [`ClothPins`]: what it is made of, how exactly it is simulated, where it is held.
+/// - [`ClothCollision`], [`ClothUntangling`] and [`ClothSkipFrame`]: what happens when it meets itself or another cloth.
+/// - [`ClothSleep`]: when it is left alone.
+/// - [`ClothStatus`], [`ClothReport`] and [`ClothBuildReport`]: how it fares.
 ///
 /// Other components are optional: [`ClothWind`](crate::ClothWind), [`ClothCollisionLayers`](crate::ClothCollisionLayers),
 /// [`ClothLimits`](crate::ClothLimits) and [`ClothDrive`](crate::ClothDrive) on characters, [`ClothLod`](crate::ClothLod),
-/// [`ClothContactEvents`](crate::ClothContactEvents); and markers that switch something off for as long as they are there:
+/// [`ClothContactEvents`](crate::ClothContactEvents). Markers switch something off for as long as they are there:
 /// [`ClothDisabled`], [`ClothSleepDisabled`](crate::ClothSleepDisabled),
 /// [`ClothUntanglingDisabled`](crate::ClothUntanglingDisabled).
 ///

@@ -50,8 +50,8 @@ pub enum ClothCoupling {
 /// Impulses, displacement and turn that cloth gave a body with [`ClothCoupling::TwoWay`] in the last frame. Read it after
 /// [`ClothSystems::Integrate`](crate::ClothSystems::Integrate); written by the simulation.
 ///
-/// All of it is zero in a frame in which cloth does not move: time stands still, or the frame is shorter than a millisecond and
-/// is simulated together with the next.
+/// All of it is zero in a frame in which cloth does not move. Then time stands still, or the frame is shorter than a
+/// millisecond and is simulated together with the next.
 ///
 /// Contacts and rigid pins are counted. The load of pins is exact for all pins of a cloth together; several bodies share it by
 /// the strain at their pins. A body of avian is given all of it without a line of code.

@@ -160,7 +160,7 @@ impl ClothSettings {
         }
     }
 
-    /// Takes over what belongs to the cloth alone: all but pins, body and world.
+    /// Takes over what belongs to the cloth alone: all except pins, body and world.
     pub(super) fn take(&mut self, other: &Self) {
         let Self { pins, body, wind, gravity, budget, .. } = self;
         let (pins, body, budget) = (core::mem::take(pins), *body, *budget);

@@ -28,11 +28,17 @@ pub struct ClothState {
 /// A cloth while it is stepped: its [`ClothState`], with its particles where the island has them.
 #[derive(Debug)]
 pub(crate) struct StateMut<'a> {
+    /// As in [`ClothState`].
     pub positions: &'a mut [Vec4],
+    /// As in [`ClothState`].
     pub previous: &'a mut [Vec4],
+    /// As in [`ClothState`].
     pub folds: &'a mut Vec<Vec4>,
+    /// As in [`ClothState`].
     pub substep: &'a mut f32,
+    /// As in [`ClothState`].
     pub substeps: &'a mut u64,
+    /// As in [`ClothState`].
     pub time: &'a mut f64,
 }
 
@@ -43,9 +49,8 @@ impl ClothState {
         StateMut { positions, previous, folds, substep, substeps, time }
     }
 
-    /// The cloth with its particles elsewhere, where it is stepped: `xyz` `[m]`, `w` inverse mass `[1/kg]`, now and when the
-    /// substep began.
-    pub(crate) fn as_mut_at<'a>(&'a mut self, positions: &'a mut [Vec4], previous: &'a mut [Vec4]) -> StateMut<'a> {
+    /// The cloth with particles that an island has in place of its own: as many of both.
+    pub(crate) fn with_particles<'a>(&'a mut self, positions: &'a mut [Vec4], previous: &'a mut [Vec4]) -> StateMut<'a> {
         StateMut { positions, previous, ..self.as_mut() }
     }
 

@@ -96,9 +96,11 @@ pub(crate) struct Pushed {
     pub(crate) push: f32,
 }
 
-/// Pushes a particle out to the plane. `start`, `wanted`: its way in this substep `[m]`; `end`: where a sweep stopped it (equal
-/// to `wanted` without one) `[m]`; `recovery`: how far at most an overlap is brought out `[m]`; `rise`: how far over where it
-/// began what bounces ends `[m]`, 0: it does not.
+/// Pushes a particle out to the plane. All arguments are in `[m]`:
+/// - `start`, `wanted`: its way in this substep.
+/// - `end`: where a sweep stopped it; equal to `wanted` without one.
+/// - `recovery`: how far at most an overlap is brought out.
+/// - `rise`: how far over where it began what bounces ends; 0 where it does not bounce.
 #[inline]
 pub(crate) fn push_out(plane: Plane, start: Vec3A, wanted: Vec3A, end: Vec3A, recovery: f32, rise: f32) -> Pushed {
     let n = plane.normal;

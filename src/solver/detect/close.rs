@@ -12,8 +12,8 @@ use crate::solver::effort::Meter;
 const RINGS: u32 = 2;
 
 impl Detector {
-    /// Finds the pairs within `distance` `[m]` at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`; those
-    /// that come last are left out where there is too much work.
+    /// Finds the pairs within `distance` `[m]` at `positions` (`[m]`, `w` inverse mass), in a fixed order, into `found`. Where
+    /// there is too much work, those that come last are left out.
     pub(crate) fn close_pairs(
         &mut self,
         surface: &Surface,

@@ -229,7 +229,7 @@ impl Detector {
     fn cross(&mut self, surface: &Surface, positions: &[Vec4], meter: &Meter, pairs: impl FnOnce(&mut Tree, &mut Crosser<'_>)) {
         let Self { tree, asks, kinematic, moving, ties, doubtful, crossings, .. } = self;
         for ((part, out), moves) in surface.parts.iter().zip(kinematic.iter_mut()).zip(&*moving) {
-            let range = part.particles.start as usize..part.particles.end as usize;
+            let range = part.range();
             *out = !moves && positions[range].iter().all(|p| p.w == 0.0);
         }
         ties.directions.clear();

@@ -128,7 +128,7 @@ impl Surface {
 
     /// Gives a cloth other positions at rest `[m]`; false if it has another number of them.
     pub(crate) fn reshape(&mut self, part: usize, rest: &[Vec3]) -> bool {
-        let range = self.parts.get(part).map(|part| part.particles.start as usize..part.particles.end as usize);
+        let range = self.parts.get(part).map(Part::range);
         let Some(mine) = range.and_then(|range| self.rest.get_mut(range)).filter(|mine| mine.len() == rest.len()) else {
             return false;
         };

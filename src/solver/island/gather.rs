@@ -34,33 +34,19 @@ impl Island {
         self.substep[part] = state.substep;
         self.fixed[part] = fixed;
         self.untangler.detector.set_moving(part, fixed && state.positions.iter().any(|x| x.w > 0.0));
-        self.put(part, [&state.positions, &state.previous], offset, fixed);
+        let to = [&mut self.positions[range.clone()], &mut self.previous[range.clone()]];
+        put(to, &mut self.pinned[range], [&state.positions, &state.previous], offset, fixed);
     }
 
     /// Takes over a cloth that is being stepped.
-    pub(super) fn gather_moving(&mut self, part: usize, m: &Member<'_>) {
+    pub(super) fn gather_stepped(&mut self, part: usize, m: &Member<'_>) {
         self.substep[part] = m.state.substep;
         self.fixed[part] = false;
         self.untangler.detector.set_moving(part, false);
-        let moving = core::mem::take(&mut self.moving);
-        self.put(part, moving.of(&self.surface.parts[part]), m.offset, false);
-        self.moving = moving;
-    }
-
-    fn put(&mut self, part: usize, [positions, previous]: [&[Vec4]; 2], offset: Vec3, fixed: bool) {
-        debug_assert!(self.positions.len() == self.surface.len() && self.previous.len() == self.surface.len());
-        let (range, offset) = (self.range(part), offset.extend(0.0));
-        let all = self.positions[range.clone()].iter_mut().zip(&mut self.pinned[range.clone()]);
-        for ((to, pinned), from) in all.zip(positions) {
-            *to = *from + offset;
-            *pinned = from.w == 0.0;
-            if fixed {
-                to.w = 0.0;
-            }
-        }
-        for (to, from) in self.previous[range].iter_mut().zip(previous) {
-            *to = *from + offset;
-        }
+        let Self { surface, particles, positions, previous, pinned, .. } = self;
+        let (of, range) = (&surface.parts[part], surface.parts[part].range());
+        let to = [&mut positions[range.clone()], &mut previous[range.clone()]];
+        put(to, &mut pinned[range], particles.of(of), m.offset, false);
     }
 
     /// Says that cloth `part`, as gathered, stays where it is, whatever speed it had when it was stopped.
@@ -90,5 +76,20 @@ impl Island {
     pub(super) fn regather(&mut self, part: usize, state: &ClothState, offset: Vec3) {
         self.gather(part, state, offset, self.fixed[part]);
         (self.moved, self.stale) = (true, true);
+    }
+}
+
+/// Puts the particles of a cloth, moved by `offset` `[m]`, and notes which are pinned. What is `fixed` gets an infinite mass.
+fn put(to: [&mut [Vec4]; 2], pinned: &mut [bool], from: [&[Vec4]; 2], offset: Vec3, fixed: bool) {
+    let ([positions, previous], [now, old], offset) = (to, from, offset.extend(0.0));
+    for ((to, pinned), from) in positions.iter_mut().zip(pinned).zip(now) {
+        *to = *from + offset;
+        *pinned = from.w == 0.0;
+        if fixed {
+            to.w = 0.0;
+        }
+    }
+    for (to, from) in previous.iter_mut().zip(old) {
+        *to = *from + offset;
     }
 }

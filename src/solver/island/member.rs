@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::solver::detect::Part;
 use crate::solver::evaluate::Outcome;
 use crate::solver::fit::fit;
 use crate::solver::settings::Stepping;
@@ -26,7 +27,7 @@ pub struct Member<'a> {
     pub animation: Option<&'a dyn Animation>,
     /// From its frame of simulation to that of the island `[m]`.
     pub offset: Vec3,
-    /// Whether other cloths can push it.
+    /// Whether it is stepped. What is not is an obstacle for the others.
     pub moves: bool,
     /// Time that passes by its clock, whether it moves or not `[s]`.
     pub clock: f32,
@@ -45,6 +46,16 @@ pub struct Member<'a> {
 }
 
 impl Member<'_> {
+    /// Whether it has as many particles as its part of the island.
+    pub(super) fn fits(&self, part: &Part) -> bool {
+        [&self.state.positions, &self.state.previous].iter().all(|all| all.len() == part.particles.len())
+    }
+
+    /// Whether it fits, and is stepped.
+    pub(super) fn is_stepped(&self, part: &Part) -> bool {
+        self.moves && self.fits(part)
+    }
+
     /// Writes the pose that it is drawn to when nothing else helps `[m]`: the animated one, or the shape at rest where that
     /// fits best.
     pub(super) fn pose(&self, pose: &mut Vec<Vec3>) {

@@ -6,8 +6,8 @@
 //!
 //! [`Stage::FRAME`] is the whole frame: [`Island::run`] runs each stage once, in this order, for systems, scenes and recordings
 //! alike, on a slice of [`Member`]s. Integrate takes their particles in once, each cloth in its own frame of simulation, and
-//! publishes them once. Detect copies them into the frame of the island. While nothing crosses that writes nothing back, so
-//! that a clean cloth has the same bits with and without an island.
+//! publishes them once. Detect copies them into the frame of the island. While nothing crosses, Resolve writes nothing back: a
+//! clean cloth has the same bits with and without an island.
 
 mod detect;
 mod display;
@@ -15,7 +15,7 @@ mod gather;
 pub mod load;
 mod look;
 mod member;
-mod moving;
+mod particles;
 mod deferred;
 mod rescale;
 mod resolve;
@@ -45,7 +45,7 @@ use super::respond::Touching;
 use super::respond::{Contacts, NeighborList};
 use super::rollback::Rollback;
 use super::verdict::Verdict;
-use moving::Moving;
+use particles::StepParticles;
 use skins::Skins;
 use undo::Undo;
 
@@ -98,8 +98,8 @@ impl Default for UntangleSettings {
 pub struct Island {
     surface: Surface,
     untangler: Untangler,
-    /// All particles while they are stepped.
-    moving: Buffer<Moving>,
+    /// All particles while they are stepped, and while untangling keeps others apart.
+    particles: Buffer<StepParticles>,
     /// The same between the stages, in the frame of the island `[m]`.
     positions: Vec<Vec4>,
     previous: Vec<Vec4>,
@@ -227,7 +227,7 @@ impl Island {
     /// The pairs that touched in the last substep.
     #[cfg(feature = "debug")]
     pub(crate) fn touching_pairs(&self) -> impl Iterator<Item = Touching> + '_ {
-        self.contacts.touching_pairs(&self.positions)
+        self.contacts.touching_pairs(&self.surface, &self.particles.positions)
     }
 
     /// Calls `found` for every pair of different cloths that touched in the last substep. Its arguments are both cloths, a

@@ -6,7 +6,7 @@
 
 use glam::{Vec3, Vec4};
 
-use super::moving::Moving;
+use super::particles::StepParticles;
 use super::{Contacts, Island, MOST_ROUNDS, Member, UntangleSettings, parts_of_contours};
 use crate::solver::resolve::{Method, Untangler};
 use crate::solver::rollback::{Rollback, Tangle};
@@ -14,8 +14,8 @@ use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::step::{displace, relax};
 use crate::solver::verdict::Escalation;
 
-/// Last resorts (dimensionless): for so many times that time only what lies around a tangle is drawn to the pose, and within
-/// one more all of the cloth.
+/// Times [`Member::last_resort`] in which only what lies around a tangle is drawn to the pose (dimensionless). In the next one
+/// all of the cloth is.
 const AROUND: f32 = 4.0;
 
 impl Island {
@@ -163,9 +163,9 @@ impl Island {
         if self.contacts.is_empty() || self.start.len() != self.positions.len() {
             return;
         }
-        let Self { surface, contacts, moving, positions, previous, start, weights, weighed, caught, asked, .. } = self;
+        let Self { surface, contacts, particles, positions, previous, start, weights, weighed, caught, asked, .. } = self;
         // Pairs know each cloth in its frame of simulation.
-        let Moving { now, old } = &mut **moving;
+        let StepParticles { positions: now, previous: old } = &mut **particles;
         let offset = |contacts: &Contacts, v: usize| contacts.offset(surface.part(v as u32)).extend(0.0);
         for (own, all) in [(&mut *old, &**start), (&mut *now, &*positions)] {
             own.clear();
@@ -228,7 +228,7 @@ impl Island {
 
     /// For the case that bodies pushed what was rolled back, and something crosses again. The crossing particles go to the very
     /// place where they were when nothing crossed, or the cloths that cross as a whole. Returns whether anything was put back,
-    /// and is to be [scattered](Self::scatter) once more. Call it after [`Self::regather`].
+    /// and is to be [scattered](Self::scatter) once more.
     pub(super) fn stay(&mut self) -> bool {
         if !(self.stale && self.rollback.rolls_back()) {
             return false;

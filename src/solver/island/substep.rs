@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::moving::Moving;
+use super::particles::StepParticles;
 use super::{CROWDED, Island, LONGEST_LOOK, LOOK_AGAIN, Member};
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::settings::Stepping;
@@ -32,7 +32,7 @@ impl Island {
             self.contacts.age_support();
             self.note_start(cloths);
             let lies = self.lies_on_bodies(cloths);
-            self.step_each(cloths, |cloth, state, scratch| _ = cloth.constrain(state, scratch));
+            self.for_each(cloths, |cloth, state, scratch| _ = cloth.constrain(state, scratch));
             if lies {
                 self.project_provisionally(cloths);
             }
@@ -50,7 +50,7 @@ impl Island {
         }
         self.note_start(cloths);
         self.finish(cloths);
-        self.moving.publish(&self.surface, cloths);
+        self.particles.publish(&self.surface, cloths);
     }
 
     /// Counts the substeps, of which all take as many as the one that needs most. Returns the longest of their frames `[s]`,
@@ -66,7 +66,7 @@ impl Island {
         let (mut longest, mut fast_body) = (0.0f32, false);
         self.count = 0;
         for m in cloths {
-            let count = m.cloth.substeps(m.stepping, &m.state.as_mut(), m.scratch);
+            let count = m.cloth.substeps(m.stepping, &m.state.positions, m.scratch);
             let least = if refined { 2 * substeps_of(m.stepping, m.cloth.input.dt) } else { 0 };
             self.count = self.count.max(count).max(least);
             fast_body |= m.scratch.meets_fast_body();
@@ -86,12 +86,12 @@ impl Island {
         (self.within, self.asked, self.share) = (most, most, 0.0);
         let (count, tangled) = (self.count, !self.contours().is_empty());
         self.contacts.set_offsets(&self.surface, cloths.iter().map(|m| m.offset));
-        self.moving.take_in(&self.surface, cloths);
+        self.particles.take_in(&self.surface, cloths);
         for (part, m) in self.surface.parts.iter().zip(cloths) {
             // Inner steps would draw back what untangling moves.
             let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
             let stepping = if tangled { &whole } else { m.stepping };
-            self.moving.step(part, m, |cloth, state, scratch| cloth.begin(stepping, Some(count), state, scratch));
+            self.particles.with(part, m, |cloth, state, scratch| cloth.begin(stepping, Some(count), state, scratch));
             if tangled {
                 m.scratch.leave_air();
             }
@@ -101,24 +101,24 @@ impl Island {
     }
 
     /// Calls `act` with each cloth and its particles.
-    fn step_each(&mut self, cloths: &mut [Member<'_>], act: impl Fn(&Stepped<'_>, &mut StateMut<'_>, &mut Scratch)) {
+    fn for_each(&mut self, cloths: &mut [Member<'_>], act: impl Fn(&Stepped<'_>, &mut StateMut<'_>, &mut Scratch)) {
         for (part, m) in self.surface.parts.iter().zip(cloths) {
-            self.moving.step(part, m, &act);
+            self.particles.with(part, m, &act);
         }
     }
 
     /// Puts what lies on bodies where they will put it.
     fn project_provisionally(&mut self, cloths: &mut [Member<'_>]) {
-        self.step_each(cloths, |cloth, state, scratch| {
+        self.for_each(cloths, |cloth, state, scratch| {
             cloth.project_provisionally(state, scratch);
         });
     }
 
     /// Keeps all cloths out of bodies, and notes what lies on those.
     fn project(&mut self, cloths: &mut [Member<'_>]) {
-        let Self { surface, moving, contacts, .. } = self;
+        let Self { surface, particles, contacts, .. } = self;
         for (part, m) in surface.parts.iter().zip(cloths) {
-            moving.step(part, m, |cloth, state, scratch| {
+            particles.with(part, m, |cloth, state, scratch| {
                 cloth.project(state, scratch);
                 cloth.each_on_body(state, scratch, |p, bearing| contacts.touch_ground(part.particles.start + p, bearing));
             });
@@ -131,13 +131,13 @@ impl Island {
     fn finish(&mut self, cloths: &mut [Member<'_>]) {
         let crowded = !self.contacts.is_empty();
         for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
-            *m.report = self.moving.step(part, m, |cloth, state, scratch| cloth.finish(crowded, state, scratch)).flatten();
+            *m.report = self.particles.with(part, m, |cloth, state, scratch| cloth.finish(crowded, state, scratch)).flatten();
         }
         if crowded {
-            (*self.before).clone_from(&self.moving.now);
+            (*self.before).clone_from(&self.particles.positions);
         }
         if self.clamp_motion() {
-            let Moving { now, old } = &mut *self.moving;
+            let StepParticles { positions: now, previous: old } = &mut *self.particles;
             for p in self.contacts.stopped() {
                 let m = &cloths[usize::from(self.surface.part(p as u32))];
                 if m.scratch.is_settling() {
@@ -160,8 +160,12 @@ impl Island {
         if self.contacts.is_empty() {
             return;
         }
-        let Moving { now, old } = &*self.moving;
-        self.contacts.note_start(now, old, Self::substep(cloths));
+        let (StepParticles { positions, previous }, h) = (&*self.particles, Self::substep(cloths));
+        self.contacts.note_start(positions, previous, h);
+        for (part, m) in self.surface.parts.iter().zip(cloths).filter(|(_, m)| m.moves && m.state.substep != h) {
+            let share = if m.state.substep > 0.0 { h / m.state.substep } else { 0.0 };
+            self.contacts.scale_motion(part.range(), share);
+        }
     }
 
     /// Keeps apart what touches at the end of a substep; `lies`: cloth on bodies was laid there.
@@ -169,13 +173,13 @@ impl Island {
         if self.contacts.is_empty() {
             return;
         }
-        let Moving { now, old } = &mut *self.moving;
+        let StepParticles { positions: now, previous: old } = &mut *self.particles;
         self.contacts.touch(Self::substep(cloths), Self::gravity(cloths), now, old);
         if lies {
             // What was pushed into a body lies on it again.
             self.project_provisionally(cloths);
         }
-        let Moving { now, old } = &mut *self.moving;
+        let StepParticles { positions: now, previous: old } = &mut *self.particles;
         self.contacts.solve(now, old);
     }
 
@@ -191,12 +195,12 @@ impl Island {
                 let shorten = |cloth: &Stepped<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch| {
                     cloth.shorten_overlong(turn > 0, state, scratch)
                 };
-                any |= self.moving.step(part, m, shorten) == Some(true);
+                any |= self.particles.with(part, m, shorten) == Some(true);
             }
             if !any {
                 return;
             }
-            self.contacts.push_apart(&mut self.moving.now);
+            self.contacts.push_apart(&mut self.particles.positions);
             self.clamp_motion();
         }
     }
@@ -213,20 +217,20 @@ impl Island {
 
     /// Holds pairs that slip, when bodies have pushed, too.
     fn apply_friction(&mut self) {
-        let Moving { now, old } = &mut *self.moving;
+        let StepParticles { positions: now, previous: old } = &mut *self.particles;
         self.contacts.apply_friction(now, old);
     }
 
     /// Gives what met fast in the substep its speed apart, when bodies have pushed, too: they go by where it was when the
     /// substep began.
     fn apply_restitution(&mut self) {
-        let Moving { now, old } = &mut *self.moving;
+        let StepParticles { positions: now, previous: old } = &mut *self.particles;
         self.contacts.apply_restitution(now, old);
     }
 
     /// Stops on its way what would have passed through since [`Self::note_start`]; whether anything.
     fn clamp_motion(&mut self) -> bool {
-        !self.contacts.is_empty() && self.contacts.clamp_motion(&mut self.moving.now, &mut self.asked)
+        !self.contacts.is_empty() && self.contacts.clamp_motion(&mut self.particles.positions, &mut self.asked)
     }
 
     /// Looks for pairs again everywhere when the time looked ahead is up. Before that only when it is `due`, and where cloth
@@ -238,15 +242,16 @@ impl Island {
             return;
         }
         let mut strayed = over;
-        let cloths_that_move = self.surface.parts.iter().zip(cloths).zip(&self.touch).filter(|((_, m), _)| m.moves && !over);
-        for ((part, m), touch) in cloths_that_move {
-            let [now, old] = self.moving.of(part);
-            strayed |= self.neighbors.strayed(part.range().start, now, old, m.offset, next, touch.thickness);
+        for ((part, m), touch) in self.surface.parts.iter().zip(cloths).zip(&self.touch) {
+            if !over && m.is_stepped(part) {
+                let [positions, previous] = self.particles.of(part);
+                strayed |= self.neighbors.strayed(part.range().start, positions, previous, m.offset, next, touch.thickness);
+            }
         }
         if strayed {
             for (part, m) in cloths.iter().enumerate() {
-                if m.moves {
-                    self.gather_moving(part, m);
+                if m.is_stepped(&self.surface.parts[part]) {
+                    self.gather_stepped(part, m);
                 } else {
                     self.gather(part, m.state, m.offset, true);
                     self.hold(part);

@@ -123,8 +123,7 @@ impl Undo {
     }
 
     fn put_back(&self, surface: &Surface, part: usize, positions: &mut [Vec4], previous: &mut [Vec4]) {
-        let particles = &surface.parts[part].particles;
-        let range = particles.start as usize..particles.end as usize;
+        let range = surface.parts[part].range();
         let all = positions[range.clone()].iter_mut().zip(&mut previous[range.clone()]);
         for ((x, previous), &begun) in all.zip(&self.begun[range]) {
             *previous += begun - *x;

@@ -10,10 +10,10 @@
 //!
 //! | end type | first | when that makes no progress |
 //! |---|---|---|
-//! | BBII, BIBI, Closed, long LL | separate | push (BIBI, Closed: shrink), then in turn |
-//! | short LL | peel | shrink, peel, ... |
-//! | Cross | push | shrink, push, ..., peel |
-//! | Eight, BLI, unknown | shrink | push, shrink, ..., peel |
+//! | BBII, BIBI, Closed, long LL | translate | region push (BIBI, Closed: global gradient), then in turn |
+//! | short LL | gradient of stretches | global gradient, gradient of stretches, ... |
+//! | Cross | region push | global gradient, region push, ..., gradient of stretches |
+//! | Eight, BLI, unknown | global gradient | region push, global gradient, ..., gradient of stretches |
 //! | any, between two layers of clothing | into their order | |
 
 pub(crate) mod contour;
@@ -23,21 +23,21 @@ pub(crate) mod history;
 pub(crate) mod tracked;
 pub(crate) mod region;
 mod between;
-mod brake;
+mod approach;
 mod facing;
 mod layers;
 mod order;
 mod mark;
 mod nearest;
 mod patch;
-mod peel;
+mod stretch_gradient;
 mod plan;
 mod separation;
-mod push;
-mod separate;
-mod share;
-mod shift;
-mod shrink;
+mod region_push;
+mod translate;
+mod mass_split;
+mod displacements;
+mod global_gradient;
 mod turns;
 mod view;
 mod votes;
@@ -54,6 +54,7 @@ use crate::solver::effort::Effort;
 use crate::solver::verdict::{Escalation, Verdict};
 
 use between::Between;
+use displacements::Displacements;
 #[cfg(feature = "research")]
 use history::{History, Push};
 use layers::Layers;
@@ -61,7 +62,6 @@ use patch::Patch;
 use plan::Plans;
 use region::Flood;
 use separation::{Member, Separation};
-use shift::Shift;
 use tracked::TrackedContours;
 use view::View;
 
@@ -75,8 +75,8 @@ const EDGES_A_STALL: u32 = 4;
 /// Switches of strategy after each of which a contour may stall twice as long.
 const MOST_DOUBLINGS: u32 = 4;
 
-/// One in so many switches from a push is to peeling.
-const PEEL_EVERY: u32 = 4;
+/// One in so many switches from a region push is to the gradient of stretches.
+const STRETCH_EVERY: u32 = 4;
 
 /// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -146,8 +146,8 @@ pub struct Resolver {
     pulls: Buffer<Vec<Vec3>>,
     smooth: Buffer<Vec<Vec3>>,
     along: Buffer<Vec<Vec3>>,
-    shift: Buffer<Shift>,
-    brake: Buffer<Shift>,
+    displacements: Buffer<Displacements>,
+    approach: Buffer<Displacements>,
     patch: Patch,
     escalation: Escalation,
     layers: Layers,
@@ -229,12 +229,12 @@ impl Resolver {
         if positions.len() != surface.len() || previous.len() != surface.len() {
             return false;
         }
-        self.shift.of.resize(surface.len(), Vec4::ZERO);
-        self.brake.of.resize(surface.len(), Vec4::ZERO);
+        self.displacements.of.resize(surface.len(), Vec4::ZERO);
+        self.approach.of.resize(surface.len(), Vec4::ZERO);
         #[cfg(feature = "research")]
         if settings.method.remembers_sides() {
             self.remember(surface, detector, positions, settings.step);
-            self.shift.apply(positions, previous);
+            self.displacements.apply(positions, previous);
             return true;
         }
         let layered = settings.method == Method::ByEndType && surface.parts.windows(2).any(|p| p[0].layer != p[1].layer);
@@ -261,27 +261,27 @@ impl Resolver {
         }
         self.undo_contours(view, previous, settings);
         self.advance_plans();
-        self.brake.apply_to_velocity(positions, previous);
-        self.shift.apply(positions, previous);
+        self.approach.apply_to_velocity(positions, previous);
+        self.displacements.apply(positions, previous);
         true
     }
 
     /// One more iteration without a look, if plans take care of every contour analysed last; whether they do.
     pub(crate) fn carry_on(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
-        let planned = |l: &tracked::TrackedContour| l.strategy == Strategy::Separate && self.plans.is_live(l.plan);
+        let planned = |l: &tracked::TrackedContour| l.strategy == Strategy::Translate && self.plans.is_live(l.plan);
         if self.layers.any() || self.tracked.now.is_empty() || !self.tracked.now.iter().all(planned) {
             return false;
         }
         self.effort.spend(self.plans.moves());
         self.advance_plans();
-        self.shift.apply(positions, previous);
+        self.displacements.apply(positions, previous);
         true
     }
 
     /// One iteration of every plan.
     fn advance_plans(&mut self) {
-        self.layers.plans.advance(&mut self.shift);
-        self.plans.advance(&mut self.shift);
+        self.layers.plans.advance(&mut self.displacements);
+        self.plans.advance(&mut self.displacements);
     }
 
     /// Does to a contour what was decided.
@@ -289,35 +289,35 @@ impl Resolver {
         if self.graph.contours[contour].authored || self.is_ordered(view, contour) {
             return;
         }
-        if self.tracked.now[contour].strategy == Strategy::Peel {
-            self.peel(view, contour, settings.pace * step, settings);
+        if self.tracked.now[contour].strategy == Strategy::StretchGradient {
+            self.follow_stretch_gradient(view, contour, settings.pace * step, settings);
             return;
         }
-        let done = self.parts(view, contour, step, settings)
-            || (self.tracked.now[contour].strategy == Strategy::Push && self.push(view, contour, step, settings));
+        let done = self.translates(view, contour, step, settings)
+            || (self.tracked.now[contour].strategy == Strategy::RegionPush && self.push_region(view, contour, step, settings));
         if !done {
-            self.shrink(view, contour, step, true, settings);
+            self.follow_global_gradient(view, contour, step, true, settings);
         }
         self.stop_approach(view, previous, contour);
     }
 
-    /// Whether a contour is being separated, by a plan made before or now.
-    fn parts(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
+    /// Whether a contour is being translated apart, by a plan made before or now.
+    fn translates(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
         let tracked = self.tracked.now[contour];
-        if tracked.strategy != Strategy::Separate {
+        if tracked.strategy != Strategy::Translate {
             return false;
         }
         if self.plans.is_live(tracked.plan) {
             return true;
         }
-        if tracked.stalled < settings.stall_iterations && self.separate(view, contour, settings.pace * step) {
+        if tracked.stalled < settings.stall_iterations && self.translate_apart(view, contour, settings.pace * step) {
             return true;
         }
         let tracked = &mut self.tracked.now[contour];
         tracked.switch_to(if matches!(tracked.kind, ContourKind::Bibi | ContourKind::Closed) {
-            Strategy::Shrink
+            Strategy::GlobalGradient
         } else {
-            Strategy::Push
+            Strategy::RegionPush
         });
         false
     }
@@ -328,33 +328,33 @@ impl Resolver {
         let graph = &self.graph;
         self.tracked.carry(view.crossings, graph, |k| match graph.contours[k].kind {
             // Around the loop vertex of a cross both sides are one.
-            ContourKind::Cross if by_type => Strategy::Push,
-            ContourKind::Bbii | ContourKind::Bibi | ContourKind::Closed if by_type => Strategy::Separate,
-            ContourKind::Ll if by_type && graph.contours[k].count >= LONG => Strategy::Separate,
-            ContourKind::Ll if by_type => Strategy::Peel,
-            _ => Strategy::Shrink,
+            ContourKind::Cross if by_type => Strategy::RegionPush,
+            ContourKind::Bbii | ContourKind::Bibi | ContourKind::Closed if by_type => Strategy::Translate,
+            ContourKind::Ll if by_type && graph.contours[k].count >= LONG => Strategy::Translate,
+            ContourKind::Ll if by_type => Strategy::StretchGradient,
+            _ => Strategy::GlobalGradient,
         });
         for tracked in self.tracked.now.iter_mut().filter(|l| by_type && l.escalation < self.escalation) {
             tracked.switch_to(if self.escalation == Escalation::Regions && tracked.kind.separates() {
-                Strategy::Push
+                Strategy::RegionPush
             } else {
-                Strategy::Separate
+                Strategy::Translate
             });
             tracked.escalation = self.escalation;
         }
         let tracked = self.tracked.now.iter_mut().zip(&graph.contours);
-        for (tracked, contour) in tracked.filter(|(l, _)| by_type && l.strategy != Strategy::Separate) {
-            let edges = if tracked.strategy == Strategy::Push { tracked.longest / contour.edge } else { 0.0 };
+        for (tracked, contour) in tracked.filter(|(l, _)| by_type && l.strategy != Strategy::Translate) {
+            let edges = if tracked.strategy == Strategy::RegionPush { tracked.longest / contour.edge } else { 0.0 };
             if tracked.stalled
                 > (settings.stall_iterations + edges as u32 / EDGES_A_STALL) << tracked.switches.min(MOST_DOUBLINGS)
             {
                 let pushable =
                     matches!(tracked.kind, ContourKind::Bbii | ContourKind::Cross | ContourKind::Bibi | ContourKind::Closed);
                 tracked.switch_to(match tracked.strategy {
-                    Strategy::Shrink if pushable => Strategy::Push,
-                    Strategy::Push if tracked.switches % PEEL_EVERY != PEEL_EVERY - 1 => Strategy::Shrink,
-                    Strategy::Shrink | Strategy::Push => Strategy::Peel,
-                    Strategy::Peel | Strategy::Separate => Strategy::Shrink,
+                    Strategy::GlobalGradient if pushable => Strategy::RegionPush,
+                    Strategy::RegionPush if tracked.switches % STRETCH_EVERY != STRETCH_EVERY - 1 => Strategy::GlobalGradient,
+                    Strategy::GlobalGradient | Strategy::RegionPush => Strategy::StretchGradient,
+                    Strategy::StretchGradient | Strategy::Translate => Strategy::GlobalGradient,
                 });
             }
         }
@@ -369,7 +369,7 @@ impl Resolver {
         self.history.pushes(surface, detector, positions, (reach, thickness), &meter, &mut self.pushes);
         self.effort.spend(meter.spent());
         for &(v, by) in &self.pushes {
-            self.shift.add(v, by, step * surface.mean_edge);
+            self.displacements.add(v, by, step * surface.mean_edge);
         }
     }
 }

@@ -8,9 +8,9 @@ use glam::Vec3;
 use crate::solver::buffer::Buffer;
 
 use super::contour::ContourGraph;
+use super::displacements::Displacements;
+use super::mass_split::{load, shares};
 use super::separation::{Member, Seen, Separation, nodes};
-use super::share::{load, shares};
-use super::shift::Shift;
 use super::view::View;
 
 /// Strain of an edge along the way that the displacements may leave (dimensionless): a strip that was stabbed through a sheet
@@ -97,12 +97,12 @@ impl Plans {
     }
 
     /// One iteration of every plan.
-    pub(super) fn advance(&mut self, shift: &mut Shift) {
+    pub(super) fn advance(&mut self, displacements: &mut Displacements) {
         let mut k = 0;
         while k < self.live {
             let plan = &mut self.list[k];
             for &(v, by) in &plan.moves {
-                shift.add(v, by, by.length());
+                displacements.add(v, by, by.length());
             }
             plan.left -= 1;
             if plan.left == 0 {

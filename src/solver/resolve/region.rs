@@ -11,7 +11,7 @@
 
 use glam::Vec4;
 
-use super::share::{Load, load};
+use super::mass_split::{Load, load};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 

@@ -19,14 +19,14 @@ use super::votes::Votes;
 pub enum Strategy {
     /// Summed gradient and exact vertex gradient.
     #[default]
-    Shrink,
+    GlobalGradient,
     /// The region the contour cuts off is pushed back through it.
-    Push,
+    RegionPush,
     /// Both sides go apart along the cheapest of a few directions.
-    Separate,
+    Translate,
     /// Each stretch of the contour follows the gradient summed over its neighbourhood along the curve, not over the whole
     /// curve.
-    Peel,
+    StretchGradient,
 }
 
 /// One contour's memory.
@@ -158,7 +158,7 @@ impl TrackedContours {
             if let Some(old) = &mut old
                 && 2 * best.2 < best.0
             {
-                if old.strategy != Strategy::Push {
+                if old.strategy != Strategy::RegionPush {
                     old.mean_direction = -old.mean_direction;
                 }
                 if old.side < 2 {
@@ -167,7 +167,7 @@ impl TrackedContours {
             }
             let mut tracked = old.unwrap_or_else(|| TrackedContour { strategy: fresh(k), ..TrackedContour::new() });
             tracked.age += 1;
-            if !matches!(tracked.strategy, Strategy::Push | Strategy::Separate) && !tracked.waits {
+            if !matches!(tracked.strategy, Strategy::RegionPush | Strategy::Translate) && !tracked.waits {
                 tracked.progress(contour.length);
             }
             tracked.waits = false;

@@ -33,9 +33,9 @@ impl Resolver {
                 #[cfg(feature = "research")]
                 Method::History => {}
                 #[cfg(feature = "research")]
-                Method::LocalGradient => self.shrink_each(view, k, step),
+                Method::LocalGradient => self.follow_each_gradient(view, k, step),
                 #[cfg(feature = "research")]
-                Method::GlobalGradient => self.shrink(view, k, step, false, settings),
+                Method::GlobalGradient => self.follow_global_gradient(view, k, step, false, settings),
                 Method::ByEndType => self.undo(view, previous, k, step, settings),
             }
             self.count_visits();

@@ -48,7 +48,7 @@ impl Contacts {
         self.clamp_motion_except(now, effort, |_, _| false)
     }
 
-    /// As [`Self::clamp_motion`], but for pairs of which both sides are `free`: particles of the first and of the second.
+    /// As [`Self::clamp_motion`], except for pairs of which both sides are `free`: particles of the first and of the second.
     pub(crate) fn clamp_motion_except(
         &mut self,
         now: &mut [Vec4],
@@ -56,7 +56,7 @@ impl Contacts {
         free: impl Fn(&[u32], &[u32]) -> bool,
     ) -> bool {
         let Self { pairs, paired, start, cut, bounds, dividers, incidence, ground, .. } = self;
-        let start: &[Vec4] = start;
+        let start = start.positions.as_slice();
         let is_free = |pair: &Contact| {
             let (first, second) = pair.particles.split_at(pair.first());
             free(first, second)
@@ -468,6 +468,30 @@ mod tests {
             let moved = now.iter().zip(&start).filter(|(a, b)| a.distance(**b) > 1.0e-3).count();
             assert!(moved > 10, "only {moved} of 15 moved");
         }
+    }
+
+    #[test]
+    fn pairs_of_two_frames_of_simulation_are_stopped_where_they_are() {
+        let mut rng = fastrand::Rng::with_seed(9);
+        let offset = vec3(0.5, -1.0, 0.25);
+        let mut cut = 0;
+        for n in 0..2_000 {
+            let kind = if n % 2 == 0 { ProximityKind::VertexFace } else { ProximityKind::EdgeEdge };
+            let (pair, start, end) = pair(&mut rng, kind);
+            let elsewhere = |x: &[Vec4], by: Vec3| -> Vec<Vec4> {
+                let is_first = |i: usize| i < pair.first();
+                x.iter().enumerate().map(|(i, x)| if is_first(i) { *x + by.extend(0.0) } else { *x }).collect()
+            };
+            let mut now = end.clone();
+            Contacts::of_pairs(&[pair], &start).clamp_motion(&mut now, &mut effort());
+            let mut own = elsewhere(&end, -offset);
+            let apart = Contact { offset, ..pair };
+            Contacts::of_pairs(&[apart], &elsewhere(&start, -offset)).clamp_motion(&mut own, &mut effort());
+            let farthest = elsewhere(&own, offset).iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            assert!(farthest < 1.0e-4, "{n} {kind:?}: {farthest}");
+            cut += u32::from(now != end);
+        }
+        assert!(cut > 200, "{cut}");
     }
 
     #[test]

@@ -39,11 +39,10 @@ pub(super) struct Constraint {
     pub shares: [f32; 4],
     /// How far a unit push moves the closest points apart `[1/kg]`.
     pub mobility: f32,
-    /// Across the unit vector towards the first primitive, one thickness from the second. It is where the two are in one frame
-    /// of simulation.
+    /// From the frame of simulation of the first primitive to that of the second `[m]`.
+    pub offset: Vec3A,
+    /// Across the unit vector towards the first primitive, one thickness from the second.
     pub plane: Plane,
-    /// Distance kept `[m]`.
-    pub thickness: f32,
     pub friction: Friction,
     /// Speed apart after an impact over that of approach before (dimensionless); none on the wrong side.
     pub restitution: Option<f32>,
@@ -107,7 +106,7 @@ impl Constraint {
     pub(super) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
         let end = self.delta(now);
         let mut push = Vec3A::ZERO;
-        if self.plane.gap(end) < TOUCHING * self.thickness {
+        if self.plane.gap(end) < TOUCHING * self.plane.offset {
             let slipped = slip(self.plane.normal, end - self.delta(old));
             push = self.friction.hold(self.tangent_push + slipped, self.mean_load());
         }
@@ -140,17 +139,17 @@ impl Constraint {
 
     /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
     pub(super) fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
-        let way = self.along(self.particles.map(|s| Vec3A::from_vec4(positions[s as usize] - previous[s as usize])));
+        let way = self.along(self.particles.map(|p| Vec3A::from_vec4(positions[p as usize] - previous[p as usize])));
         let by = self.plane.normal * (way - apart);
         if by.is_finite() {
             self.move_by(by, previous);
         }
     }
 
-    /// From the closest point of the second primitive to that of the first `[m]`, each in its frame of simulation.
+    /// From the closest point of the second primitive to that of the first `[m]`.
     #[inline]
     fn delta(&self, points: &[Vec4]) -> Vec3A {
-        sum(&self.weights, &self.particles.map(|s| points[s as usize])).into()
+        Vec3A::from(sum(&self.weights, &self.particles.map(|p| points[p as usize]))) + self.offset
     }
 
     /// How far apart four vectors are along the normal, the closest points of either side.
@@ -182,8 +181,8 @@ mod tests {
             weights: [1.0, -1.0, 0.0, 0.0],
             shares: [0.5, -0.5, 0.0, 0.0],
             mobility: 2.0,
+            offset: Vec3A::ZERO,
             plane: Plane { normal: Vec3A::Y, offset: 1.0 },
-            thickness: 1.0,
             friction: Friction { fixed: friction, sliding: friction },
             restitution: Some(0.5),
             floor: 0.0,

@@ -12,22 +12,22 @@ const SAME: f32 = 0.999;
 pub(super) struct Ground {
     /// Last normal of each particle, or [`NONE`].
     last: Vec<u32>,
-    /// Each with how far along it the body put the particle in the substep `[m]`, and the one of the particle
-    /// before it, or [`NONE`].
+    /// Each with how far along it the body put the particle in the substep `[m]`, and the one before it
+    /// of its particle, or [`NONE`].
     normals: Vec<(Vec3A, f32, u32)>,
     /// Sum of the ways of what they lie on in the substep `[m]`.
     ways: Vec3A,
 }
 
 impl Ground {
-    /// Nothing lies on anything, among so many `particles`.
-    pub(super) fn begin(&mut self, particles: usize) {
+    /// Nothing lies on anything, among so many `particles`, of which so many are `paired`.
+    pub(super) fn begin(&mut self, particles: usize, paired: usize) {
         self.ways = Vec3A::ZERO;
         self.normals.clear();
         self.last.clear();
         self.last.resize(particles, NONE);
         // Corners of boxes have three, and what lies flat has one.
-        self.normals.reserve(2 * particles);
+        self.normals.reserve(2 * paired);
     }
 
     /// A body that went `way` `[m]` pushes a particle along `normal`, and has put it so far from where it was `[m]`.

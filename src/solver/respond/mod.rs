@@ -5,6 +5,7 @@
 //! each substep   Contacts::touch          closest points again ─► what touches, pushed one thickness apart
 //!                Contacts::solve          the same in more passes ─► friction of the last substep
 //!                Contacts::apply_friction when bodies have pushed, too: what still slips is held
+//!                Contacts::apply_restitution what met fast gets its speed apart
 //!                Contacts::clamp_motion   what would still pass through is stopped on its way
 //! ```
 //!
@@ -25,6 +26,8 @@ mod loads;
 mod depth;
 #[cfg(feature = "debug")]
 mod touching;
+
+use core::ops::Range;
 
 use glam::{Vec3, Vec3A, Vec4};
 
@@ -47,17 +50,13 @@ pub(crate) use touching::Touching;
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Contacts {
     pairs: Vec<Contact>,
-    /// Whether each particle is part of a pair.
+    /// Whether each particle was part of a pair since the last look at everything.
     paired: Vec<bool>,
     /// From the frame of simulation of each cloth to that of the island `[m]`.
     offsets: Vec<Vec3>,
     /// Constraints of pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
     impacts: Buffer<Vec<(u32, f32)>>,
-    /// Positions at the start of the substep, whatever was done to velocities since (`[m]`, `w` inverse mass `[1/kg]`), and a
-    /// time before it `[m]`; one over that time `[1/s]`.
-    start: Buffer<Vec<Vec4>>,
-    before: Buffer<Vec<Vec4>>,
-    per_second: f32,
+    start: Buffer<Start>,
     /// Pass of the CCD in which each particle was last stopped.
     cut: Buffer<Vec<u8>>,
     /// How far each particle may go at last `[m]`.
@@ -83,6 +82,23 @@ pub(crate) struct Contacts {
     substep: f32,
 }
 
+/// Where all particles are when a substep begins, whatever is done to velocities since.
+#[derive(Debug, Default)]
+struct Start {
+    /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`.
+    positions: Vec<Vec4>,
+    /// Where they were the time of a substep before `[m]`, and one over that time `[1/s]`.
+    previous: Vec<Vec4>,
+    per_second: f32,
+}
+
+impl Start {
+    /// Velocity of a particle `[m/s]`.
+    fn velocity(&self, particle: usize) -> Vec3A {
+        Vec3A::from_vec4(self.positions[particle] - self.previous[particle]) * self.per_second
+    }
+}
+
 /// Speed at which pairs that are closer than their thickness are taken apart `[m/s]`.
 const RECOVERY_SPEED: f32 = 0.5;
 
@@ -104,10 +120,10 @@ impl Contacts {
         self.close.clear();
         self.constraints.clear();
         self.impacts.clear();
-        self.ground.begin(0);
+        self.ground.begin(0, 0);
     }
 
-    /// Forgets all pairs but those on the wrong side, which would take it for the right one.
+    /// Forgets all pairs except those on the wrong side, which would take it for the right one.
     fn begin(&mut self) {
         self.coincide = false;
         let (close, listed, touching) = (self.close.len(), self.pairs.len(), self.constraints.len());
@@ -194,7 +210,7 @@ impl Contacts {
         inverted.sort_unstable();
     }
 
-    /// Forgets all pairs but those to `keep`, and notes what the others bear.
+    /// Forgets all pairs except those to `keep`, and notes what the others bear.
     fn forget_all_but(&mut self, keep: impl Fn(&Contact) -> bool) {
         let Self { pairs, loads, constraints, impacts, .. } = self;
         // They index pairs.
@@ -229,7 +245,7 @@ impl Contacts {
         self.depths.ground(particle);
         let v = particle as usize;
         if let Some(Bearing { at, normal, way }) = bearing.filter(|_| self.paired.get(v) == Some(&true))
-            && let Some(start) = self.start.get(v)
+            && let Some(start) = self.start.positions.get(v)
         {
             self.ground.add(particle, normal, way, at - Vec3A::from_vec4(*start));
         }
@@ -253,24 +269,35 @@ impl Contacts {
         self.offsets.get(usize::from(part)).copied().unwrap_or_default()
     }
 
-    /// From the frame of simulation of the first primitive of a pair to that of the second `[m]`.
-    fn offset_of(&self, surface: &Surface, particles: [u32; 4]) -> Vec3 {
-        offset_between(&self.offsets, surface, particles)
+    /// Lists a pair.
+    fn push(&mut self, surface: &Surface, mut pair: Contact) {
+        pair.offset = offset_between(&self.offsets, surface, pair.particles);
+        note_paired(&mut self.paired, pair.particles);
+        self.pairs.push(pair);
     }
 
     /// Begins a substep: notes where all are (`[m]`, `w` inverse mass), and where they were a time of `h` `[s]` before `[m]`.
     pub(crate) fn note_start(&mut self, positions: &[Vec4], previous: &[Vec4], h: f32) {
         let n = positions.len();
-        positions.clone_into(&mut self.start);
-        previous.clone_into(&mut self.before);
-        self.per_second = if h > 0.0 { h.recip() } else { 0.0 };
+        positions.clone_into(&mut self.start.positions);
+        previous.clone_into(&mut self.start.previous);
+        self.start.per_second = if h > 0.0 { h.recip() } else { 0.0 };
         // For the CCD, which mostly needs none of them.
-        self.ground.begin(n);
+        self.ground.begin(n, self.paired.iter().filter(|paired| **paired).count());
         self.bounds.clear();
         self.bounds.reserve(n);
         self.dividers.clear();
         self.dividers.reserve(self.pairs.capacity());
         self.incidence.reserve(n, self.pairs.capacity());
+    }
+
+    /// The time since the positions before is another for these particles: a `share` of their way is what they went in that of
+    /// the others.
+    pub(crate) fn scale_motion(&mut self, particles: Range<usize>, share: f32) {
+        let Start { positions, previous, .. } = &mut *self.start;
+        for (old, x) in previous[particles.clone()].iter_mut().zip(&positions[particles]) {
+            *old = *x + (*old - *x) * share;
+        }
     }
 
     /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along
@@ -299,8 +326,7 @@ impl Contacts {
 
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around.
     pub(crate) fn solve(&mut self, now: &mut [Vec4], old: &[Vec4]) {
-        let Self { pairs, start, before, per_second, impacts, constraints, .. } = self;
-        let velocity = |p: usize| Vec3A::from_vec4(start[p] - before[p]) * *per_second;
+        let Self { pairs, start, impacts, constraints, .. } = self;
         constraints.iter_mut().for_each(|constraint| constraint.note_start(old));
         for _ in 1..PASSES {
             constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
@@ -310,7 +336,7 @@ impl Contacts {
             let pair = &mut pairs[constraint.pair as usize];
             (pair.load, pair.drive) = (constraint.mean_load(), constraint.mean_drive(pair.drive));
             constraint.warm_start(now);
-            impacts.extend(constraint.impact(velocity).map(|apart| (i, apart)));
+            impacts.extend(constraint.impact(|p| start.velocity(p)).map(|apart| (i, apart)));
         }
         debug_assert!(self.is_consistent());
     }
@@ -359,6 +385,6 @@ fn note_paired(paired: &mut [bool], particles: [u32; 4]) {
 
 /// From the frame of simulation of the first primitive of a pair to that of the second `[m]`.
 fn offset_between(offsets: &[Vec3], surface: &Surface, [first, .., second]: [u32; 4]) -> Vec3 {
-    let of = |particle: u32| offsets[usize::from(surface.part(particle))];
+    let of = |particle: u32| offsets.get(usize::from(surface.part(particle))).copied().unwrap_or_default();
     of(first) - of(second)
 }

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::Contacts;
-use crate::solver::detect::ProximityKind;
+use crate::solver::detect::{ProximityKind, Surface};
 
 /// A pair that touched in the last substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,17 +20,22 @@ pub(crate) struct Touching {
 }
 
 impl Contacts {
-    /// The pairs that touched when last [solved](Self::solve), of particles at `positions` `[m]` in the frame of the island. The
-    /// next look for pairs forgets them.
+    /// The pairs that touched when last [solved](Self::solve), of particles at `positions` `[m]`, each in the frame of simulation
+    /// of its cloth. The next look for pairs forgets them.
     ///
     /// Force `F = C / (h² Σ w² m⁻¹)`, a mean over the last substeps. `C` is the push of a pair in a substep `h`, `w` are
     /// weights of the closest points, `m` masses as they were pushed.
-    pub(crate) fn touching_pairs<'a>(&'a self, positions: &'a [Vec4]) -> impl Iterator<Item = Touching> + 'a {
+    pub(crate) fn touching_pairs<'a>(
+        &'a self,
+        surface: &'a Surface,
+        positions: &'a [Vec4],
+    ) -> impl Iterator<Item = Touching> + 'a {
         self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(move |pair| {
-            let [Some(a), Some(b), Some(c), Some(d)] = pair.particles.map(|p| positions.get(p as usize)) else { return None };
-            let x = [a, b, c, d];
+            let [.., second] = pair.particles;
+            let x = pair.particles.iter().all(|p| (*p as usize) < positions.len()).then(|| pair.points(positions))?;
+            let offset = self.offset(surface.part(second));
             let of = |range: core::ops::Range<usize>, sign: f32| -> Vec3 {
-                range.map(|i| x[i].truncate() * (sign * pair.weights[i])).sum()
+                range.map(|i| (x[i].truncate() + offset) * (sign * pair.weights[i])).sum()
             };
             let split = pair.first();
             let force = pair.drive / (self.substep * self.substep);

@@ -27,8 +27,8 @@ use pins::Pins;
 /// particle that was moved farther, by a teleport, is not rolled back.
 const FARTHEST_EDGES: f32 = 4.0;
 
-/// How far single particles are put back, in mean edges: farther, they would tear at their neighbours, and the cloth is put
-/// back as a whole.
+/// How far single particles are put back, in mean edges. Farther, they would tear at their neighbours: the cloth is put back as
+/// a whole.
 const ALONE_EDGES: f32 = 1.0;
 
 /// How far a particle may be from where a frame left it when the next one begins, in mean edges.
@@ -67,9 +67,10 @@ pub(crate) struct Rollback {
     /// Which particles were rolled back in this frame, and in the one before.
     restored: Vec<bool>,
     was_restored: Vec<bool>,
-    /// Motion since then that particles which were rolled back have kept, and that of the particle of each contour that moved
-    /// least `[m]`: what rests is not put where what fell on it went.
+    /// Motion since then that particles which were rolled back have kept `[m]`.
     kept: Buffer<Vec<Vec3A>>,
+    /// Motion since then of the particle of each contour that moved least `[m]`: what rests is not put where what fell on it
+    /// went.
     least: Buffer<Vec<Vec3A>>,
     /// Substeps of the frame.
     substeps: f32,
@@ -118,7 +119,7 @@ impl Rollback {
         if is_clean {
             self.clean.extend_from_slice(positions);
             self.fastest.clear();
-            self.fastest.extend(surface.parts.iter().map(|part| fastest(range(part), positions, previous)));
+            self.fastest.extend(surface.parts.iter().map(|part| fastest(part.range(), positions, previous)));
         }
         self.stays = if self.stayed { self.stays + 1 } else { 0 };
         (self.rolls_back, self.stayed) = (false, false);
@@ -128,7 +129,7 @@ impl Rollback {
     /// to begin the next frame at `positions`, `offset` `[m]` from the frame of the island.
     pub(crate) fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
         let limit = MOVED_EDGES * surface.mean_edge;
-        let clean = surface.parts.get(part).and_then(|part| self.clean.get(range(part))).unwrap_or_default();
+        let clean = surface.parts.get(part).and_then(|part| self.clean.get(part.range())).unwrap_or_default();
         let is_elsewhere = |(x, clean): (&Vec4, &Vec4)| {
             !(Vec3A::from_vec4(*x - *clean + offset.extend(0.0)).length_squared() <= limit * limit)
         };
@@ -163,7 +164,7 @@ impl Rollback {
         self.kept.resize(positions.len(), Vec3A::ZERO);
         for ((i, part), &before) in surface.parts.iter().enumerate().zip(&self.fastest) {
             // What was stopped on its way flew before.
-            let flown = fastest(range(part), positions, previous).max(before) * self.substeps;
+            let flown = fastest(part.range(), positions, previous).max(before) * self.substeps;
             let farthest = FARTHEST_EDGES * surface.mean_edge + if flown.is_finite() { flown } else { 0.0 };
             // What no contact keeps apart would have to be rolled back for ever.
             self.farthest.push(if takes_part.get(i) == Some(&true) { farthest } else { 0.0 });
@@ -270,9 +271,8 @@ impl Rollback {
     }
 
     /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere: no other place is known to
-    /// be clean. No more than a few frames in a row. Velocity is kept,
-    /// except that particles that were rolled back go on with what they had kept: they would do the same again. A cloth that
-    /// came from far does not stay.
+    /// be clean. No more than a few frames in a row. Velocity is kept, except that particles that were rolled back go on with
+    /// what they had kept: they would do the same again. A cloth that came from far does not stay.
     pub(crate) fn restore_cloths(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         if self.stays >= MOST_STAYS {
             return false;
@@ -284,10 +284,10 @@ impl Rollback {
             let is_far = |(now, then): (&Vec4, &Vec4)| {
                 now.w > 0.0 && Vec3A::from_vec4(*now - *then).length_squared() > self.farthest[i] * self.farthest[i]
             };
-            if positions[range(part)].iter().zip(&self.clean[range(part)]).any(is_far) {
+            if positions[part.range()].iter().zip(&self.clean[part.range()]).any(is_far) {
                 continue;
             }
-            for v in range(part) {
+            for v in part.range() {
                 let by = (self.clean[v] - positions[v]).truncate().extend(0.0);
                 if positions[v].w > 0.0 && by.is_finite() {
                     any |= by != Vec4::ZERO;
@@ -309,10 +309,6 @@ impl Rollback {
         self.crossed.resize(tangle.surface.parts.len(), false);
         tangle.particles().for_each(|(_, v)| self.crossed[usize::from(tangle.surface.part(v))] = true);
     }
-}
-
-fn range(part: &Part) -> Range<usize> {
-    part.particles.start as usize..part.particles.end as usize
 }
 
 /// Longest way of a free particle `[m]`.

@@ -24,7 +24,7 @@ impl Stepped<'_> {
             return;
         }
         let dt = input.dt.min(stepping.max_frame);
-        let substeps = count.unwrap_or_else(|| self.substeps(stepping, state, scratch)).max(1);
+        let substeps = count.unwrap_or_else(|| self.substeps(stepping, state.positions, scratch)).max(1);
         let h = dt / substeps as f32;
         self.begin_coupling(dt, state, scratch);
         // Bodies that pins move go along in substeps, and of a first frame nobody knows whether it is tangled.

@@ -1,12 +1,11 @@
 //! How many substeps a frame takes, and how many inner steps each of them.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::strain::LEAST_LIMIT;
 use super::{Scratch, Stepped};
 use crate::solver::body::Body;
 use crate::solver::settings::{Stepping, drape_rate};
-use crate::solver::state::StateMut;
 
 /// Most times as many substeps a cloth takes while a body comes through (dimensionless).
 pub(super) const MOST_FOR_BODIES: f32 = 8.0;
@@ -30,9 +29,10 @@ pub(crate) fn substeps_of(stepping: &Stepping, dt: f32) -> u32 {
 
 impl Stepped<'_> {
     /// Substeps that the next frame should take: as many as `stepping` says, or up to eight times as many. More while a body
-    /// that is heavier than the cloth and moves much faster than the pins may meet it, or lies on it.
+    /// that is heavier than the cloth and moves much faster than the pins may meet it, or lies on it. `positions` `[m]`: where
+    /// the cloth is.
     #[must_use]
-    pub(crate) fn substeps(&self, stepping: &Stepping, state: &StateMut<'_>, scratch: &mut Scratch) -> u32 {
+    pub(crate) fn substeps(&self, stepping: &Stepping, positions: &[Vec4], scratch: &mut Scratch) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = self.substeps_of_pull(stepping);
         scratch.fast_body = false;
@@ -62,7 +62,7 @@ impl Stepped<'_> {
             return self.at_most(count * for_heavy_body, stepping);
         }
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let (low, high) = state.positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
+        let (low, high) = positions.iter().fold(none, |(low, high), x| (low.min(x.truncate()), high.max(x.truncate())));
         let (low, high) = (low.min(low + mean) - fabric.thickness, high.max(high + mean) + fabric.thickness);
         for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| counts(body)) {
             let (finite, times) = (mass(body).is_finite(), haste(body).min(MOST_FOR_BODIES).ceil() as u32);

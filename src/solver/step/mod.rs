@@ -65,7 +65,7 @@ pub fn step(
 }
 
 /// What a cloth is stepped with. [`step`] does all of a frame. Cloths that touch each other go through it side by side. They
-/// are kept apart before [`project`](Self::project), and rub after it.
+/// are kept apart before bodies push them, and rub after that.
 #[derive(Clone, Copy, Debug)]
 pub struct Stepped<'a> {
     /// Rest shape.

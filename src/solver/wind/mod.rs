@@ -93,7 +93,7 @@ impl Wind {
         self.zones.iter().fold(finite(self.velocity), |wind, zone| zone.blend(point, wind))
     }
 
-    /// Bound on the speed of the air anywhere `[m/s]`, but for one gust in a thousand: no particle is blown faster than this.
+    /// Bound on the speed of the air anywhere `[m/s]`, except in one gust of a thousand: no particle is blown faster than this.
     #[must_use]
     pub fn fastest(&self) -> f32 {
         if !self.blows() {

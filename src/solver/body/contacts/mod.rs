@@ -60,7 +60,7 @@ struct Part {
     local: Pose,
     planes: (u32, u32),
     candidates: (u32, u32),
-    /// Where the last known places of its candidates begin; none but for surfaces, which have no inside to tell a wrong side
+    /// Where the last known places of its candidates begin; none except for surfaces, which have no inside to tell a wrong side
     /// by.
     places: Option<u32>,
     /// Farthest point of the part from its own origin `[m]`; infinite for a half-space.

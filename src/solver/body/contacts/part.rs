@@ -13,7 +13,7 @@ use crate::solver::scales::TOUCHING;
 pub(super) struct Particles<'a> {
     pub(super) positions: &'a mut [Vec4],
     pub(super) previous: &'a mut [Vec4],
-    /// Last known places, by candidate; empty but for surfaces.
+    /// Last known places, by candidate; empty except for surfaces.
     pub(super) places: &'a mut [Vec3],
     pub(super) squeezes: &'a mut Squeezes,
 }

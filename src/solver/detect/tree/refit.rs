@@ -12,7 +12,7 @@ impl Tree {
     /// With `ahead` `[m]`, one per particle, boxes also hold where particles will be; normals do not.
     pub(crate) fn refit(&mut self, surface: &Surface, positions: &[Vec4], ahead: Option<&[Vec3A]>) {
         for (part, out) in surface.parts.iter().zip(&mut self.quarantined) {
-            let range = part.particles.start as usize..part.particles.end as usize;
+            let range = part.range();
             *out = !positions[range].iter().all(|&p| is_sane(p));
         }
         let now = |v: u32| Vec3A::from_vec4(positions[v as usize]);

@@ -48,7 +48,7 @@ impl Batch {
         self.near.push(near);
     }
 
-    /// Forgets all but those to `keep`.
+    /// Forgets all except those to `keep`.
     pub(super) fn retain(&mut self, keep: impl Fn(&Near) -> bool) {
         self.near.retain(keep);
         self.kinds.iter_mut().for_each(Vec::clear);

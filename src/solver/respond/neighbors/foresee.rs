@@ -30,7 +30,7 @@ impl NeighborList {
         let mut mean = Vec3A::ZERO;
         for (part, &h) in surface.parts.iter().zip(substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
-            for v in part.particles.start as usize..part.particles.end as usize {
+            for v in part.range() {
                 let motion = limited(foreseen(moment, v, scale, self.before[v], 1.0), FARTHEST);
                 self.start[v] = Vec3A::from_vec4(moment.positions[v]);
                 self.ahead[v] = self.start[v] + motion;

@@ -8,7 +8,6 @@ use super::{MARGIN, Touch};
 use crate::solver::body::Friction;
 use crate::solver::detect::ProximityKind;
 use crate::solver::respond::contact::Contact;
-use crate::solver::respond::note_paired;
 
 /// Share of their thickness at which pairs are kept apart where how far they are is not up to them (dimensionless). That is
 /// where both sides are pinned somewhere, as cloth beside pins that are closer would have to stretch. It is around a tangle,
@@ -65,9 +64,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
         let friction = Friction::between(rub(mine), rub(other));
         let load = contacts.loads.of(pair.kind, ids);
-        let offset = if p == q { Vec3::ZERO } else { contacts.offset_of(self.surface, ids) };
-        note_paired(&mut contacts.paired, ids);
-        contacts.pairs.push(Contact {
+        let pair = Contact {
             kind: pair.kind,
             faces,
             particles: ids,
@@ -77,13 +74,14 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
             friction,
             restitution: mine.restitution.max(other.restitution),
             across: p != q,
-            offset,
+            offset: Vec3::ZERO,
             load: load.push,
             drive: load.drive,
             tangent_push: load.tangent_push,
             inverted: false,
             was_inverted: false,
-        });
+        };
+        contacts.push(self.surface, pair);
     }
 
     /// How much the particles of a primitive belong to a tangle, at most (0 to 1, dimensionless).

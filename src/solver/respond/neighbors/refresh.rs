@@ -38,7 +38,7 @@ impl NeighborList {
         for ((part, &h), touch) in surface.parts.iter().zip(moment.substep).zip(moment.touch) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
             let limit = DRIFT * touch.thickness;
-            for v in part.particles.start as usize..part.particles.end as usize {
+            for v in part.range() {
                 let (now, start) = (Vec3A::from_vec4(moment.positions[v]), self.start[v]);
                 let motion = foreseen(moment, v, scale, self.before[v], 1.0);
                 self.there[v] = now + motion;

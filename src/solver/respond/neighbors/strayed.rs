@@ -99,7 +99,7 @@ impl NeighborList {
         let since = if share > 0.0 { (1.0 - share) / share } else { 1.0 };
         for (part, &h) in surface.parts.iter().zip(moment.substep) {
             let scale = if h > 0.0 { dt / h } else { 0.0 };
-            for v in part.particles.start as usize..part.particles.end as usize {
+            for v in part.range() {
                 if core::mem::take(&mut self.astray[v]) {
                     // Others were looked at where they were at that substep, not where they will have drifted from.
                     self.shifted[v] = share > 0.0;

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::Resolver;
-use super::share::{load, shares};
+use super::mass_split::{load, shares};
 use super::tracked::Strategy;
 use super::view::View;
 
@@ -13,7 +13,7 @@ impl Resolver {
     pub(super) fn stop_approach(&mut self, view: View<'_>, previous: &[Vec4], contour: usize) {
         let tracked = self.tracked.now[contour];
         let out = tracked.mean_direction.normalize_or_zero();
-        let first = if tracked.strategy == Strategy::Push && tracked.side == 1 { 1 } else { 0 };
+        let first = if tracked.strategy == Strategy::RegionPush && tracked.side == 1 { 1 } else { 0 };
         self.patch.gather(view, &self.graph, contour);
         let velocity = |side: usize| {
             let (mut sum, mut mass) = (Vec3::ZERO, 0.0);
@@ -33,7 +33,7 @@ impl Resolver {
         for (k, side) in [first, 1 - first].into_iter().enumerate() {
             let by = 0.5 * share[k] * approach * if k == 0 { out } else { -out };
             for &v in &self.patch.sides[side] {
-                self.brake.add(v, by, 0.0);
+                self.approach.add(v, by, 0.0);
             }
         }
     }

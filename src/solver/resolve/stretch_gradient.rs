@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::share::{load, shares};
-use super::shrink::saturate;
+use super::global_gradient::saturate;
+use super::mass_split::{load, shares};
 use super::view::View;
 use super::{ResolveSettings, Resolver};
 
@@ -13,12 +13,12 @@ const PASSES: usize = 16;
 const MOST_RINGS: f32 = 8.0;
 
 impl Resolver {
-    /// Like [`Self::shrink`], with the gradient summed over a stretch of the contour around each crossing: for curves on which
-    /// the sum over everything cancels.
-    pub(super) fn peel(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) {
+    /// Like [`Self::follow_global_gradient`], with the gradient summed over a stretch of the contour around each crossing. It is
+    /// for curves on which the sum over everything cancels.
+    pub(super) fn follow_stretch_gradient(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) {
         self.patch.gather(view, &self.graph, contour);
         let share = shares([0, 1].map(|s: usize| load(view.positions, self.patch.sides[s].iter().copied())));
-        let Self { graph, terms, pulls, smooth, along, shift, patch, .. } = self;
+        let Self { graph, terms, pulls, smooth, along, displacements, patch, .. } = self;
         let nodes = graph.nodes_of(contour);
         let sign = |i: u32| if graph.side[i as usize] == 0 { 1.0 } else { -1.0 };
         pulls.resize(graph.side.len(), Vec3::ZERO);
@@ -54,10 +54,10 @@ impl Resolver {
                 along[v as usize] -= d;
             }
             for (v, w) in view.surface.topology.edges[c.edge as usize].into_iter().zip([1.0 - c.t, c.t]) {
-                shift.add(v, share[side] * w * (t.r - t.s).as_vec3() * step, share[side] * step);
+                displacements.add(v, share[side] * w * (t.r - t.s).as_vec3() * step, share[side] * step);
             }
             for (v, w) in view.surface.topology.faces[c.face as usize].into_iter().zip(c.weights) {
-                shift.add(v, share[1 - side] * w * t.s.as_vec3() * step, share[1 - side] * step);
+                displacements.add(v, share[1 - side] * w * t.s.as_vec3() * step, share[1 - side] * step);
             }
         }
         let rings = (settings.spread * graph.contours[contour].length / graph.contours[contour].edge).min(MOST_RINGS) as usize;
@@ -83,7 +83,7 @@ impl Resolver {
                     along[v as usize] = along[v as usize].clamp_length_max(step);
                 }
                 let fall = 1.0 - ring as f32 / (rings + 1) as f32;
-                shift.add(v, share * fall * along[v as usize], share * step);
+                displacements.add(v, share * fall * along[v as usize], share * step);
             }
         }
     }

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use super::contour::{ContourGraph, ContourKind};
+use super::mass_split::{Load, load, shares};
 use super::region::{Flood, Region};
 use super::separation::largest_area;
-use super::share::{Load, load, shares};
 use super::view::View;
 use super::{ResolveSettings, Resolver, tracked};
 use crate::solver::detect::{Crossing, Surface};
@@ -41,7 +41,7 @@ impl Resolver {
     }
 
     /// Pushes the smaller region that a contour cuts off back through it; `false` when there is none.
-    pub(super) fn push(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
+    pub(super) fn push_region(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) -> bool {
         let c = self.graph.contours[contour];
         let tracked::TrackedContour { side: known, seed, .. } = self.tracked.now[contour];
         let side = match c.kind {
@@ -106,13 +106,13 @@ impl Resolver {
         let share = shares([moved, theirs]).map(|s| 0.5 * s);
         if share[0] > 0.0 {
             for &v in self.flood.region() {
-                self.shift.add(v, share[0] * motion, motion.length());
+                self.displacements.add(v, share[0] * motion, motion.length());
             }
         }
         if share[1] > 0.0 {
             self.patch.visits += others.len();
             for v in others {
-                self.shift.add(v, -share[1] * motion, motion.length());
+                self.displacements.add(v, -share[1] * motion, motion.length());
             }
         }
         true

@@ -22,7 +22,7 @@ const HYSTERESIS: f32 = 0.25;
 impl Resolver {
     /// Plans the cheapest separation of a contour, to be carried out in steps of at most `step` `[m]`. All other contours
     /// between the same two cloths are taken with it if one direction undoes them all. Returns whether there is one.
-    pub(super) fn separate(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
+    pub(super) fn translate_apart(&mut self, view: View<'_>, contour: usize, step: f32) -> bool {
         let mut set = core::mem::take(&mut self.set);
         set.clear();
         let pair = cloths(view, &self.graph, contour).filter(|c| c[0] != c[1]);
@@ -30,7 +30,7 @@ impl Resolver {
         let mut done = false;
         if let Some(pair) = pair.filter(|&pair| self.between.may_work(pair)) {
             set.extend(self.between.of(pair));
-            done = set.len() > 1 && self.separate_all(view, &set, between_two, step);
+            done = set.len() > 1 && self.translate_all(view, &set, between_two, step);
             if !done {
                 // Nor does it for the next of them: each looks through all.
                 self.between.note_failure(pair);
@@ -39,13 +39,13 @@ impl Resolver {
         if !done {
             set.clear();
             set.push(Member { contour, flip: 0 });
-            done = self.separate_all(view, &set, between_two, step);
+            done = self.translate_all(view, &set, between_two, step);
         }
         self.set = set;
         done
     }
 
-    fn separate_all(&mut self, view: View<'_>, set: &[Member], between_two: bool, step: f32) -> bool {
+    fn translate_all(&mut self, view: View<'_>, set: &[Member], between_two: bool, step: f32) -> bool {
         let Self { graph, plans, separation, tracked, escalation, .. } = self;
         let before = set.iter().fold(Vec3::ZERO, |sum, m| {
             let tracked = &tracked.now[m.contour];
@@ -79,8 +79,8 @@ impl Resolver {
         let direction = if let Course::Along(direction) = course { direction } else { Vec3::ZERO };
         for member in set {
             let tracked = &mut tracked.now[member.contour];
-            if tracked.strategy != Strategy::Separate {
-                tracked.switch_to(Strategy::Separate);
+            if tracked.strategy != Strategy::Translate {
+                tracked.switch_to(Strategy::Translate);
             }
             tracked.progress(cost);
             tracked.mean_direction = if member.flip == 0 { direction } else { -direction };

@@ -1,75 +1,70 @@
 //! The particles of an island while they are stepped, side by side. They are taken in once a frame and published once.
 //!
-//! Each cloth stays in its own frame of simulation. So one that touches nothing has the same bits in any group.
+//! Each cloth stays in its own frame of simulation. So one that touches nothing has the same bits in any group. Untangling
+//! keeps cloth apart here, too, since pairs know their cloths so.
 
 use glam::Vec4;
 
 use super::Member;
 use crate::solver::detect::{Part, Surface};
-use crate::solver::state::{ClothState, StateMut};
+use crate::solver::state::StateMut;
 use crate::solver::step::{Scratch, Stepped};
 
 /// All particles of an island, those of a cloth in a row.
 #[derive(Debug, Default)]
-pub(super) struct Moving {
-    /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`: 0 where nothing pushes its cloth. NaN is nobody.
-    pub(super) now: Vec<Vec4>,
-    /// `xyz` position when the substep began `[m]`: the same where nothing pushes its cloth.
-    pub(super) old: Vec<Vec4>,
+pub(super) struct StepParticles {
+    /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`: 0 for a cloth that is not stepped. NaN for one that does not fit.
+    pub(super) positions: Vec<Vec4>,
+    /// `xyz` position when the substep began `[m]`: the same for a cloth that is not stepped.
+    pub(super) previous: Vec<Vec4>,
 }
 
-impl Moving {
+impl StepParticles {
     /// Takes in all cloths.
     pub(super) fn take_in(&mut self, surface: &Surface, cloths: &[Member<'_>]) {
-        self.now.clear();
-        self.old.clear();
+        let Self { positions, previous } = self;
+        positions.clear();
+        previous.clear();
         for (part, m) in surface.parts.iter().zip(cloths) {
-            let ClothState { positions, previous, .. } = &*m.state;
-            if !fits(m.state, part) {
-                let n = self.now.len() + part.particles.len();
-                [&mut self.now, &mut self.old].into_iter().for_each(|all| all.resize(n, Vec4::NAN));
-            } else if m.moves {
-                self.now.extend_from_slice(positions);
-                self.old.extend_from_slice(previous);
+            if m.is_stepped(part) {
+                positions.extend_from_slice(&m.state.positions);
+                previous.extend_from_slice(&m.state.previous);
+            } else if m.fits(part) {
+                positions.extend(m.state.positions.iter().map(|x| x.with_w(0.0)));
+                previous.extend_from_slice(&m.state.positions);
             } else {
-                self.now.extend(positions.iter().map(|x| x.with_w(0.0)));
-                self.old.extend_from_slice(positions);
+                let n = positions.len() + part.particles.len();
+                [&mut *positions, previous].into_iter().for_each(|all| all.resize(n, Vec4::NAN));
             }
         }
     }
 
-    /// Gives them back.
+    /// Gives those back that were stepped.
     pub(super) fn publish(&self, surface: &Surface, cloths: &mut [Member<'_>]) {
-        for (part, m) in surface.parts.iter().zip(cloths).filter(|(part, m)| m.moves && fits(m.state, part)) {
-            let [now, old] = self.of(part);
-            m.state.positions.copy_from_slice(now);
-            m.state.previous.copy_from_slice(old);
+        for (part, m) in surface.parts.iter().zip(cloths).filter(|(part, m)| m.is_stepped(part)) {
+            let [positions, previous] = self.of(part);
+            m.state.positions.copy_from_slice(positions);
+            m.state.previous.copy_from_slice(previous);
         }
     }
 
-    /// Calls `act` with a cloth and its particles, if it moves.
-    pub(super) fn step<T>(
+    /// Calls `act` with a cloth and its particles, if it is stepped.
+    pub(super) fn with<T>(
         &mut self,
         part: &Part,
         m: &mut Member<'_>,
         act: impl FnOnce(&Stepped<'_>, &mut StateMut<'_>, &mut Scratch) -> T,
     ) -> Option<T> {
-        let Member { cloth, state, scratch, .. } = m;
-        (m.moves && fits(state, part)).then(|| {
-            let (now, old) = (&mut self.now[part.range()], &mut self.old[part.range()]);
-            act(cloth, &mut state.as_mut_at(now, old), scratch)
+        m.is_stepped(part).then(|| {
+            let (positions, previous) = (&mut self.positions[part.range()], &mut self.previous[part.range()]);
+            act(&m.cloth, &mut m.state.with_particles(positions, previous), m.scratch)
         })
     }
 
     /// Where the particles of a cloth are, and where they were when the substep began `[m]`.
     pub(super) fn of(&self, part: &Part) -> [&[Vec4]; 2] {
-        [&self.now, &self.old].map(|all| &all[part.range()])
+        [&self.positions, &self.previous].map(|all| &all[part.range()])
     }
-}
-
-/// Whether a state has as many particles as its cloth.
-fn fits(state: &ClothState, part: &Part) -> bool {
-    [&state.positions, &state.previous].iter().all(|all| all.len() == part.particles.len())
 }
 
 #[cfg(test)]

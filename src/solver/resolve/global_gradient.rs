@@ -9,8 +9,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::mass_split::{load, shares};
 use super::patch::MOST_RINGS;
-use super::share::{load, shares};
 use super::view::View;
 use super::{ResolveSettings, Resolver, tracked};
 
@@ -22,7 +22,7 @@ pub(super) fn saturate(g: DVec3, step: f32) -> Vec3 {
 impl Resolver {
     /// Every crossing for itself.
     #[cfg(feature = "research")]
-    pub(super) fn shrink_each(&mut self, view: View<'_>, contour: usize, step: f32) {
+    pub(super) fn follow_each_gradient(&mut self, view: View<'_>, contour: usize, step: f32) {
         for &i in self.graph.nodes_of(contour) {
             let c = &view.crossings[i as usize];
             let edge = view.surface.topology.edges[c.edge as usize];
@@ -30,16 +30,23 @@ impl Resolver {
             let [on_edge, on_face] = shares([load(view.positions, edge), load(view.positions, face)]);
             let d = saturate(self.terms[i as usize].pull(), step);
             for v in edge {
-                self.shift.add(v, on_edge * d, on_edge * step);
+                self.displacements.add(v, on_edge * d, on_edge * step);
             }
             for v in face {
-                self.shift.add(v, -on_face * d, on_face * step);
+                self.displacements.add(v, -on_face * d, on_face * step);
             }
         }
     }
 
     /// The whole contour as one: summed gradient, uniform over the patch, and the exact vertex gradient.
-    pub(super) fn shrink(&mut self, view: View<'_>, contour: usize, step: f32, exact: bool, settings: &ResolveSettings) {
+    pub(super) fn follow_global_gradient(
+        &mut self,
+        view: View<'_>,
+        contour: usize,
+        step: f32,
+        exact: bool,
+        settings: &ResolveSettings,
+    ) {
         self.patch.gather(view, &self.graph, contour);
         let share = shares([0, 1].map(|s: usize| load(view.positions, self.patch.sides[s].iter().copied())));
         let mut g = DVec3::ZERO;
@@ -63,7 +70,7 @@ impl Resolver {
                     let fall = 1.0 - (ring + 1) as f32 / (rings + 1) as f32;
                     let ends = &self.patch.ring_end[side];
                     for &v in &self.patch.sides[side][ends[ring] as usize..ends[ring + 1] as usize] {
-                        self.shift.add(v, share * fall * along, share * step);
+                        self.displacements.add(v, share * fall * along, share * step);
                     }
                 }
             }
@@ -76,10 +83,10 @@ impl Resolver {
             let (pull, tilt) =
                 if exact { ((terms.r - terms.s).as_vec3() * step, terms.s.as_vec3() * step) } else { (Vec3::ZERO, Vec3::ZERO) };
             for (v, w) in view.surface.topology.edges[c.edge as usize].into_iter().zip([1.0 - c.t, c.t]) {
-                self.shift.add(v, on_edge * (along + w * pull), on_edge * step);
+                self.displacements.add(v, on_edge * (along + w * pull), on_edge * step);
             }
             for (v, w) in view.surface.topology.faces[c.face as usize].into_iter().zip(c.weights) {
-                self.shift.add(v, on_face * (-along + w * tilt), on_face * step);
+                self.displacements.add(v, on_face * (-along + w * tilt), on_face * step);
             }
         }
     }

@@ -3,30 +3,30 @@
 use glam::{Vec3, Vec4};
 
 #[derive(Debug, Default)]
-pub(super) struct Shift {
+pub(super) struct Displacements {
     /// Displacement and cap `[m]` per particle.
     pub of: Vec<Vec4>,
     pub touched: Vec<u32>,
 }
 
-impl Shift {
+impl Displacements {
     pub(super) fn add(&mut self, particle: u32, by: Vec3, cap: f32) {
-        let shift = &mut self.of[particle as usize];
-        if *shift == Vec4::ZERO {
+        let of_it = &mut self.of[particle as usize];
+        if *of_it == Vec4::ZERO {
             self.touched.push(particle);
         }
-        *shift = (shift.truncate() + by).extend(shift.w.max(cap));
+        *of_it = (of_it.truncate() + by).extend(of_it.w.max(cap));
     }
 
     /// Moves both arrays by the capped displacements and forgets them.
     pub(super) fn apply(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) {
         for &v in &self.touched {
             let v = v as usize;
-            let shift = core::mem::take(&mut self.of[v]);
+            let of_it = core::mem::take(&mut self.of[v]);
             if positions[v].w == 0.0 {
                 continue;
             }
-            let by = shift.truncate().clamp_length_max(shift.w).extend(0.0);
+            let by = of_it.truncate().clamp_length_max(of_it.w).extend(0.0);
             if by.is_finite() {
                 positions[v] += by;
                 previous[v] += by;
