@@ -19,7 +19,7 @@ use core::ops::Range;
 use glam::{Vec3, Vec3A, Vec4};
 
 use super::buffer::Buffer;
-use super::detect::{Crossing, Part, Surface};
+use super::detect::{Crossing, Surface};
 use super::resolve::ContourGraph;
 use pins::Pins;
 
