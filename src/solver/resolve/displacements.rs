@@ -11,22 +11,22 @@ pub(super) struct Displacements {
 
 impl Displacements {
     pub(super) fn add(&mut self, particle: u32, by: Vec3, cap: f32) {
-        let of_it = &mut self.of[particle as usize];
-        if *of_it == Vec4::ZERO {
+        let displacement = &mut self.of[particle as usize];
+        if *displacement == Vec4::ZERO {
             self.touched.push(particle);
         }
-        *of_it = (of_it.truncate() + by).extend(of_it.w.max(cap));
+        *displacement = (displacement.truncate() + by).extend(displacement.w.max(cap));
     }
 
     /// Moves both arrays by the capped displacements and forgets them.
     pub(super) fn apply(&mut self, positions: &mut [Vec4], previous: &mut [Vec4]) {
         for &v in &self.touched {
             let v = v as usize;
-            let of_it = core::mem::take(&mut self.of[v]);
+            let displacement = core::mem::take(&mut self.of[v]);
             if positions[v].w == 0.0 {
                 continue;
             }
-            let by = of_it.truncate().clamp_length_max(of_it.w).extend(0.0);
+            let by = displacement.truncate().clamp_length_max(displacement.w).extend(0.0);
             if by.is_finite() {
                 positions[v] += by;
                 previous[v] += by;

@@ -146,7 +146,9 @@ pub struct Resolver {
     pulls: Buffer<Vec<Vec3>>,
     smooth: Buffer<Vec<Vec3>>,
     along: Buffer<Vec<Vec3>>,
+    /// How far particles go in this iteration `[m]`.
     displacements: Buffer<Displacements>,
+    /// What is taken from their motion into each other, over a substep `[m]`.
     approach: Buffer<Displacements>,
     patch: Patch,
     escalation: Escalation,

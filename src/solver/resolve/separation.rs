@@ -87,8 +87,7 @@ pub(super) fn nodes<'a>(graph: &'a ContourGraph, set: &'a [Member]) -> impl Iter
 }
 
 /// Largest area `[m²]` that belongs to contours of a `length` `[m]`, in a mesh with edges of `edge` `[m]`, where it reaches
-/// `depth` `[m]` through. It is a strip as wide as they are long. What is larger is a whole sheet that lies
-/// close.
+/// `depth` `[m]` through. It is a strip as wide as they are long. What is larger is a whole sheet that lies close.
 pub(super) fn largest_area(length: f32, edge: f32, depth: f32) -> f32 {
     let wide = length + LONGER * edge;
     wide * (wide + depth)

@@ -87,8 +87,9 @@ pub(crate) struct Contacts {
 struct Start {
     /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`.
     positions: Vec<Vec4>,
-    /// Where they were the time of a substep before `[m]`, and one over that time `[1/s]`.
+    /// Where they were the time of a substep before `[m]`.
     previous: Vec<Vec4>,
+    /// One over that time `[1/s]`; 0 before the first substep.
     per_second: f32,
 }
 
@@ -258,10 +259,12 @@ impl Contacts {
         }
         self.offsets.clear();
         self.offsets.extend(offsets);
-        let Self { pairs, offsets, .. } = self;
+        let mut pairs = core::mem::take(&mut self.pairs);
         for pair in pairs.iter_mut().filter(|pair| pair.across) {
-            pair.offset = offset_between(offsets, surface, pair.particles);
+            let [first, .., second] = pair.particles.map(|p| self.offset(surface.part(p)));
+            pair.offset = first - second;
         }
+        self.pairs = pairs;
     }
 
     /// Where the frame of simulation of a cloth is in that of the island `[m]`.
@@ -270,8 +273,7 @@ impl Contacts {
     }
 
     /// Lists a pair.
-    fn push(&mut self, surface: &Surface, mut pair: Contact) {
-        pair.offset = offset_between(&self.offsets, surface, pair.particles);
+    fn push(&mut self, pair: Contact) {
         note_paired(&mut self.paired, pair.particles);
         self.pairs.push(pair);
     }
@@ -381,10 +383,4 @@ impl Contacts {
 /// Notes that particles are part of a pair.
 fn note_paired(paired: &mut [bool], particles: [u32; 4]) {
     particles.iter().for_each(|&p| paired[p as usize] = true);
-}
-
-/// From the frame of simulation of the first primitive of a pair to that of the second `[m]`.
-fn offset_between(offsets: &[Vec3], surface: &Surface, [first, .., second]: [u32; 4]) -> Vec3 {
-    let of = |particle: u32| offsets.get(usize::from(surface.part(particle))).copied().unwrap_or_default();
-    of(first) - of(second)
 }

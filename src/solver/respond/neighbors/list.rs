@@ -1,7 +1,5 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
-use glam::Vec3;
-
 use super::narrow_phase::NarrowPhase;
 use super::near::{Found, REST_SHARE};
 use super::{MARGIN, Touch};
@@ -64,7 +62,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
         let friction = Friction::between(rub(mine), rub(other));
         let load = contacts.loads.of(pair.kind, ids);
-        let pair = Contact {
+        contacts.push(Contact {
             kind: pair.kind,
             faces,
             particles: ids,
@@ -74,14 +72,13 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
             friction,
             restitution: mine.restitution.max(other.restitution),
             across: p != q,
-            offset: Vec3::ZERO,
+            offset: contacts.offset(p) - contacts.offset(q),
             load: load.push,
             drive: load.drive,
             tangent_push: load.tangent_push,
             inverted: false,
             was_inverted: false,
-        };
-        contacts.push(self.surface, pair);
+        });
     }
 
     /// How much the particles of a primitive belong to a tangle, at most (0 to 1, dimensionless).
