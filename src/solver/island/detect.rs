@@ -14,7 +14,7 @@ impl Island {
         core::mem::swap(&mut self.takes_part, &mut *self.took_part);
         self.touch.clear();
         self.takes_part.clear();
-        self.contacts.set_offsets(&self.surface, cloths.iter().map(|m| m.offset));
+        self.contacts.set_offsets(cloths.iter().map(|m| m.offset));
         let mut longest = 0.0f32;
         for (part, m) in cloths.iter().enumerate() {
             self.gather_member(part, m);

@@ -85,7 +85,7 @@ impl Island {
         let most = self.most.times((dt / LONGEST_LOOK).max(1.0));
         (self.within, self.asked, self.share) = (most, most, 0.0);
         let (count, tangled) = (self.count, !self.contours().is_empty());
-        self.contacts.set_offsets(&self.surface, cloths.iter().map(|m| m.offset));
+        self.contacts.set_offsets(cloths.iter().map(|m| m.offset));
         self.particles.take_in(&self.surface, cloths);
         for (part, m) in self.surface.parts.iter().zip(cloths) {
             // Inner steps would draw back what untangling moves.
@@ -174,7 +174,7 @@ impl Island {
             return;
         }
         let StepParticles { positions: now, previous: old } = &mut *self.particles;
-        self.contacts.touch(Self::substep(cloths), Self::gravity(cloths), now, old);
+        self.contacts.touch(Self::substep(cloths), &self.touch, Self::gravity(cloths), now, old);
         if lies {
             // What was pushed into a body lies on it again.
             self.project_provisionally(cloths);

@@ -22,6 +22,7 @@
 use glam::{Vec3, Vec4};
 
 use super::Contacts;
+use super::cloths::offset_between;
 use super::contact::Contact;
 use super::ground::Ground;
 use super::incidence::Incidence;
@@ -55,7 +56,7 @@ impl Contacts {
         effort: &mut Effort,
         free: impl Fn(&[u32], &[u32]) -> bool,
     ) -> bool {
-        let Self { pairs, paired, start, cut, bounds, dividers, incidence, ground, .. } = self;
+        let Self { pairs, paired, offsets, start, cut, bounds, dividers, incidence, ground, .. } = self;
         let start = start.positions.as_slice();
         let is_free = |pair: &Contact| {
             let (first, second) = pair.particles.split_at(pair.first());
@@ -66,7 +67,7 @@ impl Contacts {
         let (mut any, mut inverted) = (false, false);
         let mut ways = Ways { start, now, cut, bounds, ground, shared: Vec3::ZERO, pass: 1 };
         dividers.clear();
-        let mut gaps = Gaps { pairs, start, dividers, is_free };
+        let mut gaps = Gaps { pairs, offsets, start, dividers, is_free };
         for (i, pair) in pairs.iter().enumerate() {
             inverted |= pair.inverted && !pair.was_inverted;
             any |= ways.clamp(i, &mut gaps, incidence);
@@ -110,7 +111,8 @@ impl Contacts {
         }
         // Some may have passed all the same; the others did not.
         for pair in pairs.iter_mut().filter(|pair| pair.inverted && !pair.was_inverted) {
-            let (from, to) = (pair.points(start), pair.points(now));
+            let offset = offset_between(pair.parts, offsets);
+            let (from, to) = (pair.points(start, offset), pair.points(now, offset));
             pair.inverted = !divides(dividing(pair, &from), pair.first(), &from, &to);
         }
         true
@@ -155,7 +157,8 @@ impl Ways<'_> {
         if pair.was_inverted {
             return false;
         }
-        let (from, to) = (pair.points(self.start), pair.points(self.now));
+        let offset = offset_between(pair.parts, gaps.offsets);
+        let (from, to) = (pair.points(self.start, offset), pair.points(self.now, offset));
         // Mostly the direction of the contact divides them.
         !divides(pair.normal, pair.first(), &from, &to) && !(gaps.is_free)(pair) && self.cut(i, [&from, &to], gaps, incidence)
     }
@@ -209,7 +212,7 @@ impl Ways<'_> {
             let end = from[k].truncate() + mean + own;
             let is_cut = end != to[k].truncate() && (!at_last || own != motion[k] - mean);
             if goes_along || is_cut {
-                let offset = if k < first { pair.offset } else { Vec3::ZERO };
+                let offset = if k < first { offset_between(pair.parts, gaps.offsets) } else { Vec3::ZERO };
                 self.now[particle] = (end - offset).extend(to[k].w);
                 self.cut[particle] = if goes_along { WITH_HELD } else { self.pass };
                 any = true;
@@ -234,6 +237,8 @@ impl Ways<'_> {
 /// How far apart the primitives of all pairs were when the substep began.
 struct Gaps<'a, F> {
     pairs: &'a [Contact],
+    /// From the frame of simulation of each cloth to that of the island `[m]`.
+    offsets: &'a [Vec3],
     start: &'a [Vec4],
     /// For each pair, the unit normal of a plane between the two primitives, and in `w` how far they are apart along it `[m]`.
     /// Not a number for pairs that were not asked for, and empty until one is asked for again.
@@ -249,7 +254,7 @@ impl<F: Fn(&Contact) -> bool> Gaps<'_, F> {
             return (known.truncate(), known.w);
         }
         let pair = &self.pairs[i];
-        let from = pair.points(self.start);
+        let from = pair.points(self.start, offset_between(pair.parts, self.offsets));
         let n = dividing(pair, &from);
         let gap = separation(n, pair.first(), &from);
         if let Some(known) = self.dividers.get_mut(i) {
@@ -485,8 +490,9 @@ mod tests {
             let mut now = end.clone();
             Contacts::of_pairs(&[pair], &start).clamp_motion(&mut now, &mut effort());
             let mut own = elsewhere(&end, -offset);
-            let apart = Contact { offset, ..pair };
-            Contacts::of_pairs(&[apart], &elsewhere(&start, -offset)).clamp_motion(&mut own, &mut effort());
+            let mut apart = Contacts::of_pairs(&[pair], &elsewhere(&start, -offset));
+            apart.set_offsets([offset, Vec3::ZERO].into_iter());
+            apart.clamp_motion(&mut own, &mut effort());
             let farthest = elsewhere(&own, offset).iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
             assert!(farthest < 1.0e-4, "{n} {kind:?}: {farthest}");
             cut += u32::from(now != end);

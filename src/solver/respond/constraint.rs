@@ -18,6 +18,7 @@
 
 use glam::{Vec3, Vec3A, Vec4};
 
+use super::loads::{Borne, Load};
 use crate::solver::body::{Friction, IMPACT_SPEED, Plane, mean_load, push_out, slip};
 use crate::solver::scales::TOUCHING;
 
@@ -48,8 +49,10 @@ pub(super) struct Constraint {
     pub restitution: Option<f32>,
     /// The height over the plane that the passes after the first keep `[m]`: 0, or where the substep began below it.
     pub floor: f32,
-    /// Mean push of the substeps before `[m]`, and what it was pushed in this one `[m]`.
+    /// Mean push of the substeps before `[m]`, and mean of what all pushes of one did, push over mobility `[kg·m]`.
     pub load: f32,
+    pub drive: f32,
+    /// What it was pushed in this one `[m]`.
     pub push: f32,
     /// What friction pushes along the plane `[m]`: in the substep before, until it is [applied](Self::apply_friction).
     pub tangent_push: Vec3A,
@@ -122,11 +125,11 @@ impl Constraint {
         mean_load(self.load, self.push)
     }
 
-    /// Mean of what all pushes of a substep do, push over mobility `[kg·m]`, this substep included; `before`: that of the
-    /// substeps before it.
+    /// What the pair bears, this substep included.
     #[inline]
-    pub(super) fn mean_drive(&self, before: f32) -> f32 {
-        mean_load(before, self.push / self.mobility)
+    pub(super) fn borne(&self) -> Borne {
+        let drive = mean_load(self.drive, self.push / self.mobility);
+        Borne { pair: self.pair, load: Load { push: self.mean_load(), drive, tangent_push: self.tangent_push.into() } }
     }
 
     /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep
@@ -187,6 +190,7 @@ mod tests {
             restitution: Some(0.5),
             floor: 0.0,
             load: 0.0,
+            drive: 0.0,
             push: 0.0,
             tangent_push: Vec3A::ZERO,
         };

@@ -15,9 +15,11 @@ use core::cmp::Ordering;
 
 use glam::{Mat4, Vec3, Vec4};
 
+use super::cloths::{Cloths, offset_between};
 use super::constraint::{Constraint, sum};
 use super::depth::Depths;
-use crate::solver::body::{Friction, Plane};
+use super::loads::Load;
+use crate::solver::body::Plane;
 use crate::solver::detect::ProximityKind;
 use crate::solver::detect::proximity::{edge_edge, vertex_face};
 use crate::solver::scales::{LEAST_MOBILITY, TOUCHING};
@@ -35,7 +37,7 @@ const THROUGH: f32 = 0.25;
 /// Largest depth that counts for this, in thicknesses (dimensionless): a particle that was flung away passed nothing.
 const FLUNG: f32 = 4.0;
 
-/// A pair. See the module.
+/// A pair. See the module. Most never touch, so what they bear is kept [elsewhere](super::loads::Borne).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Contact {
@@ -50,19 +52,8 @@ pub(super) struct Contact {
     pub normal: Vec3,
     /// Distance kept `[m]`.
     pub thickness: f32,
-    pub friction: Friction,
-    /// Speed apart after an impact over that of approach before (dimensionless).
-    pub restitution: f32,
-    /// Whether it is of two cloths.
-    pub across: bool,
-    /// From the frame of simulation of the first primitive to that of the second `[m]`.
-    pub offset: Vec3,
-    /// Mean push `[m]`.
-    pub load: f32,
-    /// Mean of what all pushes of a substep do: push over mobility `[kg·m]`; divided by the substep it is an impulse.
-    pub drive: f32,
-    /// What friction pushed it along the plane in the last substep `[m]`.
-    pub tangent_push: Vec3,
+    /// The cloths of both primitives.
+    pub parts: [u16; 2],
     /// Whether it is on the other side than it belongs, and whether it was at the start of the substep.
     pub inverted: bool,
     pub was_inverted: bool,
@@ -73,16 +64,18 @@ pub(super) struct Particles<'a> {
     pub now: &'a [Vec4],
     pub old: &'a [Vec4],
     pub depths: &'a mut Depths,
+    pub cloths: Cloths<'a>,
     /// Against gravity; zero without.
     pub up: Vec3,
 }
 
 impl Contact {
-    /// Where its particles are of all `positions` `[m]`, in the frame of the second primitive.
+    /// Where its particles are of all `positions` `[m]`, in the frame of the second primitive. `offset` is from the frame of
+    /// the first to it `[m]`.
     #[inline]
-    pub(super) fn points(&self, positions: &[Vec4]) -> [Vec4; 4] {
+    pub(super) fn points(&self, positions: &[Vec4], offset: Vec3) -> [Vec4; 4] {
         let mut points = self.particles.map(|p| positions[p as usize]);
-        let offset = self.offset.extend(0.0);
+        let offset = offset.extend(0.0);
         points[0] += offset;
         if self.kind == ProximityKind::EdgeEdge {
             points[1] += offset;
@@ -96,30 +89,21 @@ impl Contact {
         if self.kind == ProximityKind::VertexFace { 1 } else { 2 }
     }
 
-    /// What keeps pair number `pair` apart in the substep, if it touches.
+    /// What keeps pair number `pair` apart in the substep, if it touches; `load`: what it bore before.
     #[inline]
-    pub(super) fn touch(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
-        let constraint = self.meet(pair, particles);
-        // What is apart stays as it was, mostly, and is not written.
-        if constraint.is_none() && (self.load != 0.0 || self.drive != 0.0) {
-            (self.load, self.drive, self.tangent_push) = (0.0, 0.0, Vec3::ZERO);
-        }
-        constraint
-    }
-
-    #[inline]
-    fn meet(&mut self, pair: u32, particles: &mut Particles<'_>) -> Option<Constraint> {
+    pub(super) fn touch(&mut self, pair: u32, load: Load, particles: &mut Particles<'_>) -> Option<Constraint> {
         if self.was_inverted != self.inverted {
             self.was_inverted = self.inverted;
         }
-        let mut x = self.points(particles.now);
+        let offset = offset_between(self.parts, particles.cloths.offsets);
+        let mut x = self.points(particles.now, offset);
         if self.is_apart(&x) {
             if self.inverted {
                 self.inverted = false;
             }
             return None;
         }
-        let was = self.points(particles.old);
+        let was = self.points(particles.old, offset);
         let at = |points: &[Vec4; 4]| match self.kind {
             ProximityKind::VertexFace => vertex_face([0, 1, 2, 3], |i| points[i as usize].truncate()),
             ProximityKind::EdgeEdge => edge_edge([0, 1, 2, 3], |i| points[i as usize].truncate()),
@@ -152,7 +136,7 @@ impl Contact {
         self.inverted = distance < 0.0;
         let gap = distance - self.thickness;
         // NaN passes no comparison.
-        if !(gap < 0.0 || (self.load > 0.0 && gap < TOUCHING * self.thickness)) {
+        if !(gap < 0.0 || (load.push > 0.0 && gap < TOUCHING * self.thickness)) {
             return None;
         }
         self.support(particles, &mut x);
@@ -164,14 +148,15 @@ impl Contact {
             weights: self.weights,
             shares: core::array::from_fn(|i| self.weights[i] * x[i].w / mobility),
             mobility,
-            offset: self.offset.into(),
+            offset: offset.into(),
             plane: Plane { normal: self.normal.into(), offset: self.thickness },
-            friction: self.friction,
-            restitution: (!(self.inverted || self.was_inverted)).then_some(self.restitution),
+            friction: particles.cloths.friction(self.parts),
+            restitution: (!(self.inverted || self.was_inverted)).then(|| particles.cloths.restitution(self.parts)),
             floor: 0.0,
-            load: self.load,
+            load: load.push,
+            drive: load.drive,
             push: 0.0,
-            tangent_push: self.tangent_push.into(),
+            tangent_push: load.tangent_push.into(),
         })
     }
 
@@ -218,7 +203,7 @@ impl Contact {
         }
         // It has fewer layers than another, so it is not free.
         particles.depths.lay(&ids[above], depth);
-        if self.across {
+        if self.parts[0] != self.parts[1] {
             let share = 1.0 + (SUPPORT - 1.0) * up;
             heavy.for_each(|i| x[i].w *= share);
         }
@@ -236,13 +221,7 @@ impl Contact {
             weights: [0.0; 4],
             normal: Vec3::X,
             thickness,
-            friction: Friction { fixed: 0.0, sliding: 0.0 },
-            restitution: 0.0,
-            across: true,
-            offset: Vec3::ZERO,
-            load: 0.0,
-            drive: 0.0,
-            tangent_push: Vec3::ZERO,
+            parts: [0, 1],
             inverted: false,
             was_inverted: false,
         }
@@ -266,7 +245,8 @@ mod tests {
             let mut pair = Contact::bare(ProximityKind::EdgeEdge, 1.0e-8);
             let mut depths = Depths::default();
             depths.fit(x.len());
-            pair.touch(0, &mut Particles { now: &x, old: &x, depths: &mut depths, up: Vec3::Y });
+            let cloths = Cloths { offsets: &[], touch: &[] };
+            pair.touch(0, Load::default(), &mut Particles { now: &x, old: &x, depths: &mut depths, cloths, up: Vec3::Y });
             assert!((pair.normal.length() - 1.0).abs() < 1.0e-3, "{x:?}: {}", pair.normal);
             let near = edge_edge([0, 1, 2, 3], |i| x[i as usize].truncate());
             without_direction += u32::from(near.distance > 0.0 && sum(&near.weights, &x) == Vec3::ZERO);

@@ -1,7 +1,8 @@
-//! What pairs bore that a look forgets: they go on from there where the look finds them again.
+//! What pairs bear, and what those bore that a look forgets: they go on from there where the look finds them again.
 
 use glam::Vec3;
 
+use super::keep_room;
 use crate::solver::detect::ProximityKind;
 use crate::solver::topology::NONE;
 
@@ -14,15 +15,24 @@ pub(super) struct Loads {
     entries: Vec<Entry>,
 }
 
-/// What a pair bore.
+/// What a pair bears that touched in the last substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Borne {
+    /// Which pair it is.
+    pub pair: u32,
+    pub load: Load,
+}
+
+/// What a pair bears.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Load {
     /// Mean push `[m]`.
     pub push: f32,
-    /// Mean of what all pushes do `[kg·m]`.
+    /// Mean of what all pushes of a substep do: push over mobility `[kg·m]`; divided by the substep it is an impulse.
     pub drive: f32,
-    /// What friction pushed it `[m]`.
+    /// What friction pushed it along the plane in the last substep `[m]`.
     pub tangent_push: Vec3,
 }
 
@@ -35,16 +45,25 @@ struct Entry {
     next: u32,
 }
 
+impl Load {
+    /// What it is in a substep of another length, by the `ratio` of their squares: what was pushed in a substep goes with it.
+    pub(super) fn scaled(self, ratio: f32) -> Self {
+        if ratio == 1.0 {
+            return self;
+        }
+        Self { push: self.push * ratio, drive: self.drive * ratio, tangent_push: self.tangent_push * ratio }
+    }
+}
+
 impl Loads {
-    /// Makes room for so many particles, and as many pairs.
+    /// Makes room for so many particles.
     pub(super) fn fit(&mut self, particles: usize) {
         self.heads.resize(particles, NONE);
-        self.reserve(particles);
     }
 
-    /// Makes room for so many pairs.
-    pub(super) fn reserve(&mut self, pairs: usize) {
-        self.entries.reserve(pairs.saturating_sub(self.entries.len()));
+    /// Makes room for as many pairs as touched.
+    pub(super) fn reserve(&mut self, touched: usize) {
+        keep_room(&mut self.entries, touched);
     }
 
     pub(super) fn clear(&mut self) {

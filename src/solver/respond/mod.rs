@@ -16,6 +16,7 @@
 //!
 //! Distances are between centres: the thickness of a pair is the mean of those of its two cloths.
 
+mod cloths;
 mod constraint;
 mod contact;
 mod neighbors;
@@ -34,12 +35,13 @@ use glam::{Vec3, Vec3A, Vec4};
 use crate::solver::body::{Bearing, Touch};
 use crate::solver::buffer::Buffer;
 use crate::solver::detect::{ProximityKind, Surface};
+use cloths::{Cloths, offset_of};
 use constraint::Constraint;
 use contact::{Contact, Particles};
 use depth::Depths;
 use ground::Ground;
 use incidence::Incidence;
-use loads::{Load, Loads};
+use loads::{Borne, Load, Loads};
 pub(crate) use neighbors::{Moment, NeighborList};
 #[cfg(feature = "debug")]
 pub(crate) use touching::Touching;
@@ -50,6 +52,8 @@ pub(crate) use touching::Touching;
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Contacts {
     pairs: Vec<Contact>,
+    /// What those bear that touched in the last substep, in their order.
+    borne: Vec<Borne>,
     /// Whether each particle was part of a pair since the last look at everything.
     paired: Vec<bool>,
     /// From the frame of simulation of each cloth to that of the island `[m]`.
@@ -117,6 +121,7 @@ impl Contacts {
     pub(crate) fn clear(&mut self) {
         self.paired.fill(false);
         self.pairs.clear();
+        self.borne.clear();
         self.inverted.clear();
         self.close.clear();
         self.constraints.clear();
@@ -127,20 +132,21 @@ impl Contacts {
     /// Forgets all pairs except those on the wrong side, which would take it for the right one.
     fn begin(&mut self) {
         self.coincide = false;
-        let (close, listed, touching) = (self.close.len(), self.pairs.len(), self.constraints.len());
+        let (close, listed, touching) = (self.close.len(), self.pairs.len(), self.borne.len());
         self.forget_all_but(|pair| pair.inverted);
-        let kept = core::mem::take(&mut self.pairs);
-        self.clear();
-        self.pairs = kept;
         let Self { pairs, paired, .. } = self;
+        paired.fill(false);
         pairs.iter().for_each(|pair| note_paired(paired, pair.particles));
         self.note_inverted();
+        self.close.clear();
+        self.ground.begin(0, 0);
         // What is brought up to date grows by what comes close, until the next look at everything.
-        self.close.reserve(2 * close);
-        self.pairs.reserve(listed + listed / 2);
-        self.loads.reserve(listed + listed / 2);
-        self.impacts.reserve(touching);
-        self.constraints.reserve(2 * touching);
+        keep_room(&mut self.close, close);
+        keep_room(&mut self.pairs, listed);
+        keep_room(&mut self.borne, touching);
+        keep_room(&mut self.impacts, touching);
+        keep_room(&mut self.constraints, touching);
+        self.loads.reserve(touching);
     }
 
     /// Says of pairs with a particle that was `put` back to where it belongs that they are on the right side.
@@ -178,14 +184,19 @@ impl Contacts {
     /// Pairs that touched in the last substep.
     #[must_use]
     pub(crate) fn touching(&self) -> u32 {
-        self.pairs.iter().filter(|pair| pair.load > 0.0).count() as u32
+        self.bearing().count() as u32
     }
 
     /// Particles, weights, unit normal towards the first and mean of push over mobility per substep `[kg·m]` of every pair that
     /// touched in the last substep.
     pub(crate) fn pushes(&self) -> impl Iterator<Item = ([u32; 4], [f32; 4], Vec3, f32)> + '_ {
-        let touching = self.pairs.iter().filter(|pair| pair.load > 0.0);
-        touching.map(|pair| (pair.particles, pair.weights, pair.normal, pair.drive))
+        self.bearing().map(|(pair, load)| (pair.particles, pair.weights, pair.normal, load.drive))
+    }
+
+    /// The pairs that touched in the last substep, and what each bears.
+    fn bearing(&self) -> impl Iterator<Item = (&Contact, &Load)> + '_ {
+        let touching = self.borne.iter().filter(|borne| borne.load.push > 0.0);
+        touching.filter_map(|borne| Some((self.pairs.get(borne.pair as usize)?, &borne.load)))
     }
 
     /// Makes room for the particles of a surface.
@@ -198,8 +209,6 @@ impl Contacts {
         self.close.reserve((4 * faces).saturating_sub(self.close.len()));
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
         self.loads.fit(particles);
-        self.impacts.reserve(particles);
-        self.constraints.reserve(particles);
         self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));
     }
 
@@ -213,22 +222,29 @@ impl Contacts {
 
     /// Forgets all pairs except those to `keep`, and notes what the others bear.
     fn forget_all_but(&mut self, keep: impl Fn(&Contact) -> bool) {
-        let Self { pairs, loads, constraints, impacts, .. } = self;
+        let Self { pairs, borne, loads, constraints, impacts, .. } = self;
         // They index pairs.
         constraints.clear();
         impacts.clear();
         loads.clear();
+        let (mut number, mut kept) = (0, 0);
+        let (mut next, mut kept_borne) = (0, 0);
         pairs.retain(|pair| {
             let keep = keep(pair);
-            if !keep && pair.load > 0.0 {
-                loads.note(
-                    pair.kind,
-                    pair.particles,
-                    Load { push: pair.load, drive: pair.drive, tangent_push: pair.tangent_push },
-                );
+            if let Some(&Borne { load, .. }) = borne.get(next).filter(|borne| borne.pair == number) {
+                next += 1;
+                if keep {
+                    borne[kept_borne] = Borne { pair: kept, load };
+                    kept_borne += 1;
+                } else if load.push > 0.0 {
+                    loads.note(pair.kind, pair.particles, load);
+                }
             }
+            number += 1;
+            kept += u32::from(keep);
             keep
         });
+        borne.truncate(kept_borne);
     }
 
     fn is_inverted(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
@@ -253,28 +269,24 @@ impl Contacts {
     }
 
     /// Takes in where the frame of simulation of each cloth is in that of the island `[m]`.
-    pub(crate) fn set_offsets(&mut self, surface: &Surface, offsets: impl Iterator<Item = Vec3> + Clone) {
-        if self.offsets.iter().copied().eq(offsets.clone()) {
-            return;
-        }
+    pub(crate) fn set_offsets(&mut self, offsets: impl Iterator<Item = Vec3>) {
         self.offsets.clear();
         self.offsets.extend(offsets);
-        let mut pairs = core::mem::take(&mut self.pairs);
-        for pair in pairs.iter_mut().filter(|pair| pair.across) {
-            let [first, .., second] = pair.particles.map(|p| self.offset(surface.part(p)));
-            pair.offset = first - second;
-        }
-        self.pairs = pairs;
     }
 
     /// Where the frame of simulation of a cloth is in that of the island `[m]`.
     pub(crate) fn offset(&self, part: u16) -> Vec3 {
-        self.offsets.get(usize::from(part)).copied().unwrap_or_default()
+        offset_of(part, &self.offsets)
     }
 
-    /// Lists a pair.
+    /// Lists a pair, with what it bore when it was listed before.
+    #[inline]
     fn push(&mut self, pair: Contact) {
         note_paired(&mut self.paired, pair.particles);
+        let load = self.loads.of(pair.kind, pair.particles);
+        if load.push > 0.0 {
+            self.borne.push(Borne { pair: self.pairs.len() as u32, load });
+        }
         self.pairs.push(pair);
     }
 
@@ -289,8 +301,8 @@ impl Contacts {
         self.bounds.clear();
         self.bounds.reserve(n);
         self.dividers.clear();
-        self.dividers.reserve(self.pairs.capacity());
-        self.incidence.reserve(n, self.pairs.capacity());
+        self.dividers.reserve(self.pairs.len());
+        self.incidence.reserve(n, self.pairs.len());
     }
 
     /// The time since the positions before is another for these particles: a `share` of their way is what they went in that of
@@ -302,23 +314,19 @@ impl Contacts {
         }
     }
 
-    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. What lies below, along
-    /// `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the substep, of all particles
-    /// (`[m]`, `w` inverse mass).
-    pub(crate) fn touch(&mut self, h: f32, gravity: Vec3, now: &mut [Vec4], old: &mut [Vec4]) {
-        // What was pushed in a substep goes with its square.
+    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. `touch` is of each cloth. What
+    /// lies below, along `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the substep,
+    /// of all particles (`[m]`, `w` inverse mass).
+    pub(crate) fn touch(&mut self, h: f32, touch: &[Touch], gravity: Vec3, now: &mut [Vec4], old: &mut [Vec4]) {
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
-        let Self { pairs, depths, constraints, .. } = self;
+        let Self { pairs, borne, depths, constraints, offsets, .. } = self;
         constraints.clear();
+        let (cloths, mut borne) = (Cloths { offsets, touch }, borne.iter().peekable());
         for (i, pair) in (0..).zip(pairs) {
-            if ratio != 1.0 && pair.load > 0.0 {
-                pair.load *= ratio;
-                pair.drive *= ratio;
-                pair.tangent_push *= ratio;
-            }
-            let touched = pair.touch(i, &mut Particles { now, old, depths, up });
+            let load = borne.next_if(|borne| borne.pair == i).map_or(Load::default(), |borne| borne.load.scaled(ratio));
+            let touched = pair.touch(i, load, &mut Particles { now, old, depths, cloths, up });
             if let Some(mut constraint) = touched {
                 constraint.bring_out(recovery, now, old);
                 constraints.push(constraint);
@@ -328,16 +336,16 @@ impl Contacts {
 
     /// Pushes the pairs that [touch](Self::touch) until pushes have gone around.
     pub(crate) fn solve(&mut self, now: &mut [Vec4], old: &[Vec4]) {
-        let Self { pairs, start, impacts, constraints, .. } = self;
+        let Self { borne, start, impacts, constraints, .. } = self;
         constraints.iter_mut().for_each(|constraint| constraint.note_start(old));
         for _ in 1..PASSES {
             constraints.iter_mut().for_each(|constraint| constraint.push_apart(now));
         }
         impacts.clear();
+        borne.clear();
         for (i, constraint) in (0..).zip(&mut **constraints) {
-            let pair = &mut pairs[constraint.pair as usize];
-            (pair.load, pair.drive) = (constraint.mean_load(), constraint.mean_drive(pair.drive));
             constraint.warm_start(now);
+            borne.push(constraint.borne());
             impacts.extend(constraint.impact(|p| start.velocity(p)).map(|apart| (i, apart)));
         }
         debug_assert!(self.is_consistent());
@@ -350,8 +358,9 @@ impl Contacts {
 
     /// Whether pairs are of known particles, their weights add up to zero, and normals have a length of one.
     fn is_consistent(&self) -> bool {
-        self.constraints.iter().all(|constraint| (constraint.pair as usize) < self.pairs.len())
-            && self.pairs.iter().filter(|pair| pair.load > 0.0).all(|pair| {
+        self.borne.iter().all(|borne| (borne.pair as usize) < self.pairs.len())
+            && self.borne.is_sorted_by(|a, b| a.pair < b.pair)
+            && self.bearing().all(|(pair, _)| {
                 pair.particles.iter().all(|&p| self.paired.get(p as usize) == Some(&true))
                     && pair.weights.iter().sum::<f32>().abs() < 1.0e-4
                     && (pair.normal.length() - 1.0).abs() < 1.0e-3
@@ -360,10 +369,10 @@ impl Contacts {
 
     /// Holds pairs that slip, when bodies have pushed, too.
     pub(crate) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
-        let Self { pairs, constraints, .. } = self;
-        for constraint in constraints.iter_mut() {
+        let Self { borne, constraints, .. } = self;
+        for (constraint, borne) in constraints.iter_mut().zip(borne) {
             constraint.apply_friction(now, old);
-            pairs[constraint.pair as usize].tangent_push = constraint.tangent_push.into();
+            borne.load.tangent_push = constraint.tangent_push.into();
         }
     }
 
@@ -377,6 +386,13 @@ impl Contacts {
             }
         }
         impacts.clear();
+    }
+}
+
+/// Makes room for half as many again as there were, when little of it is left.
+fn keep_room<T>(list: &mut Vec<T>, were: usize) {
+    if list.capacity() < were + were / 4 {
+        list.reserve_exact((were + were / 2).saturating_sub(list.len()));
     }
 }
 

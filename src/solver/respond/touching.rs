@@ -3,6 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::Contacts;
+use super::cloths::offset_between;
 use crate::solver::detect::{ProximityKind, Surface};
 
 /// A pair that touched in the last substep.
@@ -30,15 +31,15 @@ impl Contacts {
         surface: &'a Surface,
         positions: &'a [Vec4],
     ) -> impl Iterator<Item = Touching> + 'a {
-        self.pairs.iter().filter(|pair| pair.load > 0.0 && self.substep > 0.0).filter_map(move |pair| {
+        self.bearing().filter(|_| self.substep > 0.0).filter_map(move |(pair, load)| {
             let [.., second] = pair.particles;
-            let x = pair.particles.iter().all(|p| (*p as usize) < positions.len()).then(|| pair.points(positions))?;
+            let x = pair.particles.iter().all(|p| (*p as usize) < positions.len()).then(|| pair.points(positions, offset_between(pair.parts, &self.offsets)))?;
             let offset = self.offset(surface.part(second));
             let of = |range: core::ops::Range<usize>, sign: f32| -> Vec3 {
                 range.map(|i| (x[i].truncate() + offset) * (sign * pair.weights[i])).sum()
             };
             let split = pair.first();
-            let force = pair.drive / (self.substep * self.substep);
+            let force = load.drive / (self.substep * self.substep);
             let points = [of(0..split, 1.0), of(split..4, -1.0)];
             let touching = Touching { kind: pair.kind, points, normal: pair.normal, force };
             (force.is_finite() && points.iter().all(|p| p.is_finite())).then_some(touching)

@@ -2,8 +2,7 @@
 
 use super::narrow_phase::NarrowPhase;
 use super::near::{Found, REST_SHARE};
-use super::{MARGIN, Touch};
-use crate::solver::body::Friction;
+use super::MARGIN;
 use crate::solver::detect::ProximityKind;
 use crate::solver::respond::contact::Contact;
 
@@ -31,8 +30,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         if !(self.takes_part[usize::from(p)] && self.takes_part[usize::from(q)]) {
             return;
         }
-        let (mine, other) = (&touch[usize::from(p)], &touch[usize::from(q)]);
-        let whole = 0.5 * (mine.thickness + other.thickness);
+        let whole = 0.5 * (touch[usize::from(p)].thickness + touch[usize::from(q)].thickness);
         let (mut thickness, margin) = (whole, MARGIN * whole);
         let tangled = self.tangled(&ids[..first]).min(self.tangled(&ids[first..]));
         if !normal.is_finite() || tangled > WITHIN_TANGLE {
@@ -58,24 +56,14 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         } else if tangled > 0.0 {
             thickness = thickness.min(pair.distance.max(LEAST_KEPT * whole));
         }
-        let contacts = &mut *self.contacts;
-        let rub = |touch: &Touch| (touch.static_friction, touch.dynamic_friction);
-        let friction = Friction::between(rub(mine), rub(other));
-        let load = contacts.loads.of(pair.kind, ids);
-        contacts.push(Contact {
+        self.contacts.push(Contact {
             kind: pair.kind,
             faces,
             particles: ids,
             weights: pair.weights,
             normal,
             thickness,
-            friction,
-            restitution: mine.restitution.max(other.restitution),
-            across: p != q,
-            offset: contacts.offset(p) - contacts.offset(q),
-            load: load.push,
-            drive: load.drive,
-            tangent_push: load.tangent_push,
+            parts: [p, q],
             inverted: false,
             was_inverted: false,
         });
