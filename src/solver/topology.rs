@@ -25,6 +25,25 @@ pub struct Topology {
 }
 
 impl Topology {
+    /// Puts those of several cloths one behind the other.
+    #[must_use]
+    pub(crate) fn join<'a>(cloths: impl Iterator<Item = &'a Self>) -> Self {
+        let mut to = Self { neighbour_start: vec![0], ..Self::default() };
+        for from in cloths {
+            let (p0, e0, f0) = (to.particles, to.edges.len() as u32, to.faces.len() as u32);
+            let face = |f: u32| if f == NONE { NONE } else { f + f0 };
+            to.particles += from.particles;
+            to.faces.extend(from.faces.iter().map(|t| t.map(|v| v + p0)));
+            to.edges.extend(from.edges.iter().map(|e| e.map(|v| v + p0)));
+            to.edge_faces.extend(from.edge_faces.iter().map(|e| e.map(face)));
+            to.face_edges.extend(from.face_edges.iter().map(|t| t.map(|e| e + e0)));
+            let run0 = to.neighbours.len() as u32;
+            to.neighbour_start.extend(from.neighbour_start.iter().skip(1).map(|s| s + run0));
+            to.neighbours.extend(from.neighbours.iter().map(|&(v, e)| (v + p0, e + e0)));
+        }
+        to
+    }
+
     /// Connects `faces` over `particles` particles. Faces must index below `particles` and have three different corners.
     #[must_use]
     pub fn new(particles: u32, faces: Vec<[u32; 3]>) -> Self {

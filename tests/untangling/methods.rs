@@ -1,6 +1,8 @@
 //! Detect and resolve on the published scenes: predicates, the contour graph, the gradient, and what comes apart in how many
 //! iterations.
 
+use std::sync::Arc;
+
 use bevy_drape::solver::detect::{Detector, PartRef, Surface};
 use bevy_drape::solver::resolve::Terms;
 use bevy_drape::solver::resolve::{ContourKind, Method, ResolveSettings, Untangler};
@@ -42,7 +44,8 @@ struct World {
 
 impl World {
     fn new(meshes: &[Mesh], inverse_masses: &[f32], self_collision: bool) -> Self {
-        let topologies: Vec<Topology> = meshes.iter().map(|m| Topology::new(m.0.len() as u32, m.1.clone())).collect();
+        let connect = |mesh: &Mesh| Arc::new(Topology::new(mesh.0.len() as u32, mesh.1.clone()));
+        let topologies: Vec<Arc<Topology>> = meshes.iter().map(connect).collect();
         let rest: Vec<Vec<Vec3>> = meshes.iter().map(|m| m.0.iter().map(|p| p.as_vec3()).collect()).collect();
         let parts: Vec<PartRef<'_>> = topologies
             .iter()

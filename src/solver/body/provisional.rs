@@ -9,13 +9,13 @@
 //!   project            the body bears it, as if nothing had been
 //! ```
 
-use glam::{Vec3A, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 
 /// Where particles were before they were laid, and where to `[m]`.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Provisional {
-    moved: Vec<(u32, Vec4, Vec4)>,
+    moved: Vec<(u32, Vec3, Vec3)>,
 }
 
 impl Provisional {
@@ -28,9 +28,9 @@ impl Provisional {
     /// Moves a particle `by` `[m]`.
     pub(super) fn put(&mut self, particle: u32, by: Vec3A, positions: &mut [Vec4]) {
         if let Some(x) = positions.get_mut(particle as usize) {
-            let from = *x;
+            let from = x.truncate();
             *x += by.extend(0.0);
-            self.moved.push((particle, from, *x));
+            self.moved.push((particle, from, x.truncate()));
         }
     }
 
@@ -38,7 +38,8 @@ impl Provisional {
     pub(crate) fn restore(&mut self, positions: &mut [Vec4]) {
         for (particle, from, to) in self.moved.drain(..).rev() {
             if let Some(x) = positions.get_mut(particle as usize) {
-                *x = if *x == to { from } else { *x - (to - from) };
+                let now = x.truncate();
+                *x = if now == to { from } else { now - (to - from) }.extend(x.w);
             }
         }
     }

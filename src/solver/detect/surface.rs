@@ -9,16 +9,18 @@
 //! orientation test the same sign, and count as not crossing.
 
 use core::ops::Range;
+use std::sync::Arc;
+
 use glam::{Vec3, Vec3A, Vec4};
 
 use crate::solver::scales::FARTHEST;
-use crate::solver::topology::{NONE, Topology};
+use crate::solver::topology::Topology;
 
 /// One cloth to be concatenated into a [`Surface`].
 #[derive(Clone, Copy, Debug)]
 pub struct PartRef<'a> {
     /// Connectivity of the cloth.
-    pub topology: &'a Topology,
+    pub topology: &'a Arc<Topology>,
     /// Rest positions `[m]`, one per particle; they give areas, edge lengths and the shape of the search tree.
     pub rest: &'a [Vec3],
     /// Order of layered garments: of two cloths, the one with the larger number is worn outside. Equal numbers have no order.
@@ -82,8 +84,8 @@ pub enum SurfaceError {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Surface {
-    /// Connectivity over the particles of all cloths.
-    pub topology: Topology,
+    /// Connectivity over the particles of all cloths; shared with the only one.
+    pub topology: Arc<Topology>,
     /// The cloths, in the order given.
     pub parts: Vec<Part>,
     /// Cloth of every particle.
@@ -113,8 +115,11 @@ impl Surface {
         if total > limit {
             return Err(SurfaceError::TooMany { what: "particles", limit });
         }
-        let mut surface = Self::default();
-        surface.topology.neighbour_start.push(0);
+        let topology = match cloths {
+            [only] => Arc::clone(only.topology),
+            _ => Arc::new(Topology::join(cloths.iter().map(|cloth| &**cloth.topology))),
+        };
+        let mut surface = Self { topology, ..Self::default() };
         for (i, cloth) in cloths.iter().enumerate() {
             let particles = cloth.topology.particles as usize;
             if cloth.rest.len() != particles {
@@ -138,23 +143,14 @@ impl Surface {
     }
 
     fn append(&mut self, index: u16, cloth: &PartRef<'_>) {
-        let (from, to) = (cloth.topology, &mut self.topology);
-        let (p0, e0, f0) = (to.particles, to.edges.len() as u32, to.faces.len() as u32);
-        let face = |f: u32| if f == NONE { NONE } else { f + f0 };
-        to.particles += from.particles;
-        to.faces.extend(from.faces.iter().map(|t| t.map(|v| v + p0)));
-        to.edges.extend(from.edges.iter().map(|e| e.map(|v| v + p0)));
-        to.edge_faces.extend(from.edge_faces.iter().map(|e| e.map(face)));
-        to.face_edges.extend(from.face_edges.iter().map(|t| t.map(|e| e + e0)));
-        let run0 = to.neighbours.len() as u32;
-        to.neighbour_start.extend(from.neighbour_start.iter().skip(1).map(|s| s + run0));
-        to.neighbours.extend(from.neighbours.iter().map(|&(v, e)| (v + p0, e + e0)));
+        let of = cloth.topology;
+        let [p0, e0, f0] = self.parts.last().map_or([0; 3], |last| [last.particles.end, last.edges.end, last.faces.end]);
         self.rest.extend_from_slice(cloth.rest);
-        self.part_of_particle.resize(to.particles as usize, index);
+        self.part_of_particle.resize(self.rest.len(), index);
         self.parts.push(Part {
-            particles: p0..to.particles,
-            edges: e0..to.edges.len() as u32,
-            faces: f0..to.faces.len() as u32,
+            particles: p0..p0 + of.particles,
+            edges: e0..e0 + of.edges.len() as u32,
+            faces: f0..f0 + of.faces.len() as u32,
             layer: cloth.layer,
             self_collision: cloth.self_collision,
             thickness: cloth.thickness,

@@ -155,6 +155,8 @@ impl Undo {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::solver::detect::PartRef;
     use crate::solver::topology::Topology;
@@ -162,7 +164,7 @@ mod tests {
 
     /// Five single triangles.
     fn surface() -> Surface {
-        let topology = Topology::new(3, vec![[0, 1, 2]]);
+        let topology = Arc::new(Topology::new(3, vec![[0, 1, 2]]));
         let rest = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
         Surface::new(&[part; 5]).expect("five cloths")

@@ -205,8 +205,8 @@ impl Contacts {
         self.offsets.resize(surface.parts.len(), Vec3::ZERO);
         self.depths.fit(surface.len());
         // Room for what folded cloth has, so that lists do not grow when it is at rest.
-        let (faces, particles) = (surface.topology.faces.len(), surface.len());
-        self.close.reserve((4 * faces).saturating_sub(self.close.len()));
+        let particles = surface.len();
+        self.close.reserve(particles.saturating_sub(self.close.len()));
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
         self.loads.fit(particles);
         self.inverted.reserve((particles / 8).saturating_sub(self.inverted.len()));

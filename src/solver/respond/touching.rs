@@ -33,7 +33,11 @@ impl Contacts {
     ) -> impl Iterator<Item = Touching> + 'a {
         self.bearing().filter(|_| self.substep > 0.0).filter_map(move |(pair, load)| {
             let [.., second] = pair.particles;
-            let x = pair.particles.iter().all(|p| (*p as usize) < positions.len()).then(|| pair.points(positions, offset_between(pair.parts, &self.offsets)))?;
+            let x = pair
+                .particles
+                .iter()
+                .all(|p| (*p as usize) < positions.len())
+                .then(|| pair.points(positions, offset_between(pair.parts, &self.offsets)))?;
             let offset = self.offset(surface.part(second));
             let of = |range: core::ops::Range<usize>, sign: f32| -> Vec3 {
                 range.map(|i| (x[i].truncate() + offset) * (sign * pair.weights[i])).sum()

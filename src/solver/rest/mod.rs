@@ -40,7 +40,7 @@ const AREA_FRACTION: f32 = 1.0e-11;
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct RestShape {
     /// Connectivity over particles.
-    pub topology: Topology,
+    pub topology: Arc<Topology>,
     /// Rest positions `[m]` of the particles, in the scaled, unrotated frame of the mesh.
     pub positions: Vec<Vec3>,
     /// Third of the area of the faces around each particle `[m²]`.
@@ -177,7 +177,7 @@ impl RestShape {
             topology.edges.iter().map(|e| f64::from(positions[e[0] as usize].distance(positions[e[1] as usize]))).sum();
         shape.mean_edge = (length / topology.edges.len() as f64) as f32;
         shape.coarse = CoarseMesh::new(&topology, &positions, shape.mean_edge);
-        shape.topology = topology;
+        shape.topology = Arc::new(topology);
         shape.positions = positions;
         shape.attach_isolated(mesh);
         if let Some(gone) = drawn {

@@ -319,6 +319,8 @@ fn fastest(range: Range<usize>, positions: &[Vec4], previous: &[Vec4]) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::vec3;
 
     use super::*;
@@ -333,7 +335,7 @@ mod tests {
 
     /// A triangle, and a smaller one whose corner is above it.
     fn surface() -> (Surface, Vec<Vec4>) {
-        let topology = Topology::new(3, vec![[0, 1, 2]]);
+        let topology = Arc::new(Topology::new(3, vec![[0, 1, 2]]));
         let lower = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let upper = [vec3(0.2, 0.2, 0.1), vec3(0.4, 0.2, 0.3), vec3(0.2, 0.4, 0.3)];
         let part = |rest| PartRef { topology: &topology, rest, layer: 0, self_collision: true, thickness: 0.01 };
@@ -375,7 +377,7 @@ mod tests {
     #[test]
     fn what_fell_on_cloth_at_rest_goes_back_and_that_stays_whatever_the_rest_of_it_does() {
         // One cloth: a triangle at rest, one that falls through it, and one that is far away by now.
-        let topology = Topology::new(9, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]);
+        let topology = Arc::new(Topology::new(9, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]));
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let rest: Vec<Vec3> = [Vec3::ZERO, vec3(0.1, 0.1, 0.1), Vec3::splat(3.0)]
             .into_iter()

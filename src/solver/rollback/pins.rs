@@ -123,6 +123,8 @@ impl Pins {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::{Quat, Vec3, Vec4, vec3};
 
     use super::*;
@@ -132,7 +134,7 @@ mod tests {
     /// A strip of three by two pins is turned as a whole. Returns how far the corners of its first face end from where they
     /// ride.
     fn miss(axis: Vec3, degrees: f32) -> f32 {
-        let topology = Topology::new(6, vec![[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]]);
+        let topology = Arc::new(Topology::new(6, vec![[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]]));
         let rest: Vec<Vec3> = (0u8..6).map(|i| vec3(f32::from(i % 3) * 0.5, f32::from(i / 3) * 0.4, 0.0)).collect();
         let surface =
             Surface::new(&[PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 }]);
@@ -162,7 +164,7 @@ mod tests {
         let n = 2 * RINGS + 2;
         let triangles =
             (0..n - 1).map(|i| [2 * i, 2 * i + 2, 2 * i + 1]).chain((0..n - 1).map(|i| [2 * i + 1, 2 * i + 2, 2 * i + 3]));
-        let topology = Topology::new(2 * n, triangles.collect());
+        let topology = Arc::new(Topology::new(2 * n, triangles.collect()));
         let rest: Vec<Vec3> = (0..2 * n).map(|i| vec3((i / 2) as f32, (i % 2) as f32, 0.0)).collect();
         let surface =
             Surface::new(&[PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 }]);

@@ -1,8 +1,8 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
+use super::MARGIN;
 use super::narrow_phase::NarrowPhase;
 use super::near::{Found, REST_SHARE};
-use super::MARGIN;
 use crate::solver::detect::ProximityKind;
 use crate::solver::respond::contact::Contact;
 
