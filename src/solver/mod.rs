@@ -33,6 +33,7 @@ pub mod verdict;
 pub mod resolve;
 pub mod evaluate;
 pub(crate) mod respond;
+pub(crate) mod rigid;
 pub(crate) mod rollback;
 pub mod island;
 #[cfg(feature = "record")]

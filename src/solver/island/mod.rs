@@ -11,6 +11,7 @@
 
 mod detect;
 mod display;
+mod follow;
 mod gather;
 pub mod load;
 mod look;

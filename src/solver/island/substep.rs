@@ -78,9 +78,7 @@ impl Island {
 
     /// Begins a frame of `dt` `[s]`: takes all cloths in, and lets each find what it needs once.
     fn begin(&mut self, dt: f32, cloths: &mut [Member<'_>]) {
-        for (part, m) in cloths.iter().enumerate().filter(|(_, m)| m.moves) {
-            self.rollback.forget_if_moved(&self.surface, part, &m.state.positions, m.offset);
-        }
+        self.follow(cloths);
         self.can_roll_back &= self.rollback.knows();
         let most = self.most.times((dt / LONGEST_LOOK).max(1.0));
         (self.within, self.asked, self.share) = (most, most, 0.0);

@@ -30,7 +30,7 @@ mod touching;
 
 use core::ops::Range;
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Quat, Vec3, Vec3A, Vec4};
 
 use crate::solver::body::{Bearing, Touch};
 use crate::solver::buffer::Buffer;
@@ -272,6 +272,12 @@ impl Contacts {
     pub(crate) fn set_offsets(&mut self, offsets: impl Iterator<Item = Vec3>) {
         self.offsets.clear();
         self.offsets.extend(offsets);
+    }
+
+    /// All cloths turned as one.
+    pub(crate) fn turn(&mut self, by: Quat) {
+        self.pairs.iter_mut().for_each(|pair| pair.normal = by * pair.normal);
+        self.borne.iter_mut().for_each(|borne| borne.load.tangent_push = by * borne.load.tangent_push);
     }
 
     /// Where the frame of simulation of a cloth is in that of the island `[m]`.

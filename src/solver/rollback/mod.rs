@@ -31,9 +31,6 @@ const FARTHEST_EDGES: f32 = 4.0;
 /// a whole.
 const ALONE_EDGES: f32 = 1.0;
 
-/// How far a particle may be from where a frame left it when the next one begins, in mean edges.
-const MOVED_EDGES: f32 = 0.01;
-
 /// Frames in a row in which whole cloths stay where they were.
 const MOST_STAYS: u32 = 8;
 
@@ -125,17 +122,14 @@ impl Rollback {
         (self.rolls_back, self.stayed) = (false, false);
     }
 
-    /// Forgets where everything was, if something else than a frame moved cloth `part` since, as a teleport does. The cloth is
-    /// to begin the next frame at `positions`, `offset` `[m]` from the frame of the island.
-    pub(crate) fn forget_if_moved(&mut self, surface: &Surface, part: usize, positions: &[Vec4], offset: Vec3) {
-        let limit = MOVED_EDGES * surface.mean_edge;
-        let clean = surface.parts.get(part).and_then(|part| self.clean.get(part.range())).unwrap_or_default();
-        let is_elsewhere = |(x, clean): (&Vec4, &Vec4)| {
-            !(Vec3A::from_vec4(*x - *clean + offset.extend(0.0)).length_squared() <= limit * limit)
-        };
-        if positions.len() != clean.len() || positions.iter().zip(clean).any(is_elsewhere) {
-            self.clean.clear();
-        }
+    /// Forgets where everything was.
+    pub(crate) fn forget(&mut self) {
+        self.clean.clear();
+    }
+
+    /// All of what was clean went elsewhere as one, to these `positions` `[m]`.
+    pub(crate) fn be_at(&mut self, positions: impl Iterator<Item = Vec3A>) {
+        self.clean.iter_mut().zip(positions).for_each(|(clean, x)| *clean = x.extend(clean.w));
     }
 
     /// Everything lies `by` `[m]` elsewhere from now on.

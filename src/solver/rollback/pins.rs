@@ -1,43 +1,25 @@
 //! What crosses a pin goes where the pin takes it.
 //!
 //! ```text
-//!   x0 ─► c + q (x0 - c0)                 c0, c: centre of the pins that are joined, then and now
-//!
-//!   Σ (|r|² 1 - r rᵀ) s = Σ r × (p - c)   r = q (p0 - c0);  s: axis times sine of the turn that is left, to first order
-//!   q ◄ t q,  t ~ (s, 1 + √(1 - s²))      in a few rounds; turns of less than 90° in a frame
+//!   x0 ─► c + q (x0 - c0)     the rigid motion of the pins that are joined
 //! ```
 //!
-//! Pins are joined by a few edges between them: each end of a strip that is twisted turns by itself, and a rail bends. Of the
-//! turn around a straight row of pins nothing is known; it is the least.
+//! Pins are joined by a few edges between them: each end of a strip that is twisted turns by itself, and a rail bends.
 
-use glam::{Mat3, Quat, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 use super::Crossing;
 use crate::solver::detect::Surface;
+use crate::solver::rigid::Rigid;
 
 /// Edges from a pin that is crossed to the farthest that it is joined to.
 const RINGS: u32 = 12;
-
-/// Rounds for the turn: after three what is left of 30° about any axis is within rounding.
-const ROUNDS: u32 = 3;
-
-/// Share of its trace that is added to the diagonal of the matrix above (dimensionless): a row of pins leaves it singular.
-const LEAST_TURN: f32 = 1.0e-4;
-
-/// How pins that are joined went in the frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-struct Ride {
-    from: Vec3,
-    to: Vec3,
-    turn: Quat,
-}
 
 /// Rides of pins that cross something, and what rides along.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pins {
-    rides: Vec<Ride>,
+    rides: Vec<Rigid>,
     /// Which of them each particle is on, plus one; 0: none.
     on: Vec<u32>,
     queue: Vec<u32>,
@@ -74,7 +56,7 @@ impl Pins {
     /// Where particle `v` rides that was at `clean` `[m]`; none if it does not.
     pub(super) fn destination(&self, v: usize, clean: Vec3) -> Option<Vec3> {
         let ride = self.rides.get(self.on.get(v)?.checked_sub(1)? as usize)?;
-        let to = ride.to + ride.turn * (clean - ride.from);
+        let to = ride.point(clean);
         to.is_finite().then_some(to)
     }
 
@@ -97,27 +79,8 @@ impl Pins {
                 }
             }
         }
-        let count = self.queue.len() as f32;
         let all = || self.queue.iter().map(|&v| (clean[v as usize].truncate(), positions[v as usize].truncate()));
-        let (from, to) = all().fold((Vec3::ZERO, Vec3::ZERO), |sum, (from, to)| (sum.0 + from, sum.1 + to));
-        let (from, to) = (from / count, to / count);
-        let mut turn = Quat::IDENTITY;
-        for _ in 0..ROUNDS {
-            let (mut matrix, mut moment, mut trace) = (Mat3::ZERO, Vec3::ZERO, 0.0);
-            for (then, now) in all() {
-                let r = turn * (then - from);
-                let square = r.length_squared();
-                matrix += Mat3::from_diagonal(Vec3::splat(square)) - Mat3::from_cols(r * r.x, r * r.y, r * r.z);
-                moment += r.cross(now - to);
-                trace += 2.0 * square;
-            }
-            if trace > 0.0 {
-                let sine = (matrix + Mat3::from_diagonal(Vec3::splat(LEAST_TURN * trace))).inverse() * moment;
-                let cosine = (1.0 - sine.length_squared()).max(0.0).sqrt();
-                turn = (Quat::from_vec4(sine.extend(1.0 + cosine)).normalize() * turn).normalize();
-            }
-        }
-        self.rides.push(Ride { from, to, turn });
+        self.rides.push(Rigid::fit(all));
     }
 }
 

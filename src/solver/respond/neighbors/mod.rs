@@ -33,6 +33,7 @@ use crate::solver::buffer::Buffer;
 use crate::solver::detect::Surface;
 use crate::solver::detect::tree::Tree;
 use crate::solver::effort::Meter;
+use crate::solver::rigid::Rigid;
 use batch::Batch;
 use flat::Flatness;
 use looked::Looked;
@@ -143,6 +144,19 @@ impl NeighborList {
     pub(crate) fn horizon(&self, dt: f32, h: f32, touch: &[Touch]) -> f32 {
         let thickest = touch.iter().map(|t| t.thickness).fold(0.0, f32::max);
         if self.haste * dt > FLUTTER * thickest { (h * (0.5 * dt / h - 1.0e-3).ceil()).min(dt) } else { dt }
+    }
+
+    /// Where each particle was at the end of the last frame `[m]`.
+    pub(crate) fn before(&self) -> &[Vec3A] {
+        &self.before
+    }
+
+    /// Takes everything that is known along on a motion of all cloths.
+    pub(crate) fn follow(&mut self, motion: &Rigid) {
+        let points = [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten();
+        points.for_each(|x| *x = motion.point((*x).into()).into());
+        self.shared = motion.turn * self.shared;
+        self.faces.iter_mut().for_each(|face| face.normal = motion.turn * face.normal);
     }
 
     /// Moves everything that is known `by` `[m]`.
