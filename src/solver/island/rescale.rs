@@ -13,6 +13,7 @@ impl Island {
         self.neighbors.measure(&self.surface);
         self.untangler.detector.rescale(&self.surface);
         self.known = false;
+        self.rollback.forget();
         true
     }
 }

@@ -51,6 +51,7 @@ use glam::{Vec3, Vec4};
 use crate::solver::buffer::Buffer;
 use crate::solver::detect::{Crossing, Detector, Surface};
 use crate::solver::effort::Effort;
+use crate::solver::rigid::Rigid;
 use crate::solver::verdict::{Escalation, Verdict};
 
 use between::Between;
@@ -168,6 +169,13 @@ pub struct Resolver {
 }
 
 impl Resolver {
+    /// All cloths were carried as one: what is under way goes on in the new direction.
+    pub(crate) fn follow(&mut self, motion: &Rigid) {
+        self.plans.turn(motion.turn);
+        self.layers.plans.turn(motion.turn);
+        self.tracked.follow(motion);
+    }
+
     /// Traces the contours of the crossings; call it before [`Self::advance`].
     pub(crate) fn analyse(&mut self, surface: &Surface, crossings: &[Crossing], positions: &[Vec4]) -> Verdict {
         let at = |v: u32| positions[v as usize].truncate().as_dvec3();

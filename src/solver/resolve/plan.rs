@@ -3,7 +3,7 @@
 
 use std::collections::BinaryHeap;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use crate::solver::buffer::Buffer;
 
@@ -56,6 +56,11 @@ impl Plans {
     pub(super) fn clear(&mut self) {
         self.live = 0;
         self.numbers.clear();
+    }
+
+    /// Turns all ways.
+    pub(super) fn turn(&mut self, by: Quat) {
+        self.list.iter_mut().flat_map(|plan| &mut plan.moves).for_each(|(_, way)| *way = by * *way);
     }
 
     /// Gives up those that move particles that were `put` elsewhere.

@@ -6,6 +6,7 @@
 use glam::Vec3;
 
 use crate::solver::detect::Crossing;
+use crate::solver::rigid::Rigid;
 use crate::solver::topology::NONE;
 use crate::solver::verdict::Escalation;
 
@@ -132,6 +133,14 @@ impl TrackedContours {
     pub(crate) fn clear(&mut self) {
         self.now.clear();
         self.votes.clear();
+    }
+
+    /// All cloths were carried as one.
+    pub(crate) fn follow(&mut self, motion: &Rigid) {
+        for contour in &mut self.now {
+            contour.mean_direction = motion.turn * contour.mean_direction;
+            contour.centre = motion.point(contour.centre);
+        }
     }
 
     /// Carries memories over to the contours found now. `fresh` decides for a contour that is new.

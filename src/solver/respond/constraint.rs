@@ -49,7 +49,8 @@ pub(super) struct Constraint {
     pub restitution: Option<f32>,
     /// The height over the plane that the passes after the first keep `[m]`: 0, or where the substep began below it.
     pub floor: f32,
-    /// Mean push of the substeps before `[m]`, and mean of what all pushes of one did, push over mobility `[kg·m]`.
+    /// Mean push of the substeps before `[m]`, and mean of what all pushes of one did, push over mobility `[kg·m]`: see
+    /// [`Load`].
     pub load: f32,
     pub drive: f32,
     /// What it was pushed in this one `[m]`.

@@ -204,7 +204,7 @@ impl Contacts {
         self.paired.resize(surface.len(), false);
         self.offsets.resize(surface.parts.len(), Vec3::ZERO);
         self.depths.fit(surface.len());
-        // Room for what folded cloth has, so that lists do not grow when it is at rest.
+        // So that lists do not grow where cloth begins to fold.
         let particles = surface.len();
         self.close.reserve(particles.saturating_sub(self.close.len()));
         self.pairs.reserve(particles.saturating_sub(self.pairs.len()));
@@ -274,7 +274,7 @@ impl Contacts {
         self.offsets.extend(offsets);
     }
 
-    /// All cloths turned as one.
+    /// All cloths were turned as one, `by` that.
     pub(crate) fn turn(&mut self, by: Quat) {
         self.pairs.iter_mut().for_each(|pair| pair.normal = by * pair.normal);
         self.borne.iter_mut().for_each(|borne| borne.load.tangent_push = by * borne.load.tangent_push);
@@ -320,18 +320,19 @@ impl Contacts {
         }
     }
 
-    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. `touch` is of each cloth. What
-    /// lies below, along `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the substep,
+    /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. `fabrics` are of the cloths.
+    /// What lies below, along `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the substep,
     /// of all particles (`[m]`, `w` inverse mass).
-    pub(crate) fn touch(&mut self, h: f32, touch: &[Touch], gravity: Vec3, now: &mut [Vec4], old: &mut [Vec4]) {
+    pub(crate) fn touch(&mut self, h: f32, fabrics: &[Touch], gravity: Vec3, now: &mut [Vec4], old: &mut [Vec4]) {
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
         let Self { pairs, borne, depths, constraints, offsets, .. } = self;
+        debug_assert!(borne.is_sorted_by(|a, b| a.pair < b.pair), "loads are found in the order of pairs");
         constraints.clear();
-        let (cloths, mut borne) = (Cloths { offsets, touch }, borne.iter().peekable());
+        let (cloths, mut borne) = (Cloths { offsets, touch: fabrics }, borne.iter().peekable());
         for (i, pair) in (0..).zip(pairs) {
-            let load = borne.next_if(|borne| borne.pair == i).map_or(Load::default(), |borne| borne.load.scaled(ratio));
+            let load = borne.next_if(|borne| borne.pair == i).map(|borne| borne.load.scaled(ratio)).unwrap_or_default();
             let touched = pair.touch(i, load, &mut Particles { now, old, depths, cloths, up });
             if let Some(mut constraint) = touched {
                 constraint.bring_out(recovery, now, old);
@@ -365,7 +366,6 @@ impl Contacts {
     /// Whether pairs are of known particles, their weights add up to zero, and normals have a length of one.
     fn is_consistent(&self) -> bool {
         self.borne.iter().all(|borne| (borne.pair as usize) < self.pairs.len())
-            && self.borne.is_sorted_by(|a, b| a.pair < b.pair)
             && self.bearing().all(|(pair, _)| {
                 pair.particles.iter().all(|&p| self.paired.get(p as usize) == Some(&true))
                     && pair.weights.iter().sum::<f32>().abs() < 1.0e-4
@@ -405,4 +405,26 @@ fn keep_room<T>(list: &mut Vec<T>, were: usize) {
 /// Notes that particles are part of a pair.
 fn note_paired(paired: &mut [bool], particles: [u32; 4]) {
     particles.iter().for_each(|&p| paired[p as usize] = true);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_pairs_bear_stays_with_them_when_others_are_forgotten_and_comes_back_when_they_are_found_again() {
+        let pair = |v: u32| Contact { particles: [v, 10, 11, 12], ..Contact::bare(ProximityKind::VertexFace, 0.01) };
+        let load = |push: f32| Load { push, ..Load::default() };
+        let mut contacts = Contacts { paired: vec![true; 13], ..Contacts::default() };
+        contacts.loads.fit(13);
+        (0..5).for_each(|v| contacts.push(pair(v)));
+        contacts.borne.extend([(0, 0.5), (1, 1.5), (3, 3.5)].map(|(pair, push)| Borne { pair, load: load(push) }));
+        contacts.forget_all_but(|pair| [1, 2, 3].contains(&pair.particles[0]));
+        let bear =
+            |contacts: &Contacts| -> Vec<_> { contacts.bearing().map(|(pair, load)| (pair.particles[0], load.push)).collect() };
+        assert_eq!(bear(&contacts), [(1, 1.5), (3, 3.5)]);
+        [4, 0].into_iter().for_each(|v| contacts.push(pair(v)));
+        assert_eq!(bear(&contacts), [(1, 1.5), (3, 3.5), (0, 0.5)]);
+        assert_eq!(contacts.borne.iter().map(|borne| borne.pair).collect::<Vec<_>>(), [0, 2, 4]);
+    }
 }

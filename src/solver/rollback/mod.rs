@@ -21,6 +21,7 @@ use glam::{Vec3, Vec3A, Vec4};
 use super::buffer::Buffer;
 use super::detect::{Crossing, Surface};
 use super::resolve::ContourGraph;
+use super::rigid::Rigid;
 use pins::Pins;
 
 /// How much farther a particle may have gone in the frame than the fastest particle of its cloth flew, in mean edges. A
@@ -59,7 +60,7 @@ impl Tangle<'_> {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Rollback {
-    /// Positions `[m]` at the end of the last frame; empty when it did not end clean, or when no cloth rested on cloths then.
+    /// Positions `[m]` at the end of the last frame, or where they were carried since; empty when it did not end clean, or when no cloth rested on cloths then.
     clean: Vec<Vec4>,
     /// Which particles were rolled back in this frame, and in the one before.
     restored: Vec<bool>,
@@ -106,6 +107,12 @@ impl Rollback {
         !self.clean.is_empty()
     }
 
+    /// Whether nothing crossed where all are at these `positions` `[m]`, or within `limit` `[m]` of them.
+    #[cfg(test)]
+    pub(crate) fn knows_as_clean(&self, positions: &[Vec3], limit: f32) -> bool {
+        self.knows() && self.clean.iter().zip(positions).all(|(clean, x)| clean.truncate().distance(*x) < limit)
+    }
+
     /// Notes how a frame ended, whose last substep lies between `previous` and `positions` `[m]`; nothing is known of one that
     /// was not clean.
     pub(crate) fn note(&mut self, surface: &Surface, positions: &[Vec4], previous: &[Vec4], is_clean: bool) {
@@ -127,9 +134,9 @@ impl Rollback {
         self.clean.clear();
     }
 
-    /// All of what was clean went elsewhere as one, to these `positions` `[m]`.
-    pub(crate) fn be_at(&mut self, positions: impl Iterator<Item = Vec3A>) {
-        self.clean.iter_mut().zip(positions).for_each(|(clean, x)| *clean = x.extend(clean.w));
+    /// All cloths were carried as one.
+    pub(crate) fn follow(&mut self, motion: &Rigid) {
+        self.clean.iter_mut().for_each(|x| *x = motion.point(x.truncate()).extend(x.w));
     }
 
     /// Everything lies `by` `[m]` elsewhere from now on.

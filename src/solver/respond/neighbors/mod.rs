@@ -146,7 +146,7 @@ impl NeighborList {
         if self.haste * dt > FLUTTER * thickest { (h * (0.5 * dt / h - 1.0e-3).ceil()).min(dt) } else { dt }
     }
 
-    /// Where each particle was at the end of the last frame `[m]`.
+    /// Where each particle was at the end of the last frame, or when the time looked ahead began within this one `[m]`.
     pub(crate) fn before(&self) -> &[Vec3A] {
         &self.before
     }
