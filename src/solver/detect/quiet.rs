@@ -39,8 +39,8 @@ impl QuietPairs {
             noted: vec![Vec3A::INFINITY; surface.len()],
             slack: vec![most * most; surface.len()],
             reach: 2.0 * most,
-            // Room for what folded cloth has.
-            close: Vec::with_capacity(4 * surface.topology.faces.len()),
+            // What hangs has none, so that the list does not grow where cloth begins to fold.
+            close: Vec::with_capacity(surface.len()),
             used: None,
         }
     }
