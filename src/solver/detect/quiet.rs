@@ -39,7 +39,7 @@ impl QuietPairs {
             noted: vec![Vec3A::INFINITY; surface.len()],
             slack: vec![most * most; surface.len()],
             reach: 2.0 * most,
-            // What hangs has none, so that the list does not grow where cloth begins to fold.
+            // Grows where cloth folds: what hangs has none.
             close: Vec::with_capacity(surface.len()),
             used: None,
         }
