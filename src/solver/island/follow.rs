@@ -7,7 +7,7 @@
 //! What was clean together and moves together is clean. Where cloths of an island went different ways, or one changed its
 //! shape, nobody knows whether they passed through each other.
 
-use glam::Vec3A;
+use glam::{Vec3A, Vec4};
 
 use super::{Island, Member};
 use crate::solver::rigid::Rigid;
@@ -20,7 +20,8 @@ const SAMPLES: usize = 64;
 
 impl Island {
     /// Carries what is known along with cloths that are to begin the next frame elsewhere than the last one left them. Forgets
-    /// where nothing crossed if they did not go there as one, or turned about.
+    /// where nothing crossed if they did not go there as one, or turned about. A cloth that is not stepped may go anywhere by
+    /// itself: it is an obstacle, and looked at again after each step back.
     pub(super) fn follow(&mut self, cloths: &[Member<'_>]) {
         if self.surface.parts.iter().zip(cloths).any(|(part, m)| !m.fits(part)) {
             self.rollback.forget();
@@ -29,14 +30,16 @@ impl Island {
         let limit = MOVED_EDGES * self.surface.mean_edge;
         // NaN passes no comparison.
         let is_at = |x: Vec3A, there: Vec3A| x.distance_squared(there) <= limit * limit;
-        let now = cloths.iter().flat_map(|m| m.state.positions.iter().map(|x| Vec3A::from_vec4(*x) + Vec3A::from(m.offset)));
-        let moved = || self.neighbors.before().iter().copied().zip(now.clone());
-        if moved().all(|(before, x)| is_at(x, before)) {
+        // Each particle, where the last frame left it, and where it is; and whether it is stepped.
+        let now = |m: &Member<'_>, x: &Vec4| (Vec3A::from_vec4(*x) + Vec3A::from(m.offset), m.moves);
+        let now = cloths.iter().flat_map(|m| m.state.positions.iter().map(move |x| now(m, x)));
+        let all = || self.neighbors.before().iter().copied().zip(now.clone());
+        if all().all(|(before, (x, moves))| !moves || is_at(x, before)) {
             return;
         }
         let stride = (self.surface.len() / SAMPLES).max(1);
-        let motion = Rigid::fit(|| moved().step_by(stride).map(|(before, x)| (before.into(), x.into())));
-        if moved().all(|(before, x)| is_at(x, motion.point(before.into()).into())) {
+        let motion = Rigid::fit(|| all().step_by(stride).map(|(before, (x, _))| (before.into(), x.into())));
+        if all().all(|(before, (x, _))| is_at(x, motion.point(before.into()).into())) {
             self.rollback.follow(&motion);
             self.neighbors.follow(&motion);
             self.contacts.turn(motion.turn);
@@ -154,5 +157,15 @@ mod tests {
         let by = |by: Vec3| Affine3A::from_translation(by);
         assert!(!after([by(Vec3::ZERO), by(vec3(0.0, -0.1, 0.0))], Vec3::ZERO).0, "one alone");
         assert!(!after([by(Vec3::X), by(Vec3::Y)], Vec3::ZERO).0, "two ways");
+    }
+
+    #[test]
+    fn an_obstacle_that_goes_by_itself_is_no_reason_to_forget() {
+        let mut scene = lying();
+        carry(&mut scene.cloths[1], Affine3A::from_translation(vec3(0.0, 0.02, 0.0)));
+        let (Untangling { island, settings, .. }, mut members) = scene.together(FRAME).expect("an island");
+        members[1].moves = false;
+        island.run(Stage::Integrate, FRAME, settings, &mut members);
+        assert!(island.rollback.knows());
     }
 }

@@ -321,8 +321,8 @@ impl Contacts {
     }
 
     /// Finds the pairs that touch at the end of a substep of `h` `[s]`, and pushes each apart. `fabrics` are of the cloths.
-    /// What lies below, along `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the substep,
-    /// of all particles (`[m]`, `w` inverse mass).
+    /// What lies below, along `gravity`, carries what lies on it. `now` and `old`: positions, and those at the start of the
+    /// substep, of all particles (`[m]`, `w` inverse mass).
     pub(crate) fn touch(&mut self, h: f32, fabrics: &[Touch], gravity: Vec3, now: &mut [Vec4], old: &mut [Vec4]) {
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
