@@ -32,6 +32,11 @@ pub(crate) struct Rigid {
 }
 
 impl Rigid {
+    /// The one that moves everything `by` `[m]`.
+    pub(crate) fn shift(by: Vec3) -> Self {
+        Self { from: Vec3::ZERO, to: by, turn: Quat::IDENTITY }
+    }
+
     /// The one that fits points best, given where each was and is `[m]`. Not finite without points.
     pub(crate) fn fit<I: Iterator<Item = (Vec3, Vec3)>>(all: impl Fn() -> I) -> Self {
         let sum = |(n, a, b): (f32, Vec3, Vec3), (from, to)| (n + 1.0, a + from, b + to);

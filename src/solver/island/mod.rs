@@ -44,6 +44,7 @@ use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
 #[cfg(feature = "debug")]
 use super::respond::Touching;
 use super::respond::{Contacts, NeighborList};
+use super::rigid::Rigid;
 use super::rollback::Rollback;
 use super::verdict::Verdict;
 use particles::StepParticles;
@@ -249,8 +250,7 @@ impl Island {
 
     /// Moves the frame of the island: everything that is known lies `by` `[m]` elsewhere in it from now on.
     pub fn carry(&mut self, by: Vec3) {
-        self.rollback.carry(by);
-        self.neighbors.carry(by);
+        self.take_along(&Rigid::shift(by));
         self.known = false;
     }
 

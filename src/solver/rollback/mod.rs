@@ -60,7 +60,8 @@ impl Tangle<'_> {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Rollback {
-    /// Positions `[m]` at the end of the last frame, or where they were carried since; empty when it did not end clean, or when no cloth rested on cloths then.
+    /// Positions `[m]` at the end of the last frame, or where they were carried since. Empty when it did not end clean, or when
+    /// no cloth rested on cloths then.
     clean: Vec<Vec4>,
     /// Which particles were rolled back in this frame, and in the one before.
     restored: Vec<bool>,
@@ -137,11 +138,6 @@ impl Rollback {
     /// All cloths were carried as one.
     pub(crate) fn follow(&mut self, motion: &Rigid) {
         self.clean.iter_mut().for_each(|x| *x = motion.point(x.truncate()).extend(x.w));
-    }
-
-    /// Everything lies `by` `[m]` elsewhere from now on.
-    pub(crate) fn carry(&mut self, by: Vec3) {
-        self.clean.iter_mut().for_each(|x| *x += by.extend(0.0));
     }
 
     /// Begins with nothing rolled back; whether anything can be: of the cloths that take part, by number. The frame took as

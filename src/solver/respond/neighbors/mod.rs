@@ -24,7 +24,7 @@ mod batch;
 mod closest;
 mod list;
 
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Vec3A, Vec4};
 
 pub(crate) use moment::Moment;
 
@@ -157,12 +157,6 @@ impl NeighborList {
         points.for_each(|x| *x = motion.point((*x).into()).into());
         self.shared = motion.turn * self.shared;
         self.faces.iter_mut().for_each(|face| face.normal = motion.turn * face.normal);
-    }
-
-    /// Moves everything that is known `by` `[m]`.
-    pub(crate) fn carry(&mut self, by: Vec3) {
-        let by = Vec3A::from(by);
-        [&mut self.before, &mut self.start, &mut self.ahead].into_iter().flatten().for_each(|x| *x += by);
     }
 
     /// Notes where all particles are `[m]` at the end of a frame, or of the time looked ahead within one. The next look tells
