@@ -1,6 +1,7 @@
 //! What the plugin warns of, line by line.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::io::sink;
+use std::sync::{Arc, Mutex, Once, PoisonError};
 
 use bevy::log::tracing_subscriber::fmt::MakeWriter;
 use bevy::log::{tracing, tracing_subscriber};
@@ -28,16 +29,22 @@ impl<'a> MakeWriter<'a> for Log {
     }
 }
 
+/// Whether a warning is of interest is asked once for all threads, by the one that comes by it first.
+/// So threads that nobody listens to have to show interest, too.
+static EVERY_THREAD: Once = Once::new();
+
+/// Writes warnings, and nothing else, as plain lines.
+fn subscriber<W: for<'a> MakeWriter<'a> + Send + Sync + 'static>(writer: W) -> impl tracing::Subscriber + Send + Sync {
+    let builder = tracing_subscriber::fmt().with_max_level(tracing::Level::WARN);
+    builder.with_ansi(false).without_time().with_writer(writer).finish()
+}
+
 impl Log {
     /// Listens to this thread while `act` runs.
     pub fn listen<T>(&self, act: impl FnOnce() -> T) -> T {
-        let subscriber = tracing_subscriber::fmt()
-            .with_max_level(tracing::Level::WARN)
-            .with_ansi(false)
-            .without_time()
-            .with_writer(self.clone())
-            .finish();
-        tracing::subscriber::with_default(subscriber, act)
+        // An app's own listener does as well.
+        EVERY_THREAD.call_once(|| drop(tracing::subscriber::set_global_default(subscriber(sink))));
+        tracing::subscriber::with_default(subscriber(self.clone()), act)
     }
 
     /// Warnings of the plugin since this was asked last.

@@ -18,6 +18,17 @@ pub fn warnings(mut app: App, act: impl FnOnce(&mut App)) -> Vec<String> {
 }
 
 #[test]
+fn a_warning_that_a_thread_without_a_listener_comes_by_first_is_heard() {
+    let warn = || bevy::log::warn!("bevy_drape is tested");
+    let log = Log::default();
+    log.listen(|| {
+        std::thread::spawn(warn).join().expect("a warning");
+        warn();
+    });
+    assert_eq!(log.read().len(), 1);
+}
+
+#[test]
 fn a_mesh_that_cannot_be_a_cloth_is_one_warning_with_name_and_cure() {
     let lines = warnings(app(), |app| {
         let mesh = Mesh::new(bevy::mesh::PrimitiveTopology::LineList, default());
