@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::detect::PartRef;
-use crate::solver::detect::tree::Tree;
+use crate::solver::detect::tree::Hierarchy;
 use crate::solver::island::{Island, Stage, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
@@ -281,12 +281,12 @@ fn find(root: &[u32], mut i: u32) -> u32 {
 }
 
 fn build(members: &[Member]) -> Option<Island> {
-    let parts: Vec<(PartRef<'_>, &Tree)> = members
+    let parts: Vec<(PartRef<'_>, &Arc<Hierarchy>)> = members
         .iter()
         .map(|Member { rest, collision, thickness, .. }| {
             let (topology, positions) = (&rest.topology, &rest.positions);
             let ClothCollision { garment_layer: layer, self_collision, .. } = *collision;
-            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, rest.tree())
+            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, rest.hierarchy())
         })
         .collect();
     match Island::new(&parts) {

@@ -46,3 +46,10 @@ impl<'de, T: Default> serde::Deserialize<'de> for Buffer<T> {
         <()>::deserialize(from).map(|()| Self::default())
     }
 }
+
+/// Makes room for half as many again as there were, when little of it is left.
+pub(super) fn keep_room<T>(list: &mut Vec<T>, were: usize) {
+    if list.capacity() < were + were / 4 {
+        list.reserve_exact((were + were / 2).saturating_sub(list.len()));
+    }
+}

@@ -89,7 +89,7 @@ impl Ground {
         }
         let local = self.to_body[1] * (at - self.motion.translation1);
         let way = at - (self.motion.rotation0 * local + self.motion.translation0);
-        Some(Bearing { at, normal: self.motion.rotation1 * plane.normal, way })
+        Some(Bearing { at, normal: self.motion.rotation1 * plane.normal(), way })
     }
 
     /// A way `[m]` in the space of the part at the end of the substep.
@@ -101,7 +101,7 @@ impl Ground {
     /// `None` above that, and deeper than [`DEEPEST`].
     pub(super) fn way_to(&self, plane: Plane, floor: f32, now: Vec3A, kept: f32) -> Option<Vec3A> {
         let gap = plane.gap(self.to_body[1] * (now - self.motion.translation1));
-        (gap < floor && gap > -DEEPEST * kept).then(|| self.motion.rotation1 * (plane.normal * (floor - gap)))
+        (gap < floor && gap > -DEEPEST * kept).then(|| self.motion.rotation1 * (plane.normal() * (floor - gap)))
     }
 
     /// In the space of the part, what was at `old` when the substep began `[m]`.
@@ -135,10 +135,10 @@ impl Ground {
         if !(plane.gap(end) < reach) {
             return None;
         }
-        let slipped = slip(plane.normal, end - start);
+        let slipped = slip(plane.normal(), end - start);
         let mut friction = self.friction;
         if let Some(rigid) = movable {
-            friction = friction.times(rigid.slide(mobility, now, rotation1 * plane.normal));
+            friction = friction.times(rigid.slide(mobility, now, rotation1 * plane.normal()));
         }
         let mut by = rotation1 * -friction.hold(slipped, load);
         if by == Vec3A::ZERO || !by.is_finite() {

@@ -18,7 +18,7 @@
 //! the push that moves bodies and bears friction. It turns where it was when the substep began. Only what its speed brings in
 //! counts: what springs press on a body does not bounce.
 
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 
 /// Speed at which particles that start inside a body are brought out `[m/s]`. Range 0.1 to 10: lower, an overlap stays
 /// visible; higher, springs of the cloth are stretched by it.
@@ -36,15 +36,25 @@ pub(crate) const IMPACT_SPEED: f32 = 0.25;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
-    pub(crate) normal: Vec3A,
+    normal: Vec3,
     pub(crate) offset: f32,
 }
 
 impl Plane {
+    #[inline]
+    pub(crate) fn new(normal: Vec3A, offset: f32) -> Self {
+        Self { normal: normal.into(), offset }
+    }
+
+    #[inline]
+    pub(crate) fn normal(&self) -> Vec3A {
+        self.normal.into()
+    }
+
     /// Signed height of a point over the plane `[m]`.
     #[inline]
     pub(crate) fn gap(&self, q: Vec3A) -> f32 {
-        self.normal.dot(q) - self.offset
+        self.normal().dot(q) - self.offset
     }
 }
 
@@ -103,7 +113,7 @@ pub(crate) struct Pushed {
 /// - `rise`: how far over where it began what bounces ends; 0 where it does not bounce.
 #[inline]
 pub(crate) fn push_out(plane: Plane, start: Vec3A, wanted: Vec3A, end: Vec3A, recovery: f32, rise: f32) -> Pushed {
-    let n = plane.normal;
+    let n = plane.normal();
     let gap_start = plane.gap(start);
     let target = if gap_start < 0.0 {
         (gap_start + recovery).min(0.0)

@@ -28,7 +28,7 @@ pub(super) struct Swept {
 /// The plane at the distance `keep` from the surface under `q`.
 #[inline]
 pub(super) fn plane_at(q: Vec3A, sample: Sample, keep: f32) -> Plane {
-    Plane { normal: sample.normal, offset: sample.normal.dot(q) - (sample.distance - keep) }
+    Plane::new(sample.normal, sample.normal.dot(q) - (sample.distance - keep))
 }
 
 /// Way that is none `[m]`, and the least step on one `[m]`: a hundredth of the thinnest cloth.
@@ -72,7 +72,7 @@ pub(super) fn sweep(sample: &impl Fn(Vec3A, f32) -> Sample, from: (Vec3A, Sample
             return plane.map(|plane| Swept { end, plane });
         };
         let touched = plane_at(q, s, keep);
-        end += touched.normal * (-touched.gap(end)).max(0.0);
+        end += touched.normal() * (-touched.gap(end)).max(0.0);
         plane = Some(touched);
         start = (q, s);
     }

@@ -71,7 +71,7 @@ impl Detector {
     /// Prepares detection on a surface.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
-        Self::with_tree(surface, Tree::new(surface))
+        Self::with_tree(surface, Tree::over(surface))
     }
 
     /// Prepares detection on a surface with its tree.

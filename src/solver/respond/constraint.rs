@@ -82,7 +82,7 @@ impl Constraint {
     /// As [`Self::bring_out`] without recovery, in the passes after it.
     #[inline]
     pub(super) fn push_apart(&mut self, now: &mut [Vec4]) {
-        let (end, normal) = (self.delta(now), self.plane.normal);
+        let (end, normal) = (self.delta(now), self.plane.normal());
         let gap = self.plane.gap(end);
         if gap >= self.floor {
             return;
@@ -98,7 +98,7 @@ impl Constraint {
     /// Applies the friction of the last substep, at most what static friction bears under all pushes (warm starting).
     #[inline]
     pub(super) fn warm_start(&mut self, now: &mut [Vec4]) {
-        let along = slip(self.plane.normal, self.tangent_push);
+        let along = slip(self.plane.normal(), self.tangent_push);
         self.tangent_push = along.clamp_length_max(self.friction.fixed * self.mean_load());
         self.move_by(-self.tangent_push, now);
     }
@@ -111,7 +111,7 @@ impl Constraint {
         let end = self.delta(now);
         let mut push = Vec3A::ZERO;
         if self.plane.gap(end) < TOUCHING * self.plane.offset {
-            let slipped = slip(self.plane.normal, end - self.delta(old));
+            let slipped = slip(self.plane.normal(), end - self.delta(old));
             push = self.friction.hold(self.tangent_push + slipped, self.mean_load());
         }
         if push.is_finite() {
@@ -144,7 +144,7 @@ impl Constraint {
     /// Gives a pair its way `apart` `[m]` in the substep, and moves nothing.
     pub(super) fn apply_restitution(&self, apart: f32, positions: &[Vec4], previous: &mut [Vec4]) {
         let way = self.along(self.particles.map(|p| Vec3A::from_vec4(positions[p as usize] - previous[p as usize])));
-        let by = self.plane.normal * (way - apart);
+        let by = self.plane.normal() * (way - apart);
         if by.is_finite() {
             self.move_by(by, previous);
         }
@@ -158,7 +158,7 @@ impl Constraint {
 
     /// How far apart four vectors are along the normal, the closest points of either side.
     fn along(&self, of: [Vec3A; 4]) -> f32 {
-        (0..4).map(|i| self.weights[i] * self.plane.normal.dot(of[i])).sum()
+        (0..4).map(|i| self.weights[i] * self.plane.normal().dot(of[i])).sum()
     }
 
     /// Parts the closest points by a way `[m]`.
@@ -186,7 +186,7 @@ mod tests {
             shares: [0.5, -0.5, 0.0, 0.0],
             mobility: 2.0,
             offset: Vec3A::ZERO,
-            plane: Plane { normal: Vec3A::Y, offset: 1.0 },
+            plane: Plane::new(Vec3A::Y, 1.0),
             friction: Friction { fixed: friction, sliding: friction },
             restitution: Some(0.5),
             floor: 0.0,

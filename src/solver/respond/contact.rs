@@ -152,7 +152,7 @@ impl Contact {
             shares: core::array::from_fn(|i| self.weights[i] * x[i].w / mobility),
             mobility,
             offset: offset.into(),
-            plane: Plane { normal: self.normal.into(), offset: self.thickness },
+            plane: Plane::new(self.normal.into(), self.thickness),
             friction: particles.cloths.friction(self.parts),
             restitution: (!(self.inverted || self.was_inverted)).then(|| particles.cloths.restitution(self.parts)),
             floor: 0.0,

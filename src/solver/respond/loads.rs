@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::keep_room;
+use crate::solver::buffer::keep_room;
 use crate::solver::detect::ProximityKind;
 use crate::solver::topology::NONE;
 

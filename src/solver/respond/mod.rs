@@ -33,7 +33,7 @@ use core::ops::Range;
 use glam::{Quat, Vec3, Vec3A, Vec4};
 
 use crate::solver::body::{Bearing, Touch};
-use crate::solver::buffer::Buffer;
+use crate::solver::buffer::{Buffer, keep_room};
 use crate::solver::detect::{ProximityKind, Surface};
 use cloths::{Cloths, offset_of};
 use constraint::Constraint;
@@ -392,13 +392,6 @@ impl Contacts {
             }
         }
         impacts.clear();
-    }
-}
-
-/// Makes room for half as many again as there were, when little of it is left.
-fn keep_room<T>(list: &mut Vec<T>, were: usize) {
-    if list.capacity() < were + were / 4 {
-        list.reserve_exact((were + were / 2).saturating_sub(list.len()));
     }
 }
 

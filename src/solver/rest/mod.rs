@@ -27,7 +27,7 @@ use decimate::{Decimated, decimate};
 use glam::Vec3;
 
 use crate::solver::buffer::Buffer;
-use crate::solver::detect::tree::Tree;
+use crate::solver::detect::tree::Hierarchy;
 use crate::solver::detect::{PartRef, Surface};
 use crate::solver::embed::Embedding;
 use crate::solver::topology::{NONE, Topology};
@@ -57,8 +57,8 @@ pub struct RestShape {
     pub bends: Bends,
     /// Coarse level over the cloth.
     pub coarse: CoarseMesh,
-    /// Search tree over the faces, once it was asked for.
-    tree: Buffer<OnceLock<Arc<Tree>>>,
+    /// Hierarchy over the faces, once it was asked for.
+    hierarchy: Buffer<OnceLock<Arc<Hierarchy>>>,
     /// Mean rest length of the edges `[m]`.
     pub mean_edge: f32,
     /// How the render vertices follow, where the shape is coarser than its mesh.
@@ -192,18 +192,13 @@ impl RestShape {
         Ok((shape, report))
     }
 
-    /// The search tree over the faces, which islands join; multiples of a shape share it. Made when it is first asked for:
+    /// The hierarchy over the faces, which islands join; multiples of a shape share it. Made when it is first asked for:
     /// cloth that meets no cloth has none.
-    pub fn tree(&self) -> &Tree {
-        self.shared_tree()
-    }
-
-    /// The same, to be shared.
-    fn shared_tree(&self) -> &Arc<Tree> {
-        self.tree.get_or_init(|| {
+    pub fn hierarchy(&self) -> &Arc<Hierarchy> {
+        self.hierarchy.get_or_init(|| {
             let part =
                 PartRef { topology: &self.topology, rest: &self.positions, layer: 0, self_collision: true, thickness: 0.0 };
-            Arc::new(Surface::new(&[part]).map_or_else(|_| Tree::default(), |surface| Tree::new(&surface)))
+            Arc::new(Surface::new(&[part]).map_or_else(|_| Hierarchy::default(), |surface| Hierarchy::new(&surface)))
         })
     }
 
@@ -282,7 +277,7 @@ impl RestShape {
             + self.membrane.bytes()
             + self.bends.bytes()
             + self.fine.as_ref().map_or(0, |fine| size_of_val(&fine.gone[..]) + fine.embedding.bytes())
-            + self.tree.get().map_or(0, |tree| tree.bytes())
+            + self.hierarchy.get().map_or(0, |hierarchy| hierarchy.bytes())
     }
 }
 

@@ -78,7 +78,7 @@ impl Setting<'_> {
             && let Some(Swept { end, plane }) = self.strayed(sample, last, q0, q1)
         {
             // Without velocity into the surface.
-            let n = self.motion.rotation1 * plane.normal;
+            let n = self.motion.rotation1 * plane.normal();
             let by = self.motion.rotation1 * (end - q1);
             let approach = n * n.dot(x1 - x0).min(0.0);
             *position += by.extend(0.0);
@@ -174,7 +174,7 @@ impl Setting<'_> {
     fn rise(&self, i: usize, x0: Vec3A, [q0, q1]: [Vec3A; 2], plane: Plane, to_body1: Mat3A) -> f32 {
         self.inbound.get(i).map_or(0.0, |way| {
             let foreseen = to_body1 * (x0 + Vec3A::from_vec4(*way) - self.motion.translation1);
-            let approach = plane.normal.dot(q0 - foreseen).min(plane.normal.dot(q0 - q1));
+            let approach = plane.normal().dot(q0 - foreseen).min(plane.normal().dot(q0 - q1));
             if approach > self.impact { self.restitution * approach } else { 0.0 }
         })
     }

@@ -98,7 +98,7 @@ impl Setting<'_> {
                 return first_touch(nearest, &before, &way.to, self.keep).is_some_and(|(face, near)| {
                     let mut way = Way { ..*way };
                     // Back the way it came, not off the surface: it may be steep.
-                    let plane = Plane { normal: side, offset: side.dot(at(&face, &near.weights)) };
+                    let plane = Plane::new(side, side.dot(at(&face, &near.weights)));
                     self.push(&near, plane, &mut way, state)
                 });
             }

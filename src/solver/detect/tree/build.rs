@@ -1,44 +1,45 @@
-//! Builds the tree: faces are split at the middle of the longest side of their box until they fit a leaf.
+//! Builds the hierarchy: faces are split at the middle of the longest side of their box until they fit a leaf.
 
-use glam::{Vec3, Vec3A};
+use std::sync::Arc;
 
-use super::pack::Pack;
+use glam::Vec3;
+
 use super::shared::Shared;
-use super::{Bounds, HUB, IS_LEAF, LEAF, MIXED, Node, Tree};
+use super::{Bounds, HUB, Hierarchy, IS_LEAF, LEAF, Leaf, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
 impl Tree {
-    /// Builds the hierarchy over the rest shape.
+    /// Builds the hierarchy over the rest shape of a surface, whose boxes are to be [fitted](Self::refit).
+    #[must_use]
+    pub fn over(surface: &Surface) -> Self {
+        Self::new(Arc::new(Hierarchy::new(surface)))
+    }
+}
+
+impl Hierarchy {
+    /// Builds it over the rest shape.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
-        let mut tree = Self {
+        let mut built = Self {
             faces: (0..surface.topology.faces.len() as u32).collect(),
-            normals: vec![Vec3A::ZERO; surface.topology.faces.len()],
-            quarantined: vec![false; surface.parts.len()],
             unjoined: has_unjoined(surface),
             ..Self::default()
         };
         let centre: Vec<Vec3> =
             surface.topology.faces.iter().map(|t| t.iter().map(|&v| surface.rest[v as usize]).sum::<Vec3>() / 3.0).collect();
         if !surface.parts.is_empty() {
-            tree.split_parts(0, surface.parts.len(), &mut |tree, part| {
+            built.split_parts(0, surface.parts.len(), &mut |built, part| {
                 let faces = &surface.parts[part].faces;
-                tree.split_faces(part as u16, &centre, faces.start as usize, faces.end as usize);
+                built.split_faces(part as u16, &centre, faces.start as usize, faces.end as usize);
             });
         }
-        let shared = Shared::new(&tree, surface);
-        tree.find_discs(surface, &shared);
-        tree.find_joints(surface, &shared);
-        tree.find_rings(surface, &shared);
-        tree.corners = tree.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
-        tree.reserve_stack();
-        tree
-    }
-
-    /// Depth of the pair stack is bounded by a small multiple of the depth of the tree.
-    pub(super) fn reserve_stack(&mut self) {
-        self.stack.reserve(256);
+        let shared = Shared::new(&built, surface);
+        built.find_discs(surface, &shared);
+        built.find_joints(surface, &shared);
+        built.find_rings(surface, &shared);
+        built.corners = built.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
+        built
     }
 
     /// Halves a range of cloths until `plant` puts the nodes of each of them behind what is there.
@@ -86,8 +87,8 @@ impl Tree {
 
     pub(super) fn push_leaf(&mut self, part: u16, first: usize, count: usize) {
         let node = self.push(IS_LEAF | first as u32, count as u16, part);
-        self.nodes[node].link = self.packs.len() as u32;
-        self.packs.push(Pack::EMPTY);
+        self.nodes[node].link = self.leaves.len() as u32;
+        self.leaves.push(Leaf { node: node as u32, cover: node as u32, ring: 0..0 });
     }
 
     pub(super) fn push(&mut self, right: u32, count: u16, part: u16) -> usize {

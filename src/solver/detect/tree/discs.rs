@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::shared::Shared;
-use super::{IS_LEAF, MIXED, Tree};
+use super::{Hierarchy, IS_LEAF, MIXED};
 use crate::solver::detect::Surface;
 use crate::solver::detect::seams::{loose, rest_box, runs_along_a_side, seams};
 use crate::solver::topology::NONE;
@@ -23,7 +23,7 @@ struct Piece {
     loose: bool,
 }
 
-impl Tree {
+impl Hierarchy {
     /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams. Borders of the mesh may be at the
     /// sides of its box only.
     ///

@@ -1,5 +1,5 @@
-//! Joins the trees of cloths into that of an island. Their nodes stand one after the other, below a few that hold more than one
-//! cloth.
+//! Joins the hierarchies of cloths into that of an island. Their nodes stand one after the other, below a few that hold more
+//! than one cloth.
 //!
 //! ```text
 //!             MIXED                     numbers of nodes, faces, particles, leaves and joints are shifted by what stands before
@@ -9,73 +9,68 @@
 //! cloth 0   cloth 1
 //! ```
 //!
-//! The result is that of [`Tree::new`] for all cloths at once, which would take a hundred times as long.
+//! The result is that of [`Hierarchy::new`] for all cloths at once, which would take a hundred times as long.
 
-use glam::Vec3A;
+use std::sync::Arc;
 
-use super::{IS_LEAF, Joint, Leaf, Node, Tree};
+use super::{Hierarchy, IS_LEAF, Joint, Leaf, Node};
 use crate::solver::topology::NONE;
 
-impl Tree {
-    /// Joins the trees of single cloths, each with the number of its particles.
+impl Hierarchy {
+    /// Joins those of single cloths, each with the number of its particles; that of the only one is shared.
     #[must_use]
-    pub fn join(cloths: &[(&Self, u32)]) -> Self {
-        let sum = |of: fn(&Self) -> usize| cloths.iter().map(|(tree, _)| of(tree)).sum::<usize>();
-        let faces = sum(|tree| tree.faces.len());
+    pub fn join(cloths: &[(&Arc<Self>, u32)]) -> Arc<Self> {
+        if let [(only, _)] = cloths
+            && !only.nodes.is_empty()
+        {
+            return Arc::clone(only);
+        }
+        let sum = |of: fn(&Self) -> usize| cloths.iter().map(|(cloth, _)| of(cloth)).sum::<usize>();
+        let faces = sum(|cloth| cloth.faces.len());
         let mut joined = Self {
-            nodes: Vec::with_capacity(sum(|tree| tree.nodes.len()) + cloths.len()),
+            nodes: Vec::with_capacity(sum(|cloth| cloth.nodes.len()) + cloths.len()),
             faces: Vec::with_capacity(faces),
-            normals: Vec::with_capacity(faces),
             corners: Vec::with_capacity(faces),
-            packs: Vec::with_capacity(sum(|tree| tree.packs.len())),
-            leaves: Vec::with_capacity(sum(|tree| tree.leaves.len())),
-            rings: Vec::with_capacity(sum(|tree| tree.rings.len())),
-            joints: Vec::with_capacity(sum(|tree| tree.joints.len())),
-            quarantined: vec![false; cloths.len()],
-            unjoined: cloths.iter().any(|(tree, _)| tree.unjoined),
-            ..Self::default()
+            leaves: Vec::with_capacity(sum(|cloth| cloth.leaves.len())),
+            rings: Vec::with_capacity(sum(|cloth| cloth.rings.len())),
+            joints: Vec::with_capacity(sum(|cloth| cloth.joints.len())),
+            unjoined: cloths.iter().any(|(cloth, _)| cloth.unjoined),
         };
-        joined.reserve_stack();
         let mut particles = 0;
         if !cloths.is_empty() {
             joined.split_parts(0, cloths.len(), &mut |joined, part| {
-                let (tree, count) = cloths[part];
-                joined.append(tree, part as u16, particles);
+                let (cloth, count) = cloths[part];
+                joined.append(cloth, part as u16, particles);
                 particles += count;
             });
         }
-        joined
+        Arc::new(joined)
     }
 
-    /// Puts the tree of one cloth behind what is there, whose faces and particles come before its own.
-    fn append(&mut self, tree: &Self, part: u16, particles: u32) {
-        if tree.nodes.is_empty() {
+    /// Puts that of one cloth behind what is there, whose faces and particles come before its own.
+    fn append(&mut self, cloth: &Self, part: u16, particles: u32) {
+        if cloth.nodes.is_empty() {
             self.push_leaf(part, self.faces.len(), 0);
-            let (node, ring) = (self.nodes.len() as u32 - 1, self.rings.len() as u32);
-            self.leaves.push(Leaf { node, cover: node, ring: ring..ring, axis: Vec3A::ZERO });
             return;
         }
         let [nodes, faces, leaves, rings, joints] =
             [self.nodes.len(), self.faces.len(), self.leaves.len(), self.rings.len(), self.joints.len()].map(|len| len as u32);
         let shifted = |number: u32, by: u32| if number == NONE { NONE } else { number + by };
-        self.nodes.extend(tree.nodes.iter().map(|node| {
+        self.nodes.extend(cloth.nodes.iter().map(|node| {
             let is_leaf = node.right & IS_LEAF != 0;
             // The flag of a leaf is above all numbers of faces.
             let right = node.right + if is_leaf { faces } else { nodes };
             Node { right, part, link: shifted(node.link, if is_leaf { leaves } else { joints }), ..*node }
         }));
-        self.faces.extend(tree.faces.iter().map(|f| f + faces));
-        self.corners.extend(tree.corners.iter().map(|corners| corners.map(|v| v + particles)));
-        self.normals.extend_from_slice(&tree.normals);
-        self.packs.extend_from_slice(&tree.packs);
-        self.leaves.extend(tree.leaves.iter().map(|leaf| Leaf {
+        self.faces.extend(cloth.faces.iter().map(|f| f + faces));
+        self.corners.extend(cloth.corners.iter().map(|corners| corners.map(|v| v + particles)));
+        self.leaves.extend(cloth.leaves.iter().map(|leaf| Leaf {
             node: leaf.node + nodes,
             cover: leaf.cover + nodes,
             ring: leaf.ring.start + rings..leaf.ring.end + rings,
-            axis: leaf.axis,
         }));
-        self.rings.extend(tree.rings.iter().map(|f| f + faces));
-        self.joints.extend(tree.joints.iter().map(|joint| Joint {
+        self.rings.extend(cloth.rings.iter().map(|f| f + faces));
+        self.joints.extend(cloth.joints.iter().map(|joint| Joint {
             nodes: joint.nodes.map(|i| i + nodes),
             first: joint.first + joints,
             count: joint.count,
@@ -90,6 +85,7 @@ mod tests {
     use glam::vec3;
 
     use super::*;
+    use crate::solver::detect::tree::Tree;
     use crate::solver::detect::{PartRef, Surface};
     use crate::solver::rest::{RestShape, SourceMesh};
     use crate::solver::scene::grid;
@@ -111,17 +107,20 @@ mod tests {
                 .iter()
                 .map(|(topology, rest)| PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.01 })
                 .collect();
-            let whole = Tree::new(&Surface::new(&parts).expect("cloths"));
-            let trees: Vec<(&Tree, u32)> = shapes[..n].iter().map(|rest| (rest.tree(), rest.topology.particles)).collect();
-            assert!(Tree::join(&trees) == whole, "{n} cloths");
+            let whole = Hierarchy::new(&Surface::new(&parts).expect("cloths"));
+            let single: Vec<_> = shapes[..n].iter().map(|rest| (rest.hierarchy(), rest.topology.particles)).collect();
+            assert!(*Hierarchy::join(&single) == whole, "{n} cloths");
         }
     }
 
     #[test]
     fn what_has_no_faces_joins_as_an_empty_leaf() {
         let (rest, _) = RestShape::build(&grid(5, 5, |u, v| vec3(u, 0.0, v))).expect("a sheet");
-        let joined = Tree::join(&[(&Tree::default(), 0), (rest.tree(), 25)]);
-        assert_eq!((joined.leaves(), joined.leaf(0).faces.len()), (rest.tree().leaves() + 1, 0));
-        assert_eq!(joined.leaf(1).faces, rest.tree().leaf(0).faces);
+        let nothing = Arc::new(Hierarchy::default());
+        let joined = Tree::new(Hierarchy::join(&[(&nothing, 0), (rest.hierarchy(), 25)]));
+        let tree = Tree::new(rest.hierarchy().clone());
+        assert_eq!((joined.leaves(), joined.leaf(0).faces.len()), (tree.leaves() + 1, 0));
+        assert_eq!(joined.leaf(1).faces, tree.leaf(0).faces);
+        assert_eq!(Tree::new(Hierarchy::join(&[(&nothing, 0)])).leaves(), 1);
     }
 }

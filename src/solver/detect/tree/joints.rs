@@ -1,11 +1,11 @@
 //! Joints: pairs of nodes that share particles, known from the start.
 
 use super::shared::Shared;
-use super::{HUB, IS_LEAF, Joint, MIXED, Tree};
+use super::{HUB, Hierarchy, IS_LEAF, Joint, MIXED, Node};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
-impl Tree {
+impl Hierarchy {
     /// Finds the pairs of nodes that share particles, from the children of each node downwards.
     pub(super) fn find_joints(&mut self, surface: &Surface, shared: &Shared) {
         let mut queue = std::collections::VecDeque::new();
@@ -24,7 +24,7 @@ impl Tree {
             }
             while let Some((joint, between)) = queue.pop_front() {
                 self.joints[joint].first = self.joints.len() as u32;
-                for [a, b] in self.below(self.joints[joint].nodes) {
+                for [a, b] in below(&self.nodes, self.joints[joint].nodes) {
                     let both = |v: &u32| shared.has(a, *v) && shared.has(b, *v);
                     let between: Vec<u32> = between.iter().copied().filter(both).collect();
                     if !between.is_empty() {
@@ -36,16 +36,16 @@ impl Tree {
             }
         }
     }
+}
 
-    /// The pairs that two different nodes fall into; none of two leaves.
-    pub(super) fn below(&self, [a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
-        let halves = |i: u32| {
-            let right = self.nodes[i as usize].right;
-            if right & IS_LEAF == 0 { [i + 1, right] } else { [i, NONE] }
-        };
-        let (left, right) = (halves(a), halves(b));
-        let pairs = [[left[0], right[0]], [left[0], right[1]], [left[1], right[0]], [left[1], right[1]]];
-        let leaves = left[1] == NONE && right[1] == NONE;
-        pairs.into_iter().filter(move |pair| !leaves && !pair.contains(&NONE))
-    }
+/// The pairs that two different nodes fall into; none of two leaves.
+pub(super) fn below(nodes: &[Node], [a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
+    let halves = |i: u32| {
+        let right = nodes[i as usize].right;
+        if right & IS_LEAF == 0 { [i + 1, right] } else { [i, NONE] }
+    };
+    let (left, right) = (halves(a), halves(b));
+    let pairs = [[left[0], right[0]], [left[0], right[1]], [left[1], right[0]], [left[1], right[1]]];
+    let leaves = left[1] == NONE && right[1] == NONE;
+    pairs.into_iter().filter(move |pair| !leaves && !pair.contains(&NONE))
 }

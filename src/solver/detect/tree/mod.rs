@@ -1,10 +1,10 @@
 //! A hierarchy of boxes over the faces of a [`Surface`](super::Surface) (Mezger 2003).
 //!
-//! The tree is built once over each rest shape, where neighbours stay neighbours however the cloth folds. Trees are joined
-//! where cloths meet (`tree/join.rs`), and refitted bottom-up every time. The box of an inner node is
-//! `box = box(left) ∪ box(right)`, that of a leaf the union of its faces' boxes. The nodes stand in depth-first order, so the
-//! left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a leaf at a time
-//! (`tree/pack.rs`).
+//! The hierarchy is built once over each rest shape, where neighbours stay neighbours however the cloth folds. Hierarchies are
+//! joined where cloths meet (`tree/join.rs`). A tree is a hierarchy with boxes, which are refitted bottom-up every time. The
+//! box of an inner node is `box = box(left) ∪ box(right)`, that of a leaf the union of its faces' boxes. The nodes stand in
+//! depth-first order, so the left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a
+//! leaf at a time (`tree/pack.rs`).
 //!
 //! ```text
 //! node i ──► left  = i + 1
@@ -40,6 +40,7 @@ mod shared;
 mod traverse;
 
 use core::ops::Range;
+use std::sync::Arc;
 
 use glam::Vec3A;
 
@@ -89,10 +90,9 @@ struct Leaf {
     node: u32,
     /// The smallest node that holds the leaf and all of its ring.
     cover: u32,
-    /// The entries of [`Tree::faces`] that share a particle with the leaf and are in other leaves: a run of [`Tree::rings`].
+    /// The entries of [`Hierarchy::faces`] that share a particle with the leaf and are in other leaves: a run of
+    /// [`Hierarchy::rings`].
     ring: Range<u32>,
-    /// Sum of the unit normals.
-    axis: Vec3A,
 }
 
 /// Two nodes, none above the other, that share particles.
@@ -123,32 +123,73 @@ impl LeafRef<'_> {
     }
 }
 
-/// The hierarchy. See the module.
+/// What holds of the faces wherever they are. See the module.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Tree {
+pub struct Hierarchy {
+    /// Without boxes.
     nodes: Vec<Node>,
     /// Faces in the order of the leaves.
     faces: Vec<u32>,
-    /// Boxes of the faces of each leaf.
-    packs: Vec<Pack>,
-    /// Unit normal of each entry of `faces`.
-    normals: Vec<Vec3A>,
     /// Corners of each entry of `faces`.
     corners: Vec<[u32; 3]>,
     leaves: Vec<Leaf>,
     /// Rings of all leaves, one after the other.
     rings: Vec<u32>,
-    quarantined: Vec<bool>,
+    joints: Vec<Joint>,
     /// Whether nodes may share particles without a [`Joint`]: hubs of large fans, and edges of more than two faces.
     unjoined: bool,
-    joints: Vec<Joint>,
+}
+
+impl Hierarchy {
+    /// Memory held by it `[B]`.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.nodes[..])
+            + size_of_val(&self.faces[..])
+            + size_of_val(&self.corners[..])
+            + size_of_val(&self.leaves[..])
+            + size_of_val(&self.rings[..])
+            + size_of_val(&self.joints[..])
+    }
+}
+
+/// A hierarchy with the boxes of where faces are. See the module.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tree {
+    /// Shared with the rest shape of the only cloth.
+    hierarchy: Arc<Hierarchy>,
+    nodes: Vec<Node>,
+    /// Boxes of the faces of each leaf.
+    packs: Vec<Pack>,
+    /// Unit normal of each entry of [`Hierarchy::faces`].
+    normals: Vec<Vec3A>,
+    /// Sum of the unit normals of each leaf.
+    axes: Vec<Vec3A>,
+    quarantined: Vec<bool>,
     stack: Vec<(u32, u32)>,
     /// Where the last [`Self::go_on`] stopped; empty where it came to its end.
     left: Vec<(u32, u32)>,
 }
 
 impl Tree {
+    /// A hierarchy whose boxes are to be [fitted](Self::refit).
+    #[must_use]
+    pub fn new(hierarchy: Arc<Hierarchy>) -> Self {
+        let cloths = hierarchy.nodes.last().map_or(0, |last| usize::from(last.part) + 1);
+        Self {
+            nodes: hierarchy.nodes.clone(),
+            packs: vec![Pack::EMPTY; hierarchy.leaves.len()],
+            normals: vec![Vec3A::ZERO; hierarchy.faces.len()],
+            axes: vec![Vec3A::ZERO; hierarchy.leaves.len()],
+            quarantined: vec![false; cloths],
+            // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
+            stack: Vec::with_capacity(256),
+            left: Vec::new(),
+            hierarchy,
+        }
+    }
+
     /// Whether a cloth was left out at the last [`Self::refit`].
     #[must_use]
     pub fn is_quarantined(&self, part: u16) -> bool {
@@ -157,45 +198,25 @@ impl Tree {
 
     /// Number of faces.
     pub fn len(&self) -> usize {
-        self.faces.len()
+        self.hierarchy.faces.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.faces.is_empty()
-    }
-
-    /// Memory held by it `[B]`.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..])
-            + size_of_val(&self.faces[..])
-            + size_of_val(&self.packs[..])
-            + size_of_val(&self.normals[..])
-            + size_of_val(&self.corners[..])
-            + size_of_val(&self.leaves[..])
-            + size_of_val(&self.rings[..])
-            + size_of_val(&self.joints[..])
+        self.hierarchy.faces.is_empty()
     }
 
     /// Number of leaves.
     pub fn leaves(&self) -> u32 {
-        self.leaves.len() as u32
+        self.hierarchy.leaves.len() as u32
     }
 
     /// A leaf.
     #[inline]
     pub(crate) fn leaf(&self, leaf: u32) -> LeafRef<'_> {
-        let run = self.nodes[self.leaves[leaf as usize].node as usize].run();
-        LeafRef { faces: &self.faces[run.clone()], corners: &self.corners[run], pack: &self.packs[leaf as usize] }
-    }
-
-    /// Where each face stands in `faces`.
-    fn places(&self) -> Vec<u32> {
-        let mut place = vec![0; self.faces.len()];
-        for (i, &f) in self.faces.iter().enumerate() {
-            place[f as usize] = i as u32;
-        }
-        place
+        let Hierarchy { nodes, faces, corners, leaves, .. } = &*self.hierarchy;
+        let run = nodes[leaves[leaf as usize].node as usize].run();
+        LeafRef { faces: &faces[run.clone()], corners: &corners[run], pack: &self.packs[leaf as usize] }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec3A, Vec4};
 
-use super::{Bounds, IS_LEAF, Leaf, Node, Tree};
+use super::{Bounds, Hierarchy, IS_LEAF, Leaf, Node, Tree};
 use crate::solver::detect::Surface;
 use crate::solver::detect::surface::is_sane;
 
@@ -49,20 +49,21 @@ impl Tree {
     /// Fits the leaves and their faces to where particles are `now` `[m]`; `around` is the box of three of them.
     #[inline]
     fn fit_leaves(&mut self, now: impl Fn(u32) -> Vec3A, around: impl Fn([u32; 3]) -> Bounds) {
-        for leaf in &mut self.leaves {
+        let Hierarchy { leaves, corners, .. } = &*self.hierarchy;
+        for (leaf, axis) in leaves.iter().zip(&mut self.axes) {
             let node = &mut self.nodes[leaf.node as usize];
             let run = node.run();
-            (node.bounds, node.normals, leaf.axis) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
+            (node.bounds, node.normals, *axis) = (Bounds::EMPTY, Bounds::EMPTY, Vec3A::ZERO);
             node.folded = false;
             let pack = &mut self.packs[node.link as usize];
-            for ((lane, normal), &corners) in self.normals[run.clone()].iter_mut().enumerate().zip(&self.corners[run]) {
+            for ((lane, normal), &corners) in self.normals[run.clone()].iter_mut().enumerate().zip(&corners[run]) {
                 let [a, b, c] = corners.map(&now);
                 let own = around(corners);
                 pack.set(lane, &own);
                 *normal = (b - a).cross(c - a).normalize_or_zero();
                 node.bounds = node.bounds.union(own);
                 node.normals = Bounds { min: node.normals.min.min(*normal), max: node.normals.max.max(*normal) };
-                leaf.axis += *normal;
+                *axis += *normal;
             }
             if self.quarantined[usize::from(node.part)] {
                 (node.bounds, node.normals) = (Bounds::EMPTY, Bounds::EMPTY);
@@ -72,9 +73,10 @@ impl Tree {
 
     /// Gives leaves over which the faces around them fold back all normals, and with them what they are part of.
     fn find_folds(&mut self) {
-        let Self { nodes, normals, leaves, rings, quarantined, .. } = self;
+        let Self { hierarchy, nodes, normals, axes, quarantined, .. } = self;
+        let Hierarchy { leaves, rings, .. } = &**hierarchy;
         let mut any = false;
-        for Leaf { node, cover, ring, axis } in leaves.iter() {
+        for (Leaf { node, cover, ring }, axis) in leaves.iter().zip(axes) {
             // Boxes take in more than the normals, and are quicker.
             let leaf = &nodes[*node as usize];
             if nodes[*cover as usize].normals.lies_before(*axis) || quarantined[usize::from(leaf.part)] {

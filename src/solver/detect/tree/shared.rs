@@ -1,11 +1,11 @@
 //! What the two children of each node share, found for all nodes at once.
 //!
-//! The faces at a particle stand at some places of [`Tree::faces`]. Take two of these places that follow each other. Because of
-//! them, the particle is in both children of the lowest node above both places, and of no other node.
+//! The faces at a particle stand at some places of [`Hierarchy::faces`]. Take two of these places that follow each other.
+//! Because of them, the particle is in both children of the lowest node above both places, and of no other node.
 
 use core::ops::Range;
 
-use super::{IS_LEAF, Tree};
+use super::{Hierarchy, IS_LEAF, Node};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
@@ -24,21 +24,21 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(tree: &Tree, surface: &Surface) -> Self {
+    pub(super) fn new(hierarchy: &Hierarchy, surface: &Surface) -> Self {
         let topology = &surface.topology;
-        let place = tree.places();
-        let ranges = tree.ranges();
-        let corners = || (0..).zip(&tree.faces).flat_map(|(at, &f)| topology.faces[f as usize].map(|v| (v, at)));
+        let Hierarchy { nodes, faces, .. } = hierarchy;
+        let (place, ranges) = (places(faces), ranges(nodes));
+        let corners = || (0..).zip(faces).flat_map(|(at, &f)| topology.faces[f as usize].map(|v| (v, at)));
         let places = Runs::new(surface.len(), corners);
         let particles = || {
             let pairs = |v: u32| places.of(v).windows(2).map(move |pair| (v, [pair[0], pair[1]]));
-            (0..surface.len() as u32).flat_map(pairs).map(|(v, pair)| (tree.lowest_above(&ranges, pair), v))
+            (0..surface.len() as u32).flat_map(pairs).map(|(v, pair)| (lowest_above(nodes, &ranges, pair), v))
         };
-        let particles = Runs::new(tree.nodes.len(), particles);
-        let mut edges = vec![0; tree.nodes.len()];
+        let particles = Runs::new(nodes.len(), particles);
+        let mut edges = vec![0; nodes.len()];
         for &faces in topology.edge_faces.iter().filter(|faces| !faces.contains(&NONE)) {
             let [a, b] = faces.map(|f| place[f as usize]);
-            edges[tree.lowest_above(&ranges, [a.min(b), a.max(b)]) as usize] += 1;
+            edges[lowest_above(nodes, &ranges, [a.min(b), a.max(b)]) as usize] += 1;
         }
         Self { ranges, place, edges, particles, places }
     }
@@ -54,36 +54,43 @@ impl Shared {
     }
 }
 
-impl Tree {
-    /// Places of the faces below each node.
-    fn ranges(&self) -> Vec<Range<u32>> {
-        let mut ranges = vec![0..0; self.nodes.len()];
-        for (i, node) in self.nodes.iter().enumerate().rev() {
-            ranges[i] = if node.right & IS_LEAF == 0 {
-                ranges[i + 1].start..ranges[node.right as usize].end
-            } else {
-                node.run().start as u32..node.run().end as u32
-            };
-        }
-        ranges
+/// Where each face stands.
+fn places(faces: &[u32]) -> Vec<u32> {
+    let mut place = vec![0; faces.len()];
+    for (i, &f) in faces.iter().enumerate() {
+        place[f as usize] = i as u32;
     }
+    place
+}
 
-    /// The lowest node above two places, the smaller first: a leaf if it has both.
-    pub(super) fn lowest_above(&self, ranges: &[Range<u32>], [first, last]: [u32; 2]) -> u32 {
-        let mut node = 0;
-        while self.nodes[node as usize].right & IS_LEAF == 0 {
-            let right = self.nodes[node as usize].right;
-            let border = ranges[right as usize].start;
-            node = if last < border {
-                node + 1
-            } else if first >= border {
-                right
-            } else {
-                break;
-            };
-        }
-        node
+/// Places of the faces below each node.
+fn ranges(nodes: &[Node]) -> Vec<Range<u32>> {
+    let mut ranges = vec![0..0; nodes.len()];
+    for (i, node) in nodes.iter().enumerate().rev() {
+        ranges[i] = if node.right & IS_LEAF == 0 {
+            ranges[i + 1].start..ranges[node.right as usize].end
+        } else {
+            node.run().start as u32..node.run().end as u32
+        };
     }
+    ranges
+}
+
+/// The lowest node above two places, the smaller first: a leaf if it has both.
+pub(super) fn lowest_above(nodes: &[Node], ranges: &[Range<u32>], [first, last]: [u32; 2]) -> u32 {
+    let mut node = 0;
+    while nodes[node as usize].right & IS_LEAF == 0 {
+        let right = nodes[node as usize].right;
+        let border = ranges[right as usize].start;
+        node = if last < border {
+            node + 1
+        } else if first >= border {
+            right
+        } else {
+            break;
+        };
+    }
+    node
 }
 
 /// Runs of numbers, one for each of so many keys.

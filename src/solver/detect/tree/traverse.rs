@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::joints::below;
 use super::pack::lanes;
 use super::{Bounds, IS_LEAF, Joint, LEAF, MIXED, Node, Tree};
 use crate::solver::detect::Surface;
@@ -79,7 +80,7 @@ impl Tree {
                 u8::from((self.nodes[i + 1].marked | self.nodes[node.right as usize].marked) != 0)
             } else {
                 let bit = |(lane, &f): (usize, &u32)| u8::from(marked[f as usize]) << lane;
-                self.faces[node.run()].iter().enumerate().map(bit).sum()
+                self.hierarchy.faces[node.run()].iter().enumerate().map(bit).sum()
             };
         }
         self.traverse::<true>(surface, margin, &[(0, 0)], meter, found);
@@ -115,7 +116,7 @@ impl Tree {
         {
             meter.spend(1);
             if a == JOINT {
-                if !MARKED || self.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
+                if !MARKED || self.hierarchy.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
                     self.descend::<MARKED>(b, margin, &mut stack, &mut found);
                 }
                 continue;
@@ -146,7 +147,7 @@ impl Tree {
                     }
                 }
             } else if leaf_a && leaf_b {
-                self.between::<MARKED>([left, right], self.unjoined, margin, &mut found);
+                self.between::<MARKED>([left, right], self.hierarchy.unjoined, margin, &mut found);
             } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
                 for child in [left.right, a + 1] {
                     if self.meet(child, b, margin) {
@@ -173,7 +174,8 @@ impl Tree {
         stack: &mut Vec<(u32, u32)>,
         found: &mut impl FnMut(&Self, &Meeting),
     ) {
-        let Joint { nodes: [a, b], first, count } = self.joints[joint as usize];
+        let joints = &self.hierarchy.joints;
+        let Joint { nodes: [a, b], first, count } = joints[joint as usize];
         let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
         if left.smooth && right.smooth && left.normals.union(right.normals).are_flat() {
             return;
@@ -186,8 +188,8 @@ impl Tree {
         }
         // The joints stand in the order of the pairs.
         let mut joint = first;
-        for pair in self.below([a, b]) {
-            if joint < first + count && self.joints[joint as usize].nodes == pair {
+        for pair in below(&self.nodes, [a, b]) {
+            if joint < first + count && joints[joint as usize].nodes == pair {
                 stack.push((JOINT, joint));
                 joint += 1;
             } else if self.meet(pair[0], pair[1], margin) {

@@ -1,6 +1,6 @@
 //! Faces as they were when last looked at, and whether they have turned since.
 
-use glam::Vec3A;
+use glam::{Vec3, Vec3A};
 
 /// How far particles may drift, as a share of the least height that a face had when it was last looked at. Up to the first its
 /// normal cannot have turned. Beyond the second much else may have changed.
@@ -13,7 +13,7 @@ const TURNED: f32 = 0.98;
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Looked {
     /// Twice its area along its normal `[m²]`.
-    pub(super) normal: Vec3A,
+    pub(super) normal: Vec3,
     /// Its least height `[m]`.
     pub(super) height: f32,
     /// How far its particles had drifted then, at most `[m]`.
@@ -26,7 +26,7 @@ impl Looked {
     pub(super) fn at([a, b, c]: [Vec3A; 3], drift: f32) -> Self {
         let normal = (b - a).cross(c - a);
         let base = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        Self { normal, height: (normal.length_squared() / base.max(f32::MIN_POSITIVE)).sqrt(), drift }
+        Self { normal: normal.into(), height: (normal.length_squared() / base.max(f32::MIN_POSITIVE)).sqrt(), drift }
     }
 
     /// Whether it has turned since, its particles having drifted as far as `drift` `[m]`; `now` and `there`: where they are and
@@ -37,8 +37,9 @@ impl Looked {
         let drift = drift + self.drift;
         let turned = |[a, b, c]: [Vec3A; 3]| {
             let normal = (b - a).cross(c - a);
-            let along = normal.dot(self.normal);
-            !(along > 0.0 && along * along >= TURNED * TURNED * normal.length_squared() * self.normal.length_squared())
+            let was = Vec3A::from(self.normal);
+            let along = normal.dot(was);
+            !(along > 0.0 && along * along >= TURNED * TURNED * normal.length_squared() * was.length_squared())
         };
         // NaN passes no comparison.
         !(drift <= still) && (!(drift <= far) || turned(now()) || turned(there()))
@@ -47,7 +48,7 @@ impl Looked {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Quat, Vec3, vec3};
+    use glam::{Quat, vec3};
 
     use super::*;
 

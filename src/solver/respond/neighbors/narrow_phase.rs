@@ -8,7 +8,7 @@ use super::batch::{BATCH, Batch};
 use super::flat::Flatness;
 use super::gap::{may_cross, near, way};
 use super::near::{Near, rest_matters};
-use super::patch::Patches;
+use super::patch::{Patches, within};
 use super::refresh::CLOSE;
 use super::{Contacts, MARGIN, Moment, NeighborList, Touch};
 use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
@@ -193,6 +193,9 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     fn gaps(&mut self, tree: &Tree, met: &Meeting, flat: &[u8; LEAF], reach: f32) -> [[u8; LEAF]; 3] {
         let [mut may, mut close, mut cross] = [[0; LEAF]; 3];
         let [a, b] = met.leaves;
+        if met.hits == *flat {
+            return [may, close, cross];
+        }
         let lanes = self.patches.lanes(tree, b, self.positions, self.ahead);
         let within = CLOSE * self.thickest;
         for (i, &t) in tree.leaf(a).corners.iter().enumerate() {
@@ -226,17 +229,18 @@ impl Pair<'_> {
     fn take<T>(&self, asked: &mut NarrowPhase<'_, T>, i: usize, faces: u32) {
         let NarrowPhase { patches, positions, ahead, batch, .. } = asked;
         let &Self { leaves: [a, b], numbers, reach, across, joined } = self;
-        let [[corners, edges], [their_corners, their_edges]] = [patches.owned(numbers[0]), patches.owned(numbers[1])];
+        let [[corners, edges], [their_corners, their_edges]] = numbers.map(|leaf| patches.owned(leaf));
+        let [corner_boxes, edge_boxes] = patches.boxes(numbers[1]);
         let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);
         let way = |v: u32| way(positions, ahead, v);
         // What comes close to the face, and to each corner and edge that it owns.
-        let theirs = their_corners.within(&way(t[0]).union(way(t[1])).union(way(t[2])), reach);
+        let theirs = within(corner_boxes, &way(t[0]).union(way(t[1])).union(way(t[2])), reach);
         let [mut corner_met, mut edge_met] = [[0; 3]; 2];
         for (met, &[v, _]) in corner_met.iter_mut().zip(&corners.ends[corners.of_face(i)]) {
             *met = b.within(&way(v), wide);
         }
         for (met, &[u, v]) in edge_met.iter_mut().zip(&edges.ends[mine.clone()]) {
-            *met = their_edges.within(&way(u).union(way(v)), reach);
+            *met = within(edge_boxes, &way(u).union(way(v)), reach);
         }
         for k in lanes(faces) {
             let (u, faces) = (b.corners[k], [a.faces[i], b.faces[k]]);

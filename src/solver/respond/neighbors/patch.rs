@@ -6,15 +6,17 @@
 //! edges     e e e e | e e e e | e …                          likewise
 //! ```
 //!
-//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved.
+//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved: those of most leaves never are.
 
 use core::ops::Range;
 
 use glam::{Vec3A, Vec4};
 
 use super::gap::way;
+use crate::solver::buffer::keep_room;
 use crate::solver::detect::four::{Four, WIDE, each};
 use crate::solver::detect::tree::{Bounds, LEAF, Tree};
+use crate::solver::topology::NONE;
 
 /// Corners of the faces of a leaf, by corner and half of the lanes `[m]`; lanes without a face repeat the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,25 +27,25 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
-    const NONE: Self = Self { now: [[Four::ZERO; LEAF / WIDE]; 3], ahead: [[Four::ZERO; LEAF / WIDE]; 3] };
-
     #[inline(never)]
-    fn fit(&mut self, corners: &[[u32; 3]], positions: &[Vec4], ahead: &[Vec3A]) {
-        let Some(last) = corners.len().checked_sub(1) else { return };
+    fn of(corners: &[[u32; 3]], positions: &[Vec4], ahead: &[Vec3A]) -> Self {
+        let mut lanes = Self { now: [[Four::ZERO; LEAF / WIDE]; 3], ahead: [[Four::ZERO; LEAF / WIDE]; 3] };
+        let Some(last) = corners.len().checked_sub(1) else { return lanes };
         for half in 0..LEAF / WIDE {
             let faces = each(|k| corners[(half * WIDE + k).min(last)]);
             for c in 0..3 {
-                self.now[c][half] = Four::of(each(|k| positions[faces[k][c] as usize]));
-                self.ahead[c][half] = Four::of(each(|k| ahead[faces[k][c] as usize].extend(0.0)));
+                lanes.now[c][half] = Four::of(each(|k| positions[faces[k][c] as usize]));
+                lanes.ahead[c][half] = Four::of(each(|k| ahead[faces[k][c] as usize].extend(0.0)));
             }
         }
+        lanes
     }
 }
 
 /// Four boxes `[m]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-struct Boxes {
+pub(super) struct Boxes {
     min: Four,
     max: Four,
 }
@@ -67,13 +69,11 @@ impl Boxes {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Owned {
-    /// First of a leaf, a multiple of the lanes; and where those of each face begin after it, and end.
+    /// First of a leaf; and where those of each face begin after it, and end.
     first: Vec<u32>,
     starts: Vec<[u8; LEAF + 1]>,
     /// The ends of each; twice a particle.
     ends: Vec<[u32; 2]>,
-    /// Boxes, four at a time; the empty one where there is none.
-    boxes: Vec<Boxes>,
 }
 
 impl Owned {
@@ -87,37 +87,17 @@ impl Owned {
                 *start = (owned.ends.len() - first) as u8;
                 owned.ends.extend(faces.get(lane).into_iter().flat_map(|&f| ends(f)));
             }
-            owned.ends.resize(owned.ends.len().next_multiple_of(WIDE), [u32::MAX; 2]);
             owned.first.push(first as u32);
             owned.starts.push(starts);
         }
-        let none = Boxes { min: Four::splat(Vec3A::INFINITY), max: Four::splat(Vec3A::NEG_INFINITY) };
-        owned.boxes = vec![none; owned.ends.len() / WIDE];
         owned
-    }
-
-    /// Those of a leaf.
-    #[inline]
-    fn all(&self, leaf: u32) -> Range<usize> {
-        let first = self.first[leaf as usize] as usize;
-        first..first + usize::from(self.starts[leaf as usize][LEAF])
     }
 
     /// What the faces of a leaf own.
     #[inline]
-    pub(super) fn leaf(&self, leaf: u32) -> Owns<'_> {
-        let (all, starts) = (self.all(leaf), &self.starts[leaf as usize]);
-        Owns { starts, ends: &self.ends[all.clone()], boxes: &self.boxes[all.start / WIDE..all.end.div_ceil(WIDE)] }
-    }
-
-    /// Boxes what a leaf owns: `around` gives the box of the way of a particle.
-    #[inline]
-    fn fit(&mut self, leaf: u32, around: impl Fn(u32) -> Bounds) {
-        let all = self.all(leaf);
-        for (ends, boxes) in self.ends[all.clone()].chunks(WIDE).zip(&mut self.boxes[all.start / WIDE..]) {
-            let of = |k: usize| ends.get(k).map_or(Bounds::EMPTY, |&[a, b]| around(a).union(around(b)));
-            *boxes = Boxes::of(each(of));
-        }
+    fn leaf(&self, leaf: u32) -> Owns<'_> {
+        let (first, starts) = (self.first[leaf as usize] as usize, &self.starts[leaf as usize]);
+        Owns { starts, ends: &self.ends[first..first + usize::from(starts[LEAF])] }
     }
 }
 
@@ -127,7 +107,6 @@ pub(super) struct Owns<'a> {
     starts: &'a [u8; LEAF + 1],
     /// The ends of each; twice a particle.
     pub(super) ends: &'a [[u32; 2]],
-    boxes: &'a [Boxes],
 }
 
 impl Owns<'_> {
@@ -137,24 +116,33 @@ impl Owns<'_> {
         usize::from(self.starts[lane])..usize::from(self.starts[lane + 1])
     }
 
-    /// Which come within `margin` `[m]` of a box along every axis, a bit for each number.
-    #[inline]
-    pub(super) fn within(&self, bounds: &Bounds, margin: f32) -> u32 {
-        let (low, high) = (Four::splat(bounds.min - Vec3A::splat(margin)), Four::splat(bounds.max));
-        let met = self.boxes.iter().rev().map(|boxes| boxes.meets(low, high, Vec4::splat(margin)));
-        met.fold(0, |bits, met| bits << WIDE | met)
+    /// Boxes of all, four at a time and the empty one where there is none; `around` gives the box of the way of a particle.
+    fn boxes(&self, around: impl Fn(u32) -> Bounds) -> impl Iterator<Item = Boxes> {
+        self.ends
+            .chunks(WIDE)
+            .map(move |ends| Boxes::of(each(|k| ends.get(k).map_or(Bounds::EMPTY, |&[a, b]| around(a).union(around(b))))))
     }
+}
+
+/// Which of `boxes` come within `margin` `[m]` of another along every axis, a bit for each number.
+#[inline]
+pub(super) fn within(boxes: &[Boxes], bounds: &Bounds, margin: f32) -> u32 {
+    let (low, high) = (Four::splat(bounds.min - Vec3A::splat(margin)), Four::splat(bounds.max));
+    let met = boxes.iter().rev().map(|boxes| boxes.meets(low, high, Vec4::splat(margin)));
+    met.fold(0, |bits, met| bits << WIDE | met)
 }
 
 /// All leaves.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Patches {
-    lanes: Vec<Lanes>,
     corners: Owned,
     edges: Owned,
-    /// Whether the lanes of each are known, and its boxes.
-    known: Vec<[bool; 2]>,
+    /// Of leaves that were asked for since everything moved.
+    lanes: Vec<Lanes>,
+    boxes: Vec<Boxes>,
+    /// Where those of each leaf are; the boxes of its corners come before those of its edges. `NONE`: nowhere yet.
+    at: Vec<[u32; 2]>,
 }
 
 impl Patches {
@@ -165,26 +153,32 @@ impl Patches {
             (0..3).filter(move |k| bits & (1 << k) != 0).map(move |k| [t[k], t[(k + next) % 3]])
         };
         Self {
-            lanes: vec![Lanes::NONE; tree.leaves() as usize],
             corners: Owned::new(tree, |f| owned(f, 0, 0)),
             edges: Owned::new(tree, |f| owned(f, 3, 1)),
-            known: vec![[false; 2]; tree.leaves() as usize],
+            at: vec![[NONE; 2]; tree.leaves() as usize],
+            ..Self::default()
         }
     }
 
     /// Everything moved.
     pub(super) fn forget(&mut self) {
-        self.known.fill([false; 2]);
+        let were = [self.lanes.len(), self.boxes.len()];
+        self.lanes.clear();
+        self.boxes.clear();
+        keep_room(&mut self.lanes, were[0]);
+        keep_room(&mut self.boxes, were[1]);
+        self.at.fill([NONE; 2]);
     }
 
     /// The corners of the faces of a leaf.
     #[inline]
     pub(super) fn lanes(&mut self, tree: &Tree, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) -> &Lanes {
-        let lanes = &mut self.lanes[leaf as usize];
-        if !core::mem::replace(&mut self.known[leaf as usize][0], true) {
-            lanes.fit(tree.leaf(leaf).corners, positions, ahead);
+        let at = &mut self.at[leaf as usize][0];
+        if *at == NONE {
+            *at = self.lanes.len() as u32;
+            self.lanes.push(Lanes::of(tree.leaf(leaf).corners, positions, ahead));
         }
-        lanes
+        &self.lanes[*at as usize]
     }
 
     /// The corners and the edges that the faces of a leaf own.
@@ -196,10 +190,22 @@ impl Patches {
     /// Makes boxes of what the faces of a leaf own.
     #[inline]
     pub(super) fn fit(&mut self, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) {
-        if !core::mem::replace(&mut self.known[leaf as usize][1], true) {
-            self.corners.fit(leaf, |v| way(positions, ahead, v));
-            self.edges.fit(leaf, |v| way(positions, ahead, v));
+        let at = &mut self.at[leaf as usize][1];
+        if *at == NONE {
+            *at = self.boxes.len() as u32;
+            for owned in [&self.corners, &self.edges] {
+                self.boxes.extend(owned.leaf(leaf).boxes(|v| way(positions, ahead, v)));
+            }
         }
+    }
+
+    /// Boxes of the corners and of the edges that the faces of a leaf own, which are [made](Self::fit).
+    #[inline]
+    pub(super) fn boxes(&self, leaf: u32) -> [&[Boxes]; 2] {
+        let counts = [&self.corners, &self.edges].map(|owned| usize::from(owned.starts[leaf as usize][LEAF]).div_ceil(WIDE));
+        let boxes = &self.boxes[self.at[leaf as usize][1] as usize..];
+        let (corners, edges) = boxes.split_at(counts[0]);
+        [corners, &edges[..counts[1]]]
     }
 }
 
@@ -216,7 +222,7 @@ mod tests {
         let (rest, _) = RestShape::build(&mesh).expect("a sheet");
         let part = PartRef { topology: &rest.topology, rest: &rest.positions, layer: 0, self_collision: true, thickness: 0.01 };
         let surface = Surface::new(&[part]).expect("a cloth");
-        let tree = Tree::new(&surface);
+        let tree = Tree::over(&surface);
         let faces = &surface.topology.faces;
         let mut patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
         let mut rng = fastrand::Rng::with_seed(2);
@@ -226,8 +232,8 @@ mod tests {
         for leaf in 0..tree.leaves() {
             patches.fit(leaf, &positions, &ahead);
             let bounds = way(&positions, &ahead, rng.u32(0..72)).union(way(&positions, &ahead, rng.u32(0..72)));
-            for (of, count) in patches.owned(leaf).iter().zip([1, 2]) {
-                let within = of.within(&bounds, 0.1);
+            for ((of, boxes), count) in patches.owned(leaf).iter().zip(patches.boxes(leaf)).zip([1, 2]) {
+                let within = within(boxes, &bounds, 0.1);
                 let own = |&[a, b]: &[u32; 2]| way(&positions, &ahead, a).union(way(&positions, &ahead, b));
                 let expected = of.ends.iter().map(own).map(|own| own.meets(&bounds, Vec3A::splat(0.1)));
                 let bits = expected.enumerate().fold(0, |bits, (k, meets)| bits | u32::from(meets) << k);
