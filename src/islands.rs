@@ -13,7 +13,7 @@ use bevy::prelude::*;
 use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
 use crate::solver::detect::PartRef;
-use crate::solver::detect::tree::Hierarchy;
+use crate::solver::detect::tree::TreeTopology;
 use crate::solver::island::{Island, Stage, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
@@ -194,7 +194,7 @@ impl ClothIslands {
         order.sort_unstable_by_key(|&i| (root[i as usize], i));
         core::mem::swap(list, before);
         list.clear();
-        let mut old = 0;
+        let mut before = before.drain(..).peekable();
         for run in order.chunk_by(|&a, &b| root[a as usize] == root[b as usize]) {
             let of = |i: &u32| &candidates[*i as usize];
             let free = run.iter().map(|i| &of(i).member).any(|m| !m.fixed || (!m.still && m.collision.contact));
@@ -207,15 +207,13 @@ impl ClothIslands {
             // Lower indices first, of which most entities were spawned earlier.
             let rank = |c: &&Candidate| (c.settings.iterations, Reverse(c.member.entity.index_u32()));
             let best = run.iter().map(of).filter(|c| !c.member.fixed).max_by_key(rank).unwrap_or(first);
-            // One without members was taken.
-            while before.get(old).is_some_and(|old| old.members.first().is_none_or(|m| m.entity < first.member.entity)) {
-                old += 1;
-            }
-            let known = before.get(old).is_some_and(|old| {
+            while before.next_if(|old| old.members.first().is_none_or(|m| m.entity < first.member.entity)).is_some() {}
+            let old = before.next_if(|old| {
                 old.members.len() == members.len() && old.members.iter().zip(members.iter()).all(|(a, b)| a.fits(b))
             });
-            let mut island = if known { core::mem::take(&mut before[old]) } else { ClothIsland::default() };
-            if known {
+            #[cfg(feature = "record")]
+            let known = old.is_some();
+            let mut island = if let Some(mut island) = old {
                 for (part, (old, new)) in island.members.iter().zip(members.iter()).enumerate() {
                     if !Arc::ptr_eq(&old.rest, &new.rest) {
                         island.solver.rescale(part, &new.rest.positions);
@@ -229,11 +227,12 @@ impl ClothIslands {
                 if island.origin != first.origin {
                     island.solver.carry((island.origin - first.origin).as_vec3());
                 }
+                island
             } else {
-                let Some(built) = build(members) else { continue };
+                let Some(solver) = build(members) else { continue };
                 *builds += 1;
-                (island.solver, island.members) = (built, members.clone());
-            }
+                ClothIsland { solver, members: members.clone(), ..ClothIsland::default() }
+            };
             (island.settings, island.origin, island.times) = (best.settings, first.origin, Default::default());
             island.together = false;
             #[cfg(feature = "record")]
@@ -246,7 +245,6 @@ impl ClothIslands {
             }
             list.push(island);
         }
-        before.clear();
     }
 
     /// Joins what overlaps: sweep along x, then union of sets with the smallest number as root.
@@ -281,12 +279,12 @@ fn find(root: &[u32], mut i: u32) -> u32 {
 }
 
 fn build(members: &[Member]) -> Option<Island> {
-    let parts: Vec<(PartRef<'_>, &Arc<Hierarchy>)> = members
+    let parts: Vec<(PartRef<'_>, &Arc<TreeTopology>)> = members
         .iter()
         .map(|Member { rest, collision, thickness, .. }| {
             let (topology, positions) = (&rest.topology, &rest.positions);
             let ClothCollision { garment_layer: layer, self_collision, .. } = *collision;
-            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, rest.hierarchy())
+            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, rest.tree_topology())
         })
         .collect();
     match Island::new(&parts) {

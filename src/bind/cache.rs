@@ -70,7 +70,7 @@ impl Building {
             let built = build(&of, &asked);
             // An island would make it while everything waits.
             if let Ok((shape, _)) = &built {
-                shape.hierarchy();
+                shape.tree_topology();
             }
             built
         });

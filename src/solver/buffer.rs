@@ -49,7 +49,12 @@ impl<'de, T: Default> serde::Deserialize<'de> for Buffer<T> {
 
 /// Makes room for half as many again as there were, when little of it is left.
 pub(super) fn keep_room<T>(list: &mut Vec<T>, were: usize) {
-    if list.capacity() < were + were / 4 {
-        list.reserve_exact((were + were / 2).saturating_sub(list.len()));
+    keep_room_up_to(list, were, usize::MAX);
+}
+
+/// The same, for no more than `most`.
+pub(super) fn keep_room_up_to<T>(list: &mut Vec<T>, were: usize, most: usize) {
+    if list.capacity() < (were + were / 4).min(most) {
+        list.reserve_exact((were + were / 2).min(most).saturating_sub(list.len()));
     }
 }

@@ -7,7 +7,7 @@ use glam::{Vec3, vec3};
 
 use super::anchors::Anchors;
 use super::body::Body;
-use super::detect::tree::Hierarchy;
+use super::detect::tree::TreeTopology;
 use super::detect::{PartRef, SurfaceError};
 use super::evaluate::{EvaluateSettings, Outcome, Pose, Shown};
 use super::island::{Display, Island, LoadReport, Member, Stage, UntangleSettings};
@@ -266,12 +266,12 @@ impl Scene {
     ) -> Result<Self, SurfaceError> {
         let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness, cloth.layer);
         let cloths: Vec<_> = self.cloths.iter().map(part).collect();
-        let parts: Vec<(PartRef<'_>, &Arc<Hierarchy>)> = cloths
+        let parts: Vec<(PartRef<'_>, &Arc<TreeTopology>)> = cloths
             .iter()
             .map(|(rest, thickness, layer)| {
                 let (topology, positions) = (&rest.topology, &rest.positions);
                 let part = PartRef { topology, rest: positions, layer: *layer, self_collision, thickness: *thickness };
-                (part, rest.hierarchy())
+                (part, rest.tree_topology())
             })
             .collect();
         self.untangle =

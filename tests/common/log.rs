@@ -42,7 +42,7 @@ fn subscriber<W: for<'a> MakeWriter<'a> + Send + Sync + 'static>(writer: W) -> i
 impl Log {
     /// Listens to this thread while `act` runs.
     pub fn listen<T>(&self, act: impl FnOnce() -> T) -> T {
-        // An app's own listener does as well.
+        // One that an app has set before does as well.
         EVERY_THREAD.call_once(|| drop(tracing::subscriber::set_global_default(subscriber(sink))));
         tracing::subscriber::with_default(subscriber(self.clone()), act)
     }

@@ -17,6 +17,7 @@ pub fn warnings(mut app: App, act: impl FnOnce(&mut App)) -> Vec<String> {
     log.read()
 }
 
+/// Whatever else runs beside it; without what [`Log::listen`] does for every thread it fails where nothing else listens.
 #[test]
 fn a_warning_that_a_thread_without_a_listener_comes_by_first_is_heard() {
     let warn = || bevy::log::warn!("bevy_drape is tested");

@@ -37,15 +37,18 @@ pub(crate) const IMPACT_SPEED: f32 = 0.25;
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Plane {
     normal: Vec3,
+    /// `c` `[m]`.
     pub(crate) offset: f32,
 }
 
 impl Plane {
+    /// The plane across a unit normal, `offset` `[m]` from the origin along it.
     #[inline]
     pub(crate) fn new(normal: Vec3A, offset: f32) -> Self {
         Self { normal: normal.into(), offset }
     }
 
+    /// The unit normal, out of what it bounds.
     #[inline]
     pub(crate) fn normal(&self) -> Vec3A {
         self.normal.into()

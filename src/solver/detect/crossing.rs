@@ -71,12 +71,13 @@ impl Detector {
     /// Prepares detection on a surface.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
-        Self::with_tree(surface, Tree::over(surface))
+        Self::with_tree(surface, Tree::of_surface(surface))
     }
 
     /// Prepares detection on a surface with its tree.
     #[must_use]
     pub(crate) fn with_tree(surface: &Surface, tree: Tree) -> Self {
+        debug_assert_eq!((tree.len(), tree.cloths()), (surface.topology.faces.len(), surface.parts.len()));
         let topology = &surface.topology;
         let asks = topology.face_edges.iter().enumerate().map(|(f, edges)| {
             let first = |k: usize| topology.edge_faces[edges[k] as usize][0] == f as u32;

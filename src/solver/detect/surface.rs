@@ -21,7 +21,7 @@ use crate::solver::topology::Topology;
 pub struct PartRef<'a> {
     /// Connectivity of the cloth.
     pub topology: &'a Arc<Topology>,
-    /// Rest positions `[m]`, one per particle; they give areas, edge lengths and the shape of the search tree.
+    /// Rest positions `[m]`, one per particle; they give areas, edge lengths and the topology of the search tree.
     pub rest: &'a [Vec3],
     /// Order of layered garments: of two cloths, the one with the larger number is worn outside. Equal numbers have no order.
     pub layer: i32,

@@ -38,7 +38,7 @@ pub use stage::Stage;
 
 use super::body::Touch;
 use super::buffer::Buffer;
-use super::detect::tree::{Hierarchy, Tree};
+use super::detect::tree::{Tree, TreeTopology};
 use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
 use super::effort::Effort;
 use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
@@ -163,15 +163,15 @@ pub struct Island {
 }
 
 impl Island {
-    /// Concatenates the cloths, each with the hierarchy of its rest shape.
+    /// Concatenates the cloths, each with the topology of the search tree of its rest shape.
     ///
     /// # Errors
     /// [`SurfaceError`] when rest positions do not match a topology, or when there are too many cloths or particles.
-    pub fn new(cloths: &[(PartRef<'_>, &Arc<Hierarchy>)]) -> Result<Self, SurfaceError> {
+    pub fn new(cloths: &[(PartRef<'_>, &Arc<TreeTopology>)]) -> Result<Self, SurfaceError> {
         let parts: Vec<PartRef<'_>> = cloths.iter().map(|(part, _)| *part).collect();
-        let hierarchies: Vec<_> = cloths.iter().map(|&(part, hierarchy)| (hierarchy, part.topology.particles)).collect();
+        let trees: Vec<_> = cloths.iter().map(|&(part, tree)| (tree, part.topology.particles)).collect();
         let surface = Surface::new(&parts)?;
-        let detector = Detector::with_tree(&surface, Tree::new(Hierarchy::join(&hierarchies)));
+        let detector = Detector::with_tree(&surface, Tree::new(TreeTopology::join(&trees)));
         let untangler = Untangler { detector, resolver: Resolver::default() };
         let n = surface.len();
         let mut island = Self {

@@ -4,8 +4,8 @@ use super::Island;
 
 impl Island {
     /// Gives cloth `part` a shape at rest that is a [multiple](crate::solver::rest::RestShape::is_multiple_of) of the one
-    /// before, `rest` `[m]`; false if it has another number of particles. The tree of boxes stays: it is cut where the shape
-    /// is, however large.
+    /// before, `rest` `[m]`; false if it has another number of particles. The topology of the tree stays: it is cut
+    /// where the shape is, however large.
     pub(crate) fn rescale(&mut self, part: usize, rest: &[glam::Vec3]) -> bool {
         if !self.surface.reshape(part, rest) {
             return false;

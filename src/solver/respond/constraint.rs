@@ -41,7 +41,7 @@ pub(super) struct Constraint {
     /// How far a unit push moves the closest points apart `[1/kg]`.
     pub mobility: f32,
     /// From the frame of simulation of the first primitive to that of the second `[m]`.
-    pub offset: Vec3A,
+    pub offset: Vec3,
     /// Across the unit vector towards the first primitive, one thickness from the second.
     pub plane: Plane,
     pub friction: Friction,
@@ -56,8 +56,11 @@ pub(super) struct Constraint {
     /// What it was pushed in this one `[m]`.
     pub push: f32,
     /// What friction pushes along the plane `[m]`: in the substep before, until it is [applied](Self::apply_friction).
-    pub tangent_push: Vec3A,
+    pub tangent_push: Vec3,
 }
+
+// They are passed over several times in a substep: two lines of a cache.
+const _: () = assert!(size_of::<Constraint>() == 128);
 
 impl Constraint {
     /// The first pass: pushes the pair apart. An overlap from before the substep is recovered by at most `recovery` `[m]`.
@@ -98,9 +101,10 @@ impl Constraint {
     /// Applies the friction of the last substep, at most what static friction bears under all pushes (warm starting).
     #[inline]
     pub(super) fn warm_start(&mut self, now: &mut [Vec4]) {
-        let along = slip(self.plane.normal(), self.tangent_push);
-        self.tangent_push = along.clamp_length_max(self.friction.fixed * self.mean_load());
-        self.move_by(-self.tangent_push, now);
+        let along = slip(self.plane.normal(), self.tangent_push.into());
+        let push = along.clamp_length_max(self.friction.fixed * self.mean_load());
+        self.tangent_push = push.into();
+        self.move_by(-push, now);
     }
 
     /// Applies friction for the way of the whole substep; none to a pair that has come apart since. If the remaining load of
@@ -108,15 +112,15 @@ impl Constraint {
     /// by 0.6 **`[measured]`**.
     #[inline]
     pub(super) fn apply_friction(&mut self, now: &mut [Vec4], old: &[Vec4]) {
-        let end = self.delta(now);
+        let (end, before) = (self.delta(now), Vec3A::from(self.tangent_push));
         let mut push = Vec3A::ZERO;
         if self.plane.gap(end) < TOUCHING * self.plane.offset {
             let slipped = slip(self.plane.normal(), end - self.delta(old));
-            push = self.friction.hold(self.tangent_push + slipped, self.mean_load());
+            push = self.friction.hold(before + slipped, self.mean_load());
         }
         if push.is_finite() {
-            self.move_by(self.tangent_push - push, now);
-            self.tangent_push = push;
+            self.move_by(before - push, now);
+            self.tangent_push = push.into();
         }
     }
 
@@ -130,7 +134,7 @@ impl Constraint {
     #[inline]
     pub(super) fn borne(&self) -> Borne {
         let drive = mean_load(self.drive, self.push / self.mobility);
-        Borne { pair: self.pair, load: Load { push: self.mean_load(), drive, tangent_push: self.tangent_push.into() } }
+        Borne { pair: self.pair, load: Load { push: self.mean_load(), drive, tangent_push: self.tangent_push } }
     }
 
     /// How fast a pair is to part that met fast `[m/s]`: what its restitution makes of the velocities with which the substep
@@ -153,7 +157,7 @@ impl Constraint {
     /// From the closest point of the second primitive to that of the first `[m]`.
     #[inline]
     fn delta(&self, points: &[Vec4]) -> Vec3A {
-        Vec3A::from(sum(&self.weights, &self.particles.map(|p| points[p as usize]))) + self.offset
+        Vec3A::from(sum(&self.weights, &self.particles.map(|p| points[p as usize]))) + Vec3A::from(self.offset)
     }
 
     /// How far apart four vectors are along the normal, the closest points of either side.
@@ -185,7 +189,7 @@ mod tests {
             weights: [1.0, -1.0, 0.0, 0.0],
             shares: [0.5, -0.5, 0.0, 0.0],
             mobility: 2.0,
-            offset: Vec3A::ZERO,
+            offset: Vec3::ZERO,
             plane: Plane::new(Vec3A::Y, 1.0),
             friction: Friction { fixed: friction, sliding: friction },
             restitution: Some(0.5),
@@ -193,7 +197,7 @@ mod tests {
             load: 0.0,
             drive: 0.0,
             push: 0.0,
-            tangent_push: Vec3A::ZERO,
+            tangent_push: Vec3::ZERO,
         };
         let old = vec![vec3(0.0, 1.0, 0.0).extend(1.0), Vec4::W];
         (constraint, vec![vec3(0.04, 0.9, 0.0).extend(1.0), Vec4::W], old)
@@ -221,7 +225,7 @@ mod tests {
     #[test]
     fn friction_of_the_substep_before_is_part_of_what_the_load_bears() {
         let (mut constraint, mut now, mut old) = over(0.2);
-        constraint.tangent_push = Vec3A::X * 0.015;
+        constraint.tangent_push = Vec3::X * 0.015;
         constraint.bring_out(0.0, &mut now, &mut old);
         constraint.warm_start(&mut now);
         assert!((now[0].x - now[1].x - 0.025).abs() < 1.0e-6, "it begins with it: {now:?}");
@@ -231,7 +235,7 @@ mod tests {
         // Drawn apart since: nothing holds it.
         now[0].y += 0.2;
         constraint.apply_friction(&mut now, &old);
-        assert!((now[0].x - now[1].x - 0.04).abs() < 1.0e-6 && constraint.tangent_push == Vec3A::ZERO, "{now:?}");
+        assert!((now[0].x - now[1].x - 0.04).abs() < 1.0e-6 && constraint.tangent_push == Vec3::ZERO, "{now:?}");
     }
 
     #[test]

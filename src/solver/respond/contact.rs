@@ -151,7 +151,7 @@ impl Contact {
             weights: self.weights,
             shares: core::array::from_fn(|i| self.weights[i] * x[i].w / mobility),
             mobility,
-            offset: offset.into(),
+            offset,
             plane: Plane::new(self.normal.into(), self.thickness),
             friction: particles.cloths.friction(self.parts),
             restitution: (!(self.inverted || self.was_inverted)).then(|| particles.cloths.restitution(self.parts)),
@@ -159,7 +159,7 @@ impl Contact {
             load: load.push,
             drive: load.drive,
             push: 0.0,
-            tangent_push: load.tangent_push.into(),
+            tangent_push: load.tangent_push,
         })
     }
 

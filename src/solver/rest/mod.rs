@@ -27,7 +27,7 @@ use decimate::{Decimated, decimate};
 use glam::Vec3;
 
 use crate::solver::buffer::Buffer;
-use crate::solver::detect::tree::Hierarchy;
+use crate::solver::detect::tree::TreeTopology;
 use crate::solver::detect::{PartRef, Surface};
 use crate::solver::embed::Embedding;
 use crate::solver::topology::{NONE, Topology};
@@ -57,8 +57,8 @@ pub struct RestShape {
     pub bends: Bends,
     /// Coarse level over the cloth.
     pub coarse: CoarseMesh,
-    /// Hierarchy over the faces, once it was asked for.
-    hierarchy: Buffer<OnceLock<Arc<Hierarchy>>>,
+    /// Topology of the search tree over the faces, once it was asked for.
+    tree_topology: Buffer<OnceLock<Arc<TreeTopology>>>,
     /// Mean rest length of the edges `[m]`.
     pub mean_edge: f32,
     /// How the render vertices follow, where the shape is coarser than its mesh.
@@ -192,13 +192,13 @@ impl RestShape {
         Ok((shape, report))
     }
 
-    /// The hierarchy over the faces, which islands join; multiples of a shape share it. Made when it is first asked for:
-    /// cloth that meets no cloth has none.
-    pub fn hierarchy(&self) -> &Arc<Hierarchy> {
-        self.hierarchy.get_or_init(|| {
+    /// Topology of the search tree over the faces. Islands of several cloths join them, one of a single cloth shares it, as do
+    /// multiples of the shape. Made when it is first asked for: cloth that meets no cloth has none.
+    pub fn tree_topology(&self) -> &Arc<TreeTopology> {
+        self.tree_topology.get_or_init(|| {
             let part =
                 PartRef { topology: &self.topology, rest: &self.positions, layer: 0, self_collision: true, thickness: 0.0 };
-            Arc::new(Surface::new(&[part]).map_or_else(|_| Hierarchy::default(), |surface| Hierarchy::new(&surface)))
+            Arc::new(Surface::new(&[part]).map_or_else(|_| TreeTopology::default(), |surface| TreeTopology::new(&surface)))
         })
     }
 
@@ -277,7 +277,7 @@ impl RestShape {
             + self.membrane.bytes()
             + self.bends.bytes()
             + self.fine.as_ref().map_or(0, |fine| size_of_val(&fine.gone[..]) + fine.embedding.bytes())
-            + self.hierarchy.get().map_or(0, |hierarchy| hierarchy.bytes())
+            + self.tree_topology.get().map_or(0, |tree| tree.bytes())
     }
 }
 

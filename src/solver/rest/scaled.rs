@@ -19,7 +19,7 @@ impl RestShape {
         if !(s > 0.0 && s.is_finite() && s.recip().is_finite()) {
             return None;
         }
-        let mut shape = Self { hierarchy: Buffer(Arc::clone(self.hierarchy()).into()), ..self.clone() };
+        let mut shape = Self { tree_topology: Buffer(Arc::clone(self.tree_topology()).into()), ..self.clone() };
         let Self { positions, areas, isolated, springs, membrane, bends, coarse, mean_edge, .. } = &mut shape;
         positions.iter_mut().for_each(|x| *x *= s);
         areas.iter_mut().for_each(|area| *area *= s * s);

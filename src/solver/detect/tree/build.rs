@@ -1,23 +1,23 @@
-//! Builds the hierarchy: faces are split at the middle of the longest side of their box until they fit a leaf.
+//! Builds the topology: faces are split at the middle of the longest side of their box until they fit a leaf.
 
 use std::sync::Arc;
 
 use glam::Vec3;
 
 use super::shared::Shared;
-use super::{Bounds, HUB, Hierarchy, IS_LEAF, LEAF, Leaf, MIXED, Node, Tree};
+use super::{Branch, HUB, IS_LEAF, LEAF, Leaf, MIXED, Tree, TreeTopology};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
 impl Tree {
-    /// Builds the hierarchy over the rest shape of a surface, whose boxes are to be [fitted](Self::refit).
+    /// Builds it over the rest shape of a surface. Its boxes are empty until they are [fitted](Self::refit).
     #[must_use]
-    pub fn over(surface: &Surface) -> Self {
-        Self::new(Arc::new(Hierarchy::new(surface)))
+    pub fn of_surface(surface: &Surface) -> Self {
+        Self::new(Arc::new(TreeTopology::new(surface)))
     }
 }
 
-impl Hierarchy {
+impl TreeTopology {
     /// Builds it over the rest shape.
     #[must_use]
     pub fn new(surface: &Surface) -> Self {
@@ -38,6 +38,10 @@ impl Hierarchy {
         built.find_discs(surface, &shared);
         built.find_joints(surface, &shared);
         built.find_rings(surface, &shared);
+        built.branches.shrink_to_fit();
+        built.leaves.shrink_to_fit();
+        built.rings.shrink_to_fit();
+        built.joints.shrink_to_fit();
         built.corners = built.faces.iter().map(|&f| surface.topology.faces[f as usize]).collect();
         built
     }
@@ -51,7 +55,7 @@ impl Hierarchy {
         let node = self.push(0, 0, MIXED);
         let middle = usize::midpoint(first, last);
         self.split_parts(first, middle, plant);
-        self.nodes[node].right = self.nodes.len() as u32;
+        self.branches[node].right = self.branches.len() as u32;
         self.split_parts(middle, last, plant);
     }
 
@@ -81,30 +85,19 @@ impl Hierarchy {
             centre[a as usize][axis].total_cmp(&centre[b as usize][axis]).then(a.cmp(&b))
         });
         self.split_faces(part, centre, first, first + middle);
-        self.nodes[node].right = self.nodes.len() as u32;
+        self.branches[node].right = self.branches.len() as u32;
         self.split_faces(part, centre, first + middle, last);
     }
 
     pub(super) fn push_leaf(&mut self, part: u16, first: usize, count: usize) {
         let node = self.push(IS_LEAF | first as u32, count as u16, part);
-        self.nodes[node].link = self.leaves.len() as u32;
+        self.branches[node].link = self.leaves.len() as u32;
         self.leaves.push(Leaf { node: node as u32, cover: node as u32, ring: 0..0 });
     }
 
     pub(super) fn push(&mut self, right: u32, count: u16, part: u16) -> usize {
-        self.nodes.push(Node {
-            bounds: Bounds::EMPTY,
-            right,
-            count,
-            part,
-            disc: false,
-            smooth: false,
-            marked: 0,
-            folded: false,
-            link: NONE,
-            normals: Bounds::EMPTY,
-        });
-        self.nodes.len() - 1
+        self.branches.push(Branch { right, count, part, link: NONE, disc: false, smooth: false });
+        self.branches.len() - 1
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::shared::Shared;
-use super::{Hierarchy, IS_LEAF, MIXED};
+use super::{IS_LEAF, MIXED, TreeTopology};
 use crate::solver::detect::Surface;
 use crate::solver::detect::seams::{loose, rest_box, runs_along_a_side, seams};
 use crate::solver::topology::NONE;
@@ -23,7 +23,7 @@ struct Piece {
     loose: bool,
 }
 
-impl Hierarchy {
+impl TreeTopology {
     /// Marks the nodes whose faces form a disc (connected, `V - E + F = 1`) without seams. Borders of the mesh may be at the
     /// sides of its box only.
     ///
@@ -42,9 +42,9 @@ impl Hierarchy {
         let mut flood = Flood { owner: vec![NONE; topology.faces.len()], queue: Vec::new() };
         let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         let mut pieces =
-            vec![Piece { bounds: nothing, euler: 0, connected: false, seam: false, loose: false }; self.nodes.len()];
-        for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
+            vec![Piece { bounds: nothing, euler: 0, connected: false, seam: false, loose: false }; self.branches.len()];
+        for i in (0..self.branches.len()).rev() {
+            let node = self.branches[i];
             let range = shared.ranges[i].clone();
             if node.part == MIXED || range.is_empty() {
                 continue;
@@ -67,8 +67,8 @@ impl Hierarchy {
             let first = borders.partition_point(|(at, _)| *at < range.start);
             let mut own = borders[first..].iter().take_while(|(at, _)| *at < range.end);
             let disc = connected && euler == 1;
-            self.nodes[i].disc = disc && !seam && own.all(|&(_, e)| runs_along_a_side(surface, bounds, e));
-            self.nodes[i].smooth = disc && !loose;
+            self.branches[i].disc = disc && !seam && own.all(|&(_, e)| runs_along_a_side(surface, bounds, e));
+            self.branches[i].smooth = disc && !loose;
         }
     }
 }

@@ -1,16 +1,16 @@
 //! Joints: pairs of nodes that share particles, known from the start.
 
 use super::shared::Shared;
-use super::{HUB, Hierarchy, IS_LEAF, Joint, MIXED, Node};
+use super::{HUB, IS_LEAF, Joint, MIXED, TreeTopology};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
-impl Hierarchy {
+impl TreeTopology {
     /// Finds the pairs of nodes that share particles, from the children of each node downwards.
     pub(super) fn find_joints(&mut self, surface: &Surface, shared: &Shared) {
         let mut queue = std::collections::VecDeque::new();
-        for i in 0..self.nodes.len() as u32 {
-            let node = self.nodes[i as usize];
+        for i in 0..self.branches.len() as u32 {
+            let node = self.branches[i as usize];
             if node.right & IS_LEAF != 0 || node.part == MIXED {
                 continue;
             }
@@ -18,13 +18,13 @@ impl Hierarchy {
             let is_hub = |v: u32| surface.topology.around(v).len() > HUB;
             let between: Vec<u32> = shared.particles(i).iter().copied().filter(|&v| !is_hub(v)).collect();
             if !between.is_empty() {
-                self.nodes[i as usize].link = self.joints.len() as u32;
+                self.branches[i as usize].link = self.joints.len() as u32;
                 self.joints.push(Joint { nodes: [i + 1, node.right], first: 0, count: 0 });
                 queue.push_back((self.joints.len() - 1, between));
             }
             while let Some((joint, between)) = queue.pop_front() {
                 self.joints[joint].first = self.joints.len() as u32;
-                for [a, b] in below(&self.nodes, self.joints[joint].nodes) {
+                for [a, b] in below(|i| self.branches[i as usize].right, self.joints[joint].nodes) {
                     let both = |v: &u32| shared.has(a, *v) && shared.has(b, *v);
                     let between: Vec<u32> = between.iter().copied().filter(both).collect();
                     if !between.is_empty() {
@@ -38,10 +38,11 @@ impl Hierarchy {
     }
 }
 
-/// The pairs that two different nodes fall into; none of two leaves.
-pub(super) fn below(nodes: &[Node], [a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> + use<> {
+/// The pairs that two different nodes fall into, none of two leaves; `right` is that of a [`Branch`](super::Branch).
+#[inline]
+pub(super) fn below<F: Fn(u32) -> u32>(right: F, [a, b]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> + use<F> {
     let halves = |i: u32| {
-        let right = nodes[i as usize].right;
+        let right = right(i);
         if right & IS_LEAF == 0 { [i + 1, right] } else { [i, NONE] }
     };
     let (left, right) = (halves(a), halves(b));

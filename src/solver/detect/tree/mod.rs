@@ -1,10 +1,10 @@
 //! A hierarchy of boxes over the faces of a [`Surface`](super::Surface) (Mezger 2003).
 //!
-//! The hierarchy is built once over each rest shape, where neighbours stay neighbours however the cloth folds. Hierarchies are
-//! joined where cloths meet (`tree/join.rs`). A tree is a hierarchy with boxes, which are refitted bottom-up every time. The
-//! box of an inner node is `box = box(left) ∪ box(right)`, that of a leaf the union of its faces' boxes. The nodes stand in
-//! depth-first order, so the left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a
-//! leaf at a time (`tree/pack.rs`).
+//! The topology of the tree is built once over each rest shape, where neighbours stay neighbours however the cloth folds.
+//! Islands join those of their cloths (`tree/join.rs`). The boxes are refitted bottom-up every time. The box of an inner node
+//! is `box = box(left) ∪ box(right)`, that of a leaf the union of its faces' boxes. The nodes stand in depth-first order, so
+//! the left child is the next node and one backward sweep refits the tree. Boxes of faces are tested a leaf at a time
+//! (`tree/pack.rs`).
 //!
 //! ```text
 //! node i ──► left  = i + 1
@@ -59,28 +59,41 @@ const HUB: usize = 64;
 /// [`Node::part`] of a node that holds more than one cloth.
 const MIXED: u16 = u16::MAX;
 
+/// A node of the topology.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-struct Node {
-    bounds: Bounds,
+struct Branch {
     /// Right child, or `IS_LEAF | first` of a leaf.
     right: u32,
     /// Faces of a leaf.
     count: u16,
     part: u16,
+    /// [`Joint`] of the two children, `NONE` of two that share nothing; of a leaf its number.
+    link: u32,
     /// Whether the faces below form a disc without slits.
     disc: bool,
     /// Whether they form a disc, cut or not, without particles at a seam. Borders at its particles run along sides of the whole
     /// cloth only.
     smooth: bool,
+}
+
+/// A [`Branch`] with the boxes of where its faces are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+struct Node {
+    bounds: Bounds,
+    /// Box of the unit normals below; of all there are, where a leaf is folded.
+    normals: Bounds,
+    right: u32,
+    count: u16,
+    part: u16,
+    link: u32,
+    disc: bool,
+    smooth: bool,
     /// Which faces of a leaf are marked, one bit each; whether any is below another node.
     marked: u8,
     /// Whether the faces around a leaf fold back over it.
     folded: bool,
-    /// [`Joint`] of the two children, `NONE` of two that share nothing; of a leaf its number.
-    link: u32,
-    /// Box of the unit normals below; of all there are, where a leaf is folded.
-    normals: Bounds,
 }
 
 /// A leaf and the ring of faces around it.
@@ -90,8 +103,8 @@ struct Leaf {
     node: u32,
     /// The smallest node that holds the leaf and all of its ring.
     cover: u32,
-    /// The entries of [`Hierarchy::faces`] that share a particle with the leaf and are in other leaves: a run of
-    /// [`Hierarchy::rings`].
+    /// The entries of [`TreeTopology::faces`] that share a particle with the leaf and are in other leaves: a run of
+    /// [`TreeTopology::rings`].
     ring: Range<u32>,
 }
 
@@ -123,12 +136,11 @@ impl LeafRef<'_> {
     }
 }
 
-/// What holds of the faces wherever they are. See the module.
+/// What of a tree stays wherever its faces are. See the module.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Hierarchy {
-    /// Without boxes.
-    nodes: Vec<Node>,
+pub struct TreeTopology {
+    branches: Vec<Branch>,
     /// Faces in the order of the leaves.
     faces: Vec<u32>,
     /// Corners of each entry of `faces`.
@@ -141,10 +153,10 @@ pub struct Hierarchy {
     unjoined: bool,
 }
 
-impl Hierarchy {
+impl TreeTopology {
     /// Memory held by it `[B]`.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.nodes[..])
+        size_of_val(&self.branches[..])
             + size_of_val(&self.faces[..])
             + size_of_val(&self.corners[..])
             + size_of_val(&self.leaves[..])
@@ -153,16 +165,16 @@ impl Hierarchy {
     }
 }
 
-/// A hierarchy with the boxes of where faces are. See the module.
+/// The boxes of where faces are. See the module.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tree {
-    /// Shared with the rest shape of the only cloth.
-    hierarchy: Arc<Hierarchy>,
+    /// Shared with the rest shape where there is one cloth.
+    topology: Arc<TreeTopology>,
     nodes: Vec<Node>,
     /// Boxes of the faces of each leaf.
     packs: Vec<Pack>,
-    /// Unit normal of each entry of [`Hierarchy::faces`].
+    /// Unit normal of each entry of [`TreeTopology::faces`].
     normals: Vec<Vec3A>,
     /// Sum of the unit normals of each leaf.
     axes: Vec<Vec3A>,
@@ -173,20 +185,21 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// A hierarchy whose boxes are to be [fitted](Self::refit).
+    /// Its boxes are empty until they are [fitted](Self::refit).
     #[must_use]
-    pub fn new(hierarchy: Arc<Hierarchy>) -> Self {
-        let cloths = hierarchy.nodes.last().map_or(0, |last| usize::from(last.part) + 1);
+    pub fn new(topology: Arc<TreeTopology>) -> Self {
+        // The last one is a leaf of the last cloth.
+        let cloths = topology.branches.last().map_or(0, |last| usize::from(last.part) + 1);
         Self {
-            nodes: hierarchy.nodes.clone(),
-            packs: vec![Pack::EMPTY; hierarchy.leaves.len()],
-            normals: vec![Vec3A::ZERO; hierarchy.faces.len()],
-            axes: vec![Vec3A::ZERO; hierarchy.leaves.len()],
+            nodes: topology.branches.iter().map(|branch| branch.node()).collect(),
+            packs: vec![Pack::EMPTY; topology.leaves.len()],
+            normals: vec![Vec3A::ZERO; topology.faces.len()],
+            axes: vec![Vec3A::ZERO; topology.leaves.len()],
             quarantined: vec![false; cloths],
             // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
             stack: Vec::with_capacity(256),
             left: Vec::new(),
-            hierarchy,
+            topology,
         }
     }
 
@@ -198,32 +211,56 @@ impl Tree {
 
     /// Number of faces.
     pub fn len(&self) -> usize {
-        self.hierarchy.faces.len()
+        self.topology.faces.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.hierarchy.faces.is_empty()
+        self.topology.faces.is_empty()
+    }
+
+    /// Number of cloths.
+    pub(crate) fn cloths(&self) -> usize {
+        self.quarantined.len()
     }
 
     /// Number of leaves.
     pub fn leaves(&self) -> u32 {
-        self.hierarchy.leaves.len() as u32
+        self.topology.leaves.len() as u32
     }
 
     /// A leaf.
     #[inline]
     pub(crate) fn leaf(&self, leaf: u32) -> LeafRef<'_> {
-        let Hierarchy { nodes, faces, corners, leaves, .. } = &*self.hierarchy;
-        let run = nodes[leaves[leaf as usize].node as usize].run();
+        let TreeTopology { faces, corners, leaves, .. } = &*self.topology;
+        let run = self.nodes[leaves[leaf as usize].node as usize].run();
         LeafRef { faces: &faces[run.clone()], corners: &corners[run], pack: &self.packs[leaf as usize] }
+    }
+}
+
+impl Branch {
+    /// A node with empty boxes.
+    fn node(self) -> Node {
+        let Self { right, count, part, link, disc, smooth } = self;
+        let (bounds, normals) = (Bounds::EMPTY, Bounds::EMPTY);
+        Node { bounds, normals, right, count, part, link, disc, smooth, marked: 0, folded: false }
+    }
+
+    fn run(&self) -> Range<usize> {
+        run(self.right, self.count)
     }
 }
 
 impl Node {
     #[inline]
     fn run(&self) -> Range<usize> {
-        let first = (self.right & !IS_LEAF) as usize;
-        first..first + usize::from(self.count)
+        run(self.right, self.count)
     }
+}
+
+/// Where the faces of a leaf stand in [`TreeTopology::faces`].
+#[inline]
+fn run(right: u32, count: u16) -> Range<usize> {
+    let first = (right & !IS_LEAF) as usize;
+    first..first + usize::from(count)
 }

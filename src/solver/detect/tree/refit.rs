@@ -2,7 +2,7 @@
 
 use glam::{Vec3A, Vec4};
 
-use super::{Bounds, Hierarchy, IS_LEAF, Leaf, Node, Tree};
+use super::{Bounds, IS_LEAF, Leaf, Node, Tree, TreeTopology};
 use crate::solver::detect::Surface;
 use crate::solver::detect::surface::is_sane;
 
@@ -49,7 +49,7 @@ impl Tree {
     /// Fits the leaves and their faces to where particles are `now` `[m]`; `around` is the box of three of them.
     #[inline]
     fn fit_leaves(&mut self, now: impl Fn(u32) -> Vec3A, around: impl Fn([u32; 3]) -> Bounds) {
-        let Hierarchy { leaves, corners, .. } = &*self.hierarchy;
+        let TreeTopology { leaves, corners, .. } = &*self.topology;
         for (leaf, axis) in leaves.iter().zip(&mut self.axes) {
             let node = &mut self.nodes[leaf.node as usize];
             let run = node.run();
@@ -73,8 +73,8 @@ impl Tree {
 
     /// Gives leaves over which the faces around them fold back all normals, and with them what they are part of.
     fn find_folds(&mut self) {
-        let Self { hierarchy, nodes, normals, axes, quarantined, .. } = self;
-        let Hierarchy { leaves, rings, .. } = &**hierarchy;
+        let Self { topology, nodes, normals, axes, quarantined, .. } = self;
+        let TreeTopology { leaves, rings, .. } = &**topology;
         let mut any = false;
         for (Leaf { node, cover, ring }, axis) in leaves.iter().zip(axes) {
             // Boxes take in more than the normals, and are quicker.

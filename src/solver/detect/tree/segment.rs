@@ -36,7 +36,7 @@ impl Tree {
                 stack.push((node.right, 0));
                 stack.push((i + 1, 0));
             } else {
-                for (lane, &face) in self.hierarchy.faces[node.run()].iter().enumerate() {
+                for (lane, &face) in self.topology.faces[node.run()].iter().enumerate() {
                     if hit(&self.packs[node.link as usize].get(lane)) {
                         found(face);
                     }

@@ -1,11 +1,11 @@
 //! What the two children of each node share, found for all nodes at once.
 //!
-//! The faces at a particle stand at some places of [`Hierarchy::faces`]. Take two of these places that follow each other.
+//! The faces at a particle stand at some places of [`TreeTopology::faces`]. Take two of these places that follow each other.
 //! Because of them, the particle is in both children of the lowest node above both places, and of no other node.
 
 use core::ops::Range;
 
-use super::{Hierarchy, IS_LEAF, Node};
+use super::{Branch, IS_LEAF, TreeTopology};
 use crate::solver::detect::Surface;
 use crate::solver::topology::NONE;
 
@@ -24,21 +24,21 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    pub(super) fn new(hierarchy: &Hierarchy, surface: &Surface) -> Self {
+    pub(super) fn new(tree: &TreeTopology, surface: &Surface) -> Self {
         let topology = &surface.topology;
-        let Hierarchy { nodes, faces, .. } = hierarchy;
-        let (place, ranges) = (places(faces), ranges(nodes));
+        let TreeTopology { branches, faces, .. } = tree;
+        let (place, ranges) = (places(faces), ranges(branches));
         let corners = || (0..).zip(faces).flat_map(|(at, &f)| topology.faces[f as usize].map(|v| (v, at)));
         let places = Runs::new(surface.len(), corners);
         let particles = || {
             let pairs = |v: u32| places.of(v).windows(2).map(move |pair| (v, [pair[0], pair[1]]));
-            (0..surface.len() as u32).flat_map(pairs).map(|(v, pair)| (lowest_above(nodes, &ranges, pair), v))
+            (0..surface.len() as u32).flat_map(pairs).map(|(v, pair)| (lowest_above(branches, &ranges, pair), v))
         };
-        let particles = Runs::new(nodes.len(), particles);
-        let mut edges = vec![0; nodes.len()];
+        let particles = Runs::new(branches.len(), particles);
+        let mut edges = vec![0; branches.len()];
         for &faces in topology.edge_faces.iter().filter(|faces| !faces.contains(&NONE)) {
             let [a, b] = faces.map(|f| place[f as usize]);
-            edges[lowest_above(nodes, &ranges, [a.min(b), a.max(b)]) as usize] += 1;
+            edges[lowest_above(branches, &ranges, [a.min(b), a.max(b)]) as usize] += 1;
         }
         Self { ranges, place, edges, particles, places }
     }
@@ -64,9 +64,9 @@ fn places(faces: &[u32]) -> Vec<u32> {
 }
 
 /// Places of the faces below each node.
-fn ranges(nodes: &[Node]) -> Vec<Range<u32>> {
-    let mut ranges = vec![0..0; nodes.len()];
-    for (i, node) in nodes.iter().enumerate().rev() {
+fn ranges(branches: &[Branch]) -> Vec<Range<u32>> {
+    let mut ranges = vec![0..0; branches.len()];
+    for (i, node) in branches.iter().enumerate().rev() {
         ranges[i] = if node.right & IS_LEAF == 0 {
             ranges[i + 1].start..ranges[node.right as usize].end
         } else {
@@ -77,10 +77,10 @@ fn ranges(nodes: &[Node]) -> Vec<Range<u32>> {
 }
 
 /// The lowest node above two places, the smaller first: a leaf if it has both.
-pub(super) fn lowest_above(nodes: &[Node], ranges: &[Range<u32>], [first, last]: [u32; 2]) -> u32 {
+pub(super) fn lowest_above(branches: &[Branch], ranges: &[Range<u32>], [first, last]: [u32; 2]) -> u32 {
     let mut node = 0;
-    while nodes[node as usize].right & IS_LEAF == 0 {
-        let right = nodes[node as usize].right;
+    while branches[node as usize].right & IS_LEAF == 0 {
+        let right = branches[node as usize].right;
         let border = ranges[right as usize].start;
         node = if last < border {
             node + 1

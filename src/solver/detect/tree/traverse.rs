@@ -80,7 +80,7 @@ impl Tree {
                 u8::from((self.nodes[i + 1].marked | self.nodes[node.right as usize].marked) != 0)
             } else {
                 let bit = |(lane, &f): (usize, &u32)| u8::from(marked[f as usize]) << lane;
-                self.hierarchy.faces[node.run()].iter().enumerate().map(bit).sum()
+                self.topology.faces[node.run()].iter().enumerate().map(bit).sum()
             };
         }
         self.traverse::<true>(surface, margin, &[(0, 0)], meter, found);
@@ -116,7 +116,7 @@ impl Tree {
         {
             meter.spend(1);
             if a == JOINT {
-                if !MARKED || self.hierarchy.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
+                if !MARKED || self.topology.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
                     self.descend::<MARKED>(b, margin, &mut stack, &mut found);
                 }
                 continue;
@@ -147,7 +147,7 @@ impl Tree {
                     }
                 }
             } else if leaf_a && leaf_b {
-                self.between::<MARKED>([left, right], self.hierarchy.unjoined, margin, &mut found);
+                self.between::<MARKED>([left, right], self.topology.unjoined, margin, &mut found);
             } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
                 for child in [left.right, a + 1] {
                     if self.meet(child, b, margin) {
@@ -174,7 +174,7 @@ impl Tree {
         stack: &mut Vec<(u32, u32)>,
         found: &mut impl FnMut(&Self, &Meeting),
     ) {
-        let joints = &self.hierarchy.joints;
+        let joints = &self.topology.joints;
         let Joint { nodes: [a, b], first, count } = joints[joint as usize];
         let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
         if left.smooth && right.smooth && left.normals.union(right.normals).are_flat() {
@@ -188,7 +188,7 @@ impl Tree {
         }
         // The joints stand in the order of the pairs.
         let mut joint = first;
-        for pair in below(&self.nodes, [a, b]) {
+        for pair in below(|i| self.nodes[i as usize].right, [a, b]) {
             if joint < first + count && joints[joint as usize].nodes == pair {
                 stack.push((JOINT, joint));
                 joint += 1;

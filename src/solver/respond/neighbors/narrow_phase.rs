@@ -8,7 +8,7 @@ use super::batch::{BATCH, Batch};
 use super::flat::Flatness;
 use super::gap::{may_cross, near, way};
 use super::near::{Near, rest_matters};
-use super::patch::{Patches, within};
+use super::patch::{Patches, boxes_within};
 use super::refresh::CLOSE;
 use super::{Contacts, MARGIN, Moment, NeighborList, Touch};
 use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
@@ -113,7 +113,9 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         if (may, loose) == ([0; LEAF], [0; LEAF]) {
             return;
         }
-        self.patches.fit(met.leaves[1], self.positions, self.ahead);
+        if may != [0; LEAF] {
+            self.patches.fit(met.leaves[1], self.positions, self.ahead);
+        }
         let across = self.surface.part(u) != self.surface.part(v);
         let pair = Pair { leaves: [a, b], numbers: met.leaves, reach, across, joined: met.joined };
         for i in (0..a.faces.len()).filter(|&i| may[i] | loose[i] != 0) {
@@ -234,13 +236,13 @@ impl Pair<'_> {
         let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);
         let way = |v: u32| way(positions, ahead, v);
         // What comes close to the face, and to each corner and edge that it owns.
-        let theirs = within(corner_boxes, &way(t[0]).union(way(t[1])).union(way(t[2])), reach);
+        let theirs = boxes_within(corner_boxes, &way(t[0]).union(way(t[1])).union(way(t[2])), reach);
         let [mut corner_met, mut edge_met] = [[0; 3]; 2];
         for (met, &[v, _]) in corner_met.iter_mut().zip(&corners.ends[corners.of_face(i)]) {
             *met = b.within(&way(v), wide);
         }
         for (met, &[u, v]) in edge_met.iter_mut().zip(&edges.ends[mine.clone()]) {
-            *met = within(edge_boxes, &way(u).union(way(v)), reach);
+            *met = boxes_within(edge_boxes, &way(u).union(way(v)), reach);
         }
         for k in lanes(faces) {
             let (u, faces) = (b.corners[k], [a.faces[i], b.faces[k]]);

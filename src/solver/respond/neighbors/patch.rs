@@ -13,7 +13,7 @@ use core::ops::Range;
 use glam::{Vec3A, Vec4};
 
 use super::gap::way;
-use crate::solver::buffer::keep_room;
+use crate::solver::buffer::{Buffer, keep_room_up_to};
 use crate::solver::detect::four::{Four, WIDE, each};
 use crate::solver::detect::tree::{Bounds, LEAF, Tree};
 use crate::solver::topology::NONE;
@@ -27,18 +27,18 @@ pub(super) struct Lanes {
 }
 
 impl Lanes {
+    const NONE: Self = Self { now: [[Four::ZERO; LEAF / WIDE]; 3], ahead: [[Four::ZERO; LEAF / WIDE]; 3] };
+
     #[inline(never)]
-    fn of(corners: &[[u32; 3]], positions: &[Vec4], ahead: &[Vec3A]) -> Self {
-        let mut lanes = Self { now: [[Four::ZERO; LEAF / WIDE]; 3], ahead: [[Four::ZERO; LEAF / WIDE]; 3] };
-        let Some(last) = corners.len().checked_sub(1) else { return lanes };
+    fn fit(&mut self, corners: &[[u32; 3]], positions: &[Vec4], ahead: &[Vec3A]) {
+        let Some(last) = corners.len().checked_sub(1) else { return };
         for half in 0..LEAF / WIDE {
             let faces = each(|k| corners[(half * WIDE + k).min(last)]);
             for c in 0..3 {
-                lanes.now[c][half] = Four::of(each(|k| positions[faces[k][c] as usize]));
-                lanes.ahead[c][half] = Four::of(each(|k| ahead[faces[k][c] as usize].extend(0.0)));
+                self.now[c][half] = Four::of(each(|k| positions[faces[k][c] as usize]));
+                self.ahead[c][half] = Four::of(each(|k| ahead[faces[k][c] as usize].extend(0.0)));
             }
         }
-        lanes
     }
 }
 
@@ -65,7 +65,7 @@ impl Boxes {
     }
 }
 
-/// The particles or the edges that the faces of each leaf own, with their boxes.
+/// The particles or the edges that the faces of each leaf own.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Owned {
@@ -91,6 +91,11 @@ impl Owned {
             owned.starts.push(starts);
         }
         owned
+    }
+
+    /// Number of boxes for all leaves, at most.
+    fn boxes(&self) -> usize {
+        self.ends.len() / WIDE + self.first.len()
     }
 
     /// What the faces of a leaf own.
@@ -126,23 +131,29 @@ impl Owns<'_> {
 
 /// Which of `boxes` come within `margin` `[m]` of another along every axis, a bit for each number.
 #[inline]
-pub(super) fn within(boxes: &[Boxes], bounds: &Bounds, margin: f32) -> u32 {
+pub(super) fn boxes_within(boxes: &[Boxes], bounds: &Bounds, margin: f32) -> u32 {
     let (low, high) = (Four::splat(bounds.min - Vec3A::splat(margin)), Four::splat(bounds.max));
     let met = boxes.iter().rev().map(|boxes| boxes.meets(low, high, Vec4::splat(margin)));
     met.fold(0, |bits, met| bits << WIDE | met)
 }
 
-/// All leaves.
+/// The faces of all leaves. Before leaves are asked for, and whenever everything moved, it has to [forget](Self::forget).
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Patches {
     corners: Owned,
     edges: Owned,
-    /// Of leaves that were asked for since everything moved.
+    laid: Buffer<Laid>,
+}
+
+/// What was laid out of the leaves that were asked for since everything moved.
+#[derive(Debug, Default)]
+struct Laid {
     lanes: Vec<Lanes>,
     boxes: Vec<Boxes>,
-    /// Where those of each leaf are; the boxes of its corners come before those of its edges. `NONE`: nowhere yet.
-    at: Vec<[u32; 2]>,
+    /// Where the lanes of each leaf are, and where its boxes are, those of corners before those of edges; `NONE`: nowhere.
+    lanes_at: Vec<u32>,
+    boxes_at: Vec<u32>,
 }
 
 impl Patches {
@@ -155,30 +166,37 @@ impl Patches {
         Self {
             corners: Owned::new(tree, |f| owned(f, 0, 0)),
             edges: Owned::new(tree, |f| owned(f, 3, 1)),
-            at: vec![[NONE; 2]; tree.leaves() as usize],
-            ..Self::default()
+            laid: Buffer::default(),
         }
     }
 
-    /// Everything moved.
+    /// Forgets what is laid out: everything moved.
     pub(super) fn forget(&mut self) {
-        let were = [self.lanes.len(), self.boxes.len()];
-        self.lanes.clear();
-        self.boxes.clear();
-        keep_room(&mut self.lanes, were[0]);
-        keep_room(&mut self.boxes, were[1]);
-        self.at.fill([NONE; 2]);
+        let leaves = self.corners.first.len();
+        let most: usize = [&self.corners, &self.edges].map(Owned::boxes).iter().sum();
+        let Laid { lanes, boxes, lanes_at, boxes_at } = &mut *self.laid;
+        for at in [lanes_at, boxes_at] {
+            at.clear();
+            at.resize(leaves, NONE);
+        }
+        let were = [lanes.len(), boxes.len()];
+        lanes.clear();
+        boxes.clear();
+        keep_room_up_to(lanes, were[0], leaves);
+        keep_room_up_to(boxes, were[1], most);
     }
 
     /// The corners of the faces of a leaf.
     #[inline]
     pub(super) fn lanes(&mut self, tree: &Tree, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) -> &Lanes {
-        let at = &mut self.at[leaf as usize][0];
+        let Laid { lanes, lanes_at, .. } = &mut *self.laid;
+        let at = &mut lanes_at[leaf as usize];
         if *at == NONE {
-            *at = self.lanes.len() as u32;
-            self.lanes.push(Lanes::of(tree.leaf(leaf).corners, positions, ahead));
+            *at = lanes.len() as u32;
+            lanes.push(Lanes::NONE);
+            lanes[*at as usize].fit(tree.leaf(leaf).corners, positions, ahead);
         }
-        &self.lanes[*at as usize]
+        &lanes[*at as usize]
     }
 
     /// The corners and the edges that the faces of a leaf own.
@@ -187,25 +205,26 @@ impl Patches {
         [self.corners.leaf(leaf), self.edges.leaf(leaf)]
     }
 
-    /// Makes boxes of what the faces of a leaf own.
+    /// Makes [boxes](Self::boxes) of what the faces of a leaf own.
     #[inline]
     pub(super) fn fit(&mut self, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) {
-        let at = &mut self.at[leaf as usize][1];
+        let Laid { boxes, boxes_at, .. } = &mut *self.laid;
+        let at = &mut boxes_at[leaf as usize];
         if *at == NONE {
-            *at = self.boxes.len() as u32;
+            *at = boxes.len() as u32;
             for owned in [&self.corners, &self.edges] {
-                self.boxes.extend(owned.leaf(leaf).boxes(|v| way(positions, ahead, v)));
+                boxes.extend(owned.leaf(leaf).boxes(|v| way(positions, ahead, v)));
             }
         }
     }
 
-    /// Boxes of the corners and of the edges that the faces of a leaf own, which are [made](Self::fit).
+    /// Boxes of the corners and of the edges that the faces of a leaf own; none before they were [made](Self::fit).
     #[inline]
     pub(super) fn boxes(&self, leaf: u32) -> [&[Boxes]; 2] {
         let counts = [&self.corners, &self.edges].map(|owned| usize::from(owned.starts[leaf as usize][LEAF]).div_ceil(WIDE));
-        let boxes = &self.boxes[self.at[leaf as usize][1] as usize..];
-        let (corners, edges) = boxes.split_at(counts[0]);
-        [corners, &edges[..counts[1]]]
+        let boxes = self.laid.boxes.get(self.laid.boxes_at[leaf as usize] as usize..).unwrap_or_default();
+        let (corners, rest) = boxes.split_at_checked(counts[0]).unwrap_or_default();
+        [corners, rest.get(..counts[1]).unwrap_or_default()]
     }
 }
 
@@ -222,10 +241,11 @@ mod tests {
         let (rest, _) = RestShape::build(&mesh).expect("a sheet");
         let part = PartRef { topology: &rest.topology, rest: &rest.positions, layer: 0, self_collision: true, thickness: 0.01 };
         let surface = Surface::new(&[part]).expect("a cloth");
-        let tree = Tree::over(&surface);
+        let tree = Tree::of_surface(&surface);
         let faces = &surface.topology.faces;
         let mut patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
         let mut rng = fastrand::Rng::with_seed(2);
+        patches.forget();
         let positions: Vec<Vec4> = surface.rest.iter().map(|x| (*x + rng.f32()).extend(1.0)).collect();
         let ahead: Vec<Vec3A> = positions.iter().map(|x| Vec3A::from_vec4(*x) + 0.2 * rng.f32()).collect();
         let mut met = 0;
@@ -233,7 +253,7 @@ mod tests {
             patches.fit(leaf, &positions, &ahead);
             let bounds = way(&positions, &ahead, rng.u32(0..72)).union(way(&positions, &ahead, rng.u32(0..72)));
             for ((of, boxes), count) in patches.owned(leaf).iter().zip(patches.boxes(leaf)).zip([1, 2]) {
-                let within = within(boxes, &bounds, 0.1);
+                let within = boxes_within(boxes, &bounds, 0.1);
                 let own = |&[a, b]: &[u32; 2]| way(&positions, &ahead, a).union(way(&positions, &ahead, b));
                 let expected = of.ends.iter().map(own).map(|own| own.meets(&bounds, Vec3A::splat(0.1)));
                 let bits = expected.enumerate().fold(0, |bits, (k, meets)| bits | u32::from(meets) << k);
@@ -244,5 +264,34 @@ mod tests {
             }
         }
         assert!(met > 30, "{met}");
+    }
+
+    #[test]
+    fn what_is_laid_out_is_that_of_its_leaf_in_any_order_until_everything_moves() {
+        let mesh = grid(12, 9, |u, v| glam::vec3(u, 0.0, v));
+        let (rest, _) = RestShape::build(&mesh).expect("a sheet");
+        let tree = Tree::new(rest.tree_topology().clone());
+        let faces = &rest.topology.faces;
+        let mut rng = fastrand::Rng::with_seed(3);
+        let mut patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
+        let mut asked = 0;
+        for _ in 0..3 {
+            let positions: Vec<Vec4> = rest.positions.iter().map(|x| (*x + rng.f32()).extend(1.0)).collect();
+            let ahead: Vec<Vec3A> = positions.iter().map(|x| Vec3A::from_vec4(*x) + rng.f32()).collect();
+            patches.forget();
+            for _ in 0..tree.leaves() {
+                let leaf = rng.u32(0..tree.leaves());
+                let mut alone = Patches { laid: Buffer::default(), ..patches.clone() };
+                alone.forget();
+                alone.fit(leaf, &positions, &ahead);
+                if rng.bool() {
+                    assert_eq!(patches.lanes(&tree, leaf, &positions, &ahead), alone.lanes(&tree, leaf, &positions, &ahead));
+                    asked += 1;
+                }
+                patches.fit(leaf, &positions, &ahead);
+                assert_eq!(patches.boxes(leaf), alone.boxes(leaf));
+            }
+        }
+        assert!(patches.laid.lanes.len() < asked && asked > 10, "no leaf was asked twice");
     }
 }
