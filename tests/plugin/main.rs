@@ -13,6 +13,7 @@ mod crowd;
 mod debug;
 mod decimation;
 mod diagnostics;
+mod dressed;
 mod frame;
 mod gltf;
 mod grab;

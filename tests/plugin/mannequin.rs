@@ -16,7 +16,7 @@ use bevy_drape::solver::body::{Pose, SharedShape};
 use crate::common::*;
 
 /// The folder of characters; none where it is not.
-fn characters() -> Option<PathBuf> {
+pub fn characters() -> Option<PathBuf> {
     let folder = drape_tests::root().parent()?.join("shared/data/characters");
     let there = folder.is_dir();
     if !there {
@@ -30,15 +30,7 @@ fn characters() -> Option<PathBuf> {
 ///
 /// The clip begins at `phase` `[s]`.
 fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, phase: f32, worn: Option<&[&str]>) -> App {
-    let mut app = App::new();
-    let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
-    app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
-    app.add_plugins((AnimationPlugin, WorldSerializationPlugin));
-    app.add_plugins((bevy_drape::gltf::cloth_attributes(GltfPlugin::default()), ClothPlugin::default()));
-    app.init_asset::<StandardMaterial>();
-    // Clips are to begin at the same place in every run.
-    app.insert_resource(ClothLoading::AT_ONCE);
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(1.0 / rate)));
+    let mut app = stage(folder, rate);
     if let Some(worn) = worn {
         let worn: Vec<String> = worn.iter().map(ToString::to_string).collect();
         let undress = move |mut commands: Commands, nodes: Query<(&Name, &Children), Added<GltfExtras>>| {
@@ -52,6 +44,26 @@ fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, ph
         };
         app.add_systems(PostUpdate, undress.before(ClothSystems::Prepare));
     }
+    enter(&mut app, file, Some(clip), repeats, phase);
+    app
+}
+
+/// An app for the files of a folder, with frames of `1 / rate` seconds.
+pub fn stage(folder: &Path, rate: f32) -> App {
+    let mut app = App::new();
+    let files = AssetPlugin { file_path: folder.display().to_string(), ..default() };
+    app.add_plugins((MinimalPlugins, TransformPlugin, files, MeshPlugin, ImagePlugin::default()));
+    app.add_plugins((AnimationPlugin, WorldSerializationPlugin));
+    app.add_plugins((bevy_drape::gltf::cloth_attributes(GltfPlugin::default()), ClothPlugin::default()));
+    app.init_asset::<StandardMaterial>();
+    // Clips are to begin at the same place in every run.
+    app.insert_resource(ClothLoading::AT_ONCE);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(core::time::Duration::from_secs_f32(1.0 / rate)));
+    app
+}
+
+/// Loads a character of a file and lets it play a clip, if it has one, from `phase` `[s]` on, once or again and again.
+pub fn enter(app: &mut App, file: &str, clip: Option<&str>, repeats: bool, phase: f32) {
     app.finish();
     app.cleanup();
     let gltf: Handle<Gltf> = app.world().resource::<AssetServer>().load(file.to_owned());
@@ -64,11 +76,12 @@ fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, ph
     }
     let (scene, animation) = {
         let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).expect("a character");
-        (gltf.scenes[0].clone(), gltf.named_animations.get(clip).expect("a clip").clone())
+        (gltf.scenes[0].clone(), clip.map(|clip| gltf.named_animations.get(clip).expect("a clip").clone()))
     };
     app.world_mut().spawn(WorldAssetRoot(scene));
     for _ in 0..200 {
         app.update();
+        let Some(animation) = &animation else { break };
         let mut players = app.world_mut().query::<(Entity, &mut AnimationPlayer)>();
         let player = players.iter(app.world()).next().map(|(player, _)| player);
         let Some(player) = player else {
@@ -85,9 +98,8 @@ fn character(folder: &Path, file: &str, clip: &str, repeats: bool, rate: f32, ph
         }
         break;
     }
-    run(&mut app, 3);
+    run(app, 3);
     app.insert_resource(Clips(gltf));
-    app
 }
 
 /// The file of a character, which stays loaded.
