@@ -17,13 +17,8 @@ struct Character {
 }
 
 impl Character {
-    #[expect(clippy::print_stderr, reason = "says why a test was skipped")]
     fn read(name: &str, clothes: &[(&str, usize)], unit: f32) -> Option<Self> {
-        let path = drape_tests::root().join("../shared/data/characters").join(name);
-        let Ok(bytes) = std::fs::read(&path) else {
-            eprintln!("skipped: {} is not here", path.display());
-            return None;
-        };
+        let bytes = std::fs::read(drape_tests::data("characters")?.join(name)).expect("a file");
         let file = gltf::Gltf::from_slice(&bytes).expect("a glTF file");
         let blob = file.blob.as_deref();
         let skin = file.skins().next().expect("a skin");

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::common::log::Log;
 use crate::common::*;
-use crate::mannequin::{characters, enter, stage};
+use crate::mannequin::{enter, stage};
 
 /// Where the JSON of a binary glTF begins; its length comes 8 bytes before, that of the file 12.
 const JSON: usize = 20;
@@ -16,7 +16,7 @@ const JSON: usize = 20;
 /// A copy of a file with extras added to nodes by name: a stage for it, and its name there. `extras` is given the positions of
 /// the vertices of the parts of a node, one after the other, as the file has them.
 fn dressed(file: &str, extras: impl Fn(&str, &[Vec<Vec3>]) -> Option<Value>) -> Option<(App, String)> {
-    let bytes = std::fs::read(characters()?.join(file)).expect("a file");
+    let bytes = std::fs::read(drape_tests::data("characters")?.join(file)).expect("a file");
     let parsed = gltf::Gltf::from_slice(&bytes).expect("a glTF");
     let (length, rest) = bytes[JSON - 8..].split_at(4);
     let length = u32::from_le_bytes(length.try_into().expect("a length")) as usize;

@@ -1,7 +1,7 @@
 //! Human bodies in clothes: the project's own, and one that the repository does not hold, where it is there.
-#![expect(clippy::print_stdout, reason = "a test says what it skips, and prints what it measures")]
+#![expect(clippy::print_stdout, reason = "a test prints what it measures")]
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bevy::animation::graph::{AnimationGraph, AnimationGraphHandle};
 use bevy::gltf::{Gltf, GltfExtras, GltfPlugin};
@@ -14,16 +14,6 @@ use bevy_drape::prelude::*;
 use bevy_drape::solver::body::{Pose, SharedShape};
 
 use crate::common::*;
-
-/// The folder of characters; none where it is not.
-pub fn characters() -> Option<PathBuf> {
-    let folder = drape_tests::root().parent()?.join("shared/data/characters");
-    let there = folder.is_dir();
-    if !there {
-        println!("skipped: there are no characters at {}", folder.display());
-    }
-    there.then_some(folder)
-}
 
 /// A character of a file in a folder, playing a clip, once or again and again; frames are of `1 / rate` seconds. Of its clothes
 /// it wears what is named, or all.
@@ -110,7 +100,7 @@ struct Clips(Handle<Gltf>);
 fn mannequin(clip: &str, rate: f32, phase: f32) -> Option<App> {
     // To sit down again and again is to stand in an instant.
     let repeats = !matches!(clip, "Sit_Chair_Down" | "Lie_Down");
-    let mut app = character(&characters()?, "mannequin_clothes.glb", clip, repeats, rate, phase, None);
+    let mut app = character(&drape_tests::data("characters")?, "mannequin_clothes.glb", clip, repeats, rate, phase, None);
     let mut bodies = app.world_mut().query_filtered::<Entity, (With<SkinnedMesh>, Without<Cloth>)>();
     let bodies: Vec<Entity> = bodies.iter(app.world()).collect();
     for body in bodies {

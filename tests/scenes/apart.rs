@@ -146,13 +146,8 @@ fn of_random_tangles_all_are_clean_in_300_frames_and_almost_all_in_60() {
     assert!(grown.len() < 3, "contours grew in {grown:?}");
 }
 
-#[expect(clippy::print_stderr, reason = "says why a test was skipped")]
 fn obj(name: &str) -> Option<SourceMesh> {
-    let path = drape_tests::root().join("../shared/data").join(name);
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: {} is not here", path.display());
-        return None;
-    };
+    let text = std::fs::read_to_string(drape_tests::data(name)?).expect("text");
     let mut mesh = SourceMesh::default();
     for line in text.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();

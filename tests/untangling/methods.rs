@@ -120,13 +120,8 @@ impl World {
     }
 }
 
-#[expect(clippy::print_stderr, reason = "says why a test was skipped")]
 fn data(name: &str) -> Option<Mesh> {
-    let path = drape_tests::root().join("../shared/data").join(name);
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: {} is not here", path.display());
-        return None;
-    };
+    let text = std::fs::read_to_string(drape_tests::data(name)?).expect("text");
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for line in text.lines() {
         let mut words = line.split_whitespace();
