@@ -378,7 +378,7 @@ impl Contacts {
         let Self { borne, constraints, .. } = self;
         for (constraint, borne) in constraints.iter_mut().zip(borne) {
             constraint.apply_friction(now, old);
-            borne.load.tangent_push = constraint.tangent_push.into();
+            borne.load.tangent_push = constraint.tangent_push;
         }
     }
 
