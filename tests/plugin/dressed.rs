@@ -70,6 +70,7 @@ fn named(app: &mut App, name: &str) -> Entity {
 fn the_cape_of_a_knight_moves_without_code() {
     let Some((mut app, file)) = dressed("knight.glb", |name, parts| match name {
         "Knight_Cape" => {
+            // Metres.
             let top = parts[0].iter().map(|x| x.y).fold(f32::NEG_INFINITY, f32::max);
             let pins: Vec<usize> = (0..parts[0].len()).filter(|&v| parts[0][v].y > top - 0.1).collect();
             Some(json!({"cloth": {"pin": pins, "subdivision": 0.08}}))
@@ -109,6 +110,7 @@ fn the_cape_of_a_knight_moves_without_code() {
 fn the_skirt_and_the_hem_of_a_witch_stay_one_piece_without_code() {
     let Some((mut app, file)) = dressed("witch.glb", |name, parts| match name {
         "Witch_Legs" => {
+            // Hundreds of metres: the uppermost 5 cm.
             let top = parts[0].iter().map(|x| x.z).fold(f32::NEG_INFINITY, f32::max);
             let all: Vec<(usize, Vec3)> =
                 parts.iter().enumerate().flat_map(|(i, part)| part.iter().map(move |&x| (i, x))).collect();

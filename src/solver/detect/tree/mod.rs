@@ -77,7 +77,7 @@ struct Branch {
     smooth: bool,
 }
 
-/// A [`Branch`] with the boxes of where its faces are.
+/// A [`Branch`] with the boxes of where its faces are; flat, since boxes align what holds them to 16 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 struct Node {
@@ -237,6 +237,8 @@ impl Tree {
         LeafRef { faces: &faces[run.clone()], corners: &corners[run], pack: &self.packs[leaf as usize] }
     }
 }
+
+const _: () = assert!(size_of::<Node>() == 80 && size_of::<Branch>() == 16);
 
 impl Branch {
     /// A node with empty boxes.

@@ -6,7 +6,8 @@
 //! edges     e e e e | e e e e | e …                          likewise
 //! ```
 //!
-//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved: those of most leaves never are.
+//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved. Leaves that only meet flat neighbours are
+//! not asked.
 
 use core::ops::Range;
 
@@ -221,6 +222,7 @@ impl Patches {
     /// Boxes of the corners and of the edges that the faces of a leaf own; none before they were [made](Self::fit).
     #[inline]
     pub(super) fn boxes(&self, leaf: u32) -> [&[Boxes]; 2] {
+        debug_assert_ne!(self.laid.boxes_at[leaf as usize], NONE, "leaf {leaf} has no boxes yet");
         let counts = [&self.corners, &self.edges].map(|owned| usize::from(owned.starts[leaf as usize][LEAF]).div_ceil(WIDE));
         let boxes = self.laid.boxes.get(self.laid.boxes_at[leaf as usize] as usize..).unwrap_or_default();
         let (corners, rest) = boxes.split_at_checked(counts[0]).unwrap_or_default();
