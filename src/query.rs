@@ -61,9 +61,9 @@ impl ClothQuery<'_, '_> {
         })
     }
 
-    /// The nearest of all cloths that are within reach: `place` gives the place and the direction in the frame of the cloth, or
-    /// none when its box is out of reach. Without a direction the nearest point is asked for. Of two at the same distance the
-    /// entity that comes first is taken.
+    /// The nearest of all cloths within reach. `place` gives the place and the direction in the frame of the cloth, or none
+    /// when its box is out of reach. Without a direction the nearest point is asked for. Of two at the same distance the entity
+    /// that comes first is taken.
     fn best(
         &self,
         farthest: f32,

@@ -181,7 +181,7 @@ impl Crossfade {
         }
     }
 
-    /// Where a body that hangs on a joint of the skin is for the cloth, at the start of the frame and at its end; `joints`: the
+    /// Where the cloth sees a body that hangs on a joint of the skin, at the start of the frame and at its end. `joints`: the
     /// skinning matrices that the cloth was given then.
     pub(crate) fn carry(&self, joint: u16, joints: [&[Affine3A]; 2], body: [Pose; 2]) -> Option<[Pose; 2]> {
         let at = usize::from(joint);
@@ -262,7 +262,8 @@ mod tests {
         [root, tip * Affine3A::from_translation(Vec3::NEG_Y * 2.0), middle * Affine3A::from_translation(Vec3::NEG_Y)]
     }
 
-    /// Steps a cross-fade from the bind pose to a bend by 1.2 in frames of `dt` `[s]`; calls `each` with what the cloth is given.
+    /// Steps a cross-fade from the bind pose to a bend by 1.2 in frames of `dt` `[s]`; calls `each` with what the cloth is
+    /// given.
     fn fade(dt: f32, mut each: impl FnMut(&Crossfade, &[Affine3A])) {
         let mut world = World::new();
         let (skin, _) = chain(&mut world);

@@ -71,7 +71,8 @@ impl Skin {
             carriers: Vec::new(),
             center: Vec3::ZERO,
         };
-        // Backwards, so that of welded vertices the first one counts; isolated ones, and those that went into another, never do.
+        // Backwards, so that of welded vertices the first one counts; isolated ones, and those that went into another, never
+        // do.
         let isolated: Vec<u32> = rest.isolated.iter().map(|(v, _)| *v).collect();
         for (v, &particle) in rest.particle_of_vertex.iter().enumerate().rev() {
             let (Some(&index), Some(&amount), Some(&point)) = (indices.get(v), amounts.get(v), authored.positions.get(v))

@@ -124,8 +124,8 @@ impl ClothCollider {
         Self::new(ClothColliderShape::TriMesh { vertices, triangles, solid: true })
     }
 
-    /// Ground over a grid in xz: `heights` row by row (rows along z, `columns` along x), `size` along x and z `[m]` and scale
-    /// of heights along y.
+    /// Ground over a grid in xz. `heights` come row by row: rows along z, `columns` along x. `size` is the extent along x and z
+    /// `[m]`, and the scale of heights along y.
     #[must_use]
     pub const fn height_field(rows: u32, columns: u32, heights: Vec<f32>, size: Vec3) -> Self {
         Self::new(ClothColliderShape::HeightField { rows, columns, heights, size })

@@ -42,7 +42,7 @@ impl ClothDecimation {
         if length > 0.0 && length < f32::INFINITY { length } else { 0.0 }
     }
 
-    /// Collapses edges that are shorter than so many `[m]`.
+    /// Collapses edges shorter than `shortest_edge` `[m]`.
     #[must_use]
     pub const fn new(shortest_edge: f32) -> Self {
         Self { shortest_edge }

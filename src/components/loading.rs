@@ -6,8 +6,8 @@ use bevy::prelude::*;
 ///
 /// To make a rest shape of a mesh takes some 5 ms for each thousand vertices, once for all cloths with this mesh and scale. A
 /// mesh that is larger is prepared on Bevy's `AsyncComputeTaskPool`, so that no frame waits for that. Meanwhile the authored
-/// mesh is shown, and the status of the cloth is [`ClothWaitingFor::Build`](crate::ClothWaitingFor). A cloth that is simulated and gets
-/// another mesh or scale is prepared at once. Without threads, as on the web, the pool works between frames.
+/// mesh is shown, and the status of the cloth is [`ClothWaitingFor::Build`](crate::ClothWaitingFor). A cloth that is simulated
+/// and gets another mesh or scale is prepared at once. Without threads, as on the web, the pool works between frames.
 ///
 /// In which frame such a cloth begins depends on the machine. Where that matters, in lockstep or in tests, prepare all at once:
 ///

@@ -33,8 +33,8 @@ pub struct ClothSolver {
     pub time_scale: f32,
     /// Teleport mode: what the cloth does when its carrier jumps. Default [`ClothTeleportMode::Keep`].
     pub teleport: ClothTeleportMode,
-    /// Least jump of the carrier in a frame that counts as a teleport `[m]`, if it is faster than 25 m/s. Default 1, range 0.001
-    /// to 1e6; three times the cloth's radius counts when that is larger.
+    /// Least jump of the carrier in a frame that counts as a teleport `[m]`, if it is faster than 25 m/s. Default 1, range
+    /// 0.001 to 1e6; three times the cloth's radius counts when that is larger.
     pub teleport_distance: f32,
     /// Least turn of the carrier in a frame that counts as a teleport `[rad]`, if it is faster than 1,800 degrees a second.
     /// Default 60 degrees, range 0.01 to pi.

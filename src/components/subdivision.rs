@@ -34,7 +34,7 @@ pub struct ClothSubdivision {
 }
 
 impl ClothSubdivision {
-    /// Splits edges that are longer than so many `[m]`.
+    /// Splits edges longer than `longest_edge` `[m]`.
     #[must_use]
     pub const fn new(longest_edge: f32) -> Self {
         Self { longest_edge }

@@ -81,8 +81,8 @@ pub struct ClothContactStarted {
     pub touch: ClothTouch,
 }
 
-/// A body or another cloth no longer touches a cloth with [`ClothContactEvents`]; it may be gone, as the cloth may. It comes for
-/// all that touched when a cloth is [disabled](crate::ClothDisabled), fails, or loses `Cloth` or `ClothContactEvents`.
+/// A body or another cloth no longer touches a cloth with [`ClothContactEvents`]; it may be gone, as the cloth may. It comes
+/// for all that touched when a cloth is [disabled](crate::ClothDisabled), fails, or loses `Cloth` or `ClothContactEvents`.
 #[derive(EntityEvent, Clone, Copy, Debug)]
 pub struct ClothContactEnded {
     /// The cloth.

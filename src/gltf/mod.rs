@@ -85,8 +85,8 @@ pub(crate) fn systems() -> bevy::ecs::schedule::ScheduleConfigs<bevy::ecs::syste
     (scenes, nodes).chain().in_set(ClothSystems::Prepare)
 }
 
-/// Tells Bevy's glTF loader of the attributes that cloth is painted in: `_PIN`, `_CLOTH_MAXDIST`, `_CLOTH_BACKSTOP` and
-/// `_CLOTH_DRIVE`, each a float, and `_CLOTH_PAINT`, a colour of four floats. Call it before the plugin is added.
+/// Registers the attributes that cloth is painted in with Bevy's glTF loader. `_PIN`, `_CLOTH_MAXDIST`, `_CLOTH_BACKSTOP` and
+/// `_CLOTH_DRIVE` are floats, `_CLOTH_PAINT` is a colour of four floats. Call it before the plugin is added.
 #[must_use]
 pub fn cloth_attributes(plugin: GltfPlugin) -> GltfPlugin {
     let singles = [maps::PIN, maps::MAX_DISTANCE, maps::BACKSTOP, maps::DRIVE];

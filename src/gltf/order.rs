@@ -24,7 +24,7 @@ impl VerticesOfFile {
     /// Pins by index, by those of the mesh; none for other pins.
     pub(crate) fn renumber(&self, pin: Option<&ClothPinSelect>) -> Option<ClothPinSelect> {
         let Some(ClothPinSelect::Vertices(pinned)) = pin else { return None };
-        // One beyond the end of the file is beyond that of the mesh, and told of there.
+        // One beyond the end of the file is beyond that of the mesh, which warns of it.
         let end = self.0.iter().max().map_or(0, |last| last + 1);
         let beyond = pinned.iter().filter(|&&v| v >= end).map(|v| v - end + self.0.len() as u32);
         let corners = (0..).zip(&self.0).filter(|(_, of)| pinned.contains(of)).map(|(corner, _)| corner);

@@ -181,7 +181,8 @@ pub fn as_ron(preset: &ClothPreset) -> String {
     options.to_string_pretty(preset, ron::ser::PrettyConfig::default()).unwrap_or_default() + "\n"
 }
 
-/// A preset from the text of a `.cloth.ron` file, and the settings in it that are out of range and used clamped; `file` is its name in errors.
+/// A preset from the text of a `.cloth.ron` file, and those of its settings that are out of range and used clamped. `file` is
+/// its name in errors.
 ///
 /// # Errors
 /// Where the text is wrong: see [`ClothPreset::from_ron`].

@@ -152,7 +152,7 @@ pub struct History {
 }
 
 impl History {
-    /// Forgets everything but keeps the memory.
+    /// Forgets everything, and keeps the allocation.
     pub fn clear(&mut self) {
         self.ring.clear();
         self.oldest = 0;

@@ -28,7 +28,7 @@ pub(super) fn mark(
     let cloth = inspector.selected.filter(|_| inspector.open);
     picked.ago += time.delta_secs();
     if picked.cloth != cloth {
-        // The first one was picked by nobody.
+        // The first cloth was not picked by the user.
         let ago = if picked.cloth.is_some() { 0.0 } else { MOMENT };
         *picked = Picked { cloth, ago };
     }

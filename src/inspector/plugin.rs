@@ -25,8 +25,8 @@ pub struct ClothInspectorPlugin {
     /// Whether the window is open at the start. Default false.
     pub open: bool,
     /// Whether keys and mouse over the panel are kept from the game. Default true. They are taken from `ButtonInput` and from
-    /// the messages and sums of the mouse; `CursorMoved` goes on, and so do `Pointer` events without the feature `picking`:
-    /// their listeners ask `EguiWantsInput`.
+    /// the messages and sums of the mouse. `CursorMoved` goes on. Without the feature `picking` so do `Pointer` events, whose
+    /// listeners ask `EguiWantsInput`.
     pub absorbs_input: bool,
     /// Whether there is a window. Default true. Without it, the app calls [`cloth_inspector`] in a window of its own, and egui
     /// is up to the app. The plugin does what the buttons ask for, and keeps the history while the panel is drawn.

@@ -60,7 +60,7 @@ pub(super) fn fold(positions: &mut [Vec4]) -> bool {
     let held = held(positions);
     let across = |v: Vec3| positions.iter().map(|x| (x.truncate() - center).dot(v).abs()).fold(0.0, f32::max);
     let on_side = |v: Vec3| held.iter().filter(|h| (**h - center).dot(v) > 0.0).count();
-    // Along the axis and to the side where least is held, and along the longer one of equals.
+    // Along the axis and to the side where least is held; ties go to the longer axis.
     let ways = [(axes[0], axes[1]), (-axes[0], axes[1]), (axes[1], axes[0]), (-axes[1], axes[0])];
     let Some((v, u)) = ways.into_iter().min_by_key(|(v, _)| on_side(*v)) else { return false };
     let (n, far) = (v.cross(u), across(v));

@@ -64,7 +64,7 @@ pub(crate) struct ClothInputs {
     /// What it costs, and what the budget leaves of it. Whether a body needs it in full.
     pub share: Share,
     pub bears: bool,
-    /// Level of detail by distance alone, and the time for which nobody saw it `[s]`.
+    /// Level of detail by distance alone, and the time for which no camera saw it `[s]`.
     pub by_distance: ClothDetail,
     pub unseen_for: f32,
     /// Least jump `[m]` and turn `[rad]` of the carrier that count as a teleport.

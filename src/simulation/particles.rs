@@ -80,18 +80,17 @@ impl ClothParticles {
         self.note_written(moved)
     }
 
-    /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is the sum
-    /// of the magnitudes if all free particles were at the point, and fades to nothing at `radius`. Directions differ, so the net
-    /// impulse is smaller. Held particles stay; no velocity changes by more than 100 m/s.
-    /// Returns how many particles took part; none when a number is not finite or `radius` not above 0. Cloth that is missed
-    /// sleeps on.
+    /// Blows the particles within `radius` `[m]` away from a point in the world `[m]`. `impulse` `[N·s]` is the sum of the
+    /// magnitudes if all free particles were at the point, and fades to nothing at `radius`. Directions differ, so the net
+    /// impulse is smaller. Held particles stay; no velocity changes by more than 100 m/s. Returns how many particles took part;
+    /// none when a number is not finite or `radius` not above 0. Cloth that is missed sleeps on.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
         let center = (center.as_dvec3() - self.origin).as_vec3();
         let moved = impulse::explosion(&mut self.state, center, impulse, radius);
         self.note_written(moved)
     }
 
-    /// Notes that so many particles were moved from outside: cloth of which none was sleeps on.
+    /// Notes that `moved` particles were moved from outside. Cloth sleeps on if none was.
     fn note_written(&mut self, moved: u32) -> u32 {
         if moved > 0 {
             (self.disturbed, self.written) = (true, true);

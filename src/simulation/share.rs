@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use ClothDetail::{Half, Quarter, Still};
 
-    /// A frame of so many seconds that costs 1 ms.
+    /// A frame of `seconds` that costs 1 ms.
     fn pass(share: &mut Share, seconds: f32) {
         frame(share, seconds, 1.0);
     }

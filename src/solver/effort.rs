@@ -25,7 +25,7 @@ impl Effort {
     /// Whatever it takes.
     pub const UNBOUNDED: Self = Self { most: u64::MAX, spent: 0 };
 
-    /// So many visits for each of so many `faces`.
+    /// `visits` for each of `faces`.
     #[must_use]
     pub(crate) fn per_face(visits: u32, faces: usize) -> Self {
         Self { most: u64::from(visits) * faces as u64, spent: 0 }

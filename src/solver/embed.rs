@@ -121,7 +121,8 @@ impl Embedding {
         size_of_val(&self.starts[..]) + size_of_val(&self.influences[..])
     }
 
-    /// Hangs the next vertex on triangles at these distances `[m]`, in ascending order; that by which others count is `nearest`.
+    /// Hangs the next vertex on triangles at these distances `[m]`, in ascending order; that by which others count is
+    /// `nearest`.
     fn hang(&mut self, patch: &[(u32, f32)], nearest: f32, reach: f32) {
         self.farthest = self.farthest.max(nearest);
         // The nearest of what is left out has no weight, and so none jumps in as a vertex lies elsewhere.

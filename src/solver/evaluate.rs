@@ -241,9 +241,9 @@ impl Evaluator {
         snapshot.time = self.time;
     }
 
-    /// Moves the last clean shape to where the skin of a character has gone in a frame: `place` tells where particle `i`, which
-    /// was at `x` `[m]`, is now. Where it does not know, the particle goes along with `pose`. Call it before [`Self::judge`],
-    /// in every frame since the shape was kept.
+    /// Moves the last clean shape to where the skin of a character has gone in a frame. `place` tells where particle `i` is
+    /// now, which was at `x` `[m]`. Where it does not know, the particle goes along with `pose`. Call it before
+    /// [`Self::judge`], in every frame since the shape was kept.
     pub fn follow(&mut self, pose: Pose, place: impl Fn(usize, Vec3) -> Option<Vec3>) {
         let snapshot = &mut self.ring[self.newest];
         for (i, x) in snapshot.positions.iter_mut().enumerate() {

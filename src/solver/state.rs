@@ -11,8 +11,8 @@ use glam::{Vec3, Vec4};
 pub struct ClothState {
     /// `xyz` position `[m]`, `w` inverse mass `[1/kg]`; 0 = pinned. One per particle, in the order of `RestShape`.
     pub positions: Vec<Vec4>,
-    /// `xyz` position `[m]` at the start of the last substep, `w` inverse mass `[1/kg]` as in [`positions`](Self::positions). One
-    /// per particle.
+    /// `xyz` position `[m]` at the start of the last substep, `w` inverse mass `[1/kg]` as in [`positions`](Self::positions).
+    /// One per particle.
     pub previous: Vec<Vec4>,
     /// Curvature `[1/m]` from which the friction between yarns holds each element of `RestShape::bends`, by lane; empty before
     /// the first frame.

@@ -42,8 +42,7 @@ impl Characters<'_, '_> {
         core::iter::once(entity).chain(self.parents.iter_ancestors(entity)).find(|&at| self.characters.contains(at))
     }
 
-    /// The lowest entity above both a cloth and the joint that carries it: what becomes its character, where nobody said which
-    /// is.
+    /// The lowest entity above both a cloth and the joint that carries it. It becomes the character where none was given.
     fn common_ancestor(&self, entity: Entity, joint: Entity) -> Option<Entity> {
         self.parents.iter_ancestors(joint).find(|at| self.parents.iter_ancestors(entity).any(|above| above == *at))
     }

@@ -64,7 +64,7 @@ pub(crate) fn shapes(
         }
         let scale = global.scale();
         if !scale.is_finite() {
-            // It keeps the shape it had; the place of one that has none is told of here, of others with their pose.
+            // It keeps the shape it had. The warning about one without a shape is here, about others with their pose.
             if body.shape.is_none() && notices.first(entity, "scale") {
                 warn!(
                     "collider {} pushes nothing: the scale of its transform is not finite: set finite numbers",

@@ -219,7 +219,7 @@ pub(crate) fn rest(mut takers: Query<&mut ClothReaction>) {
     }
 }
 
-/// Forgets what was told of a body.
+/// Forgets the warnings about a body.
 pub(crate) fn on_remove_coupling(removed: On<Remove, ClothCoupling>, mut commands: Commands) {
     forget(&mut commands, removed.entity);
     if let Ok(mut entity) = commands.get_entity(removed.entity) {

@@ -321,7 +321,7 @@ mod tests {
     use crate::solver::recover::Recovery;
     use crate::solver::rest::RestShape;
 
-    /// Numbers of the zones that a particle at `at` with the speed `velocity` `[m/s]` is told of in a frame of 0.1 s.
+    /// Numbers of the zones that reach a particle at `at` with the velocity `velocity` `[m/s]` in a frame of 0.1 s.
     fn told(at: Vec3, velocity: Vec3, zones: &[(Vec3, f32)]) -> Vec<usize> {
         let mut world = World::new();
         let mut time = ClothTime::default();

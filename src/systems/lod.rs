@@ -38,7 +38,7 @@ pub(crate) fn detail(
     for (entity, seen, layers, scratch, mut inputs, mut particles, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
-        // Of what is only animated nobody knows more.
+        // Cloth that is only animated counts as a point.
         let (low, high) = scratch.bounds.filter(|_| inputs.active).unwrap_or((at, at));
         let by_lod = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
             let seen = seen.is_none_or(|seen| seen.get());

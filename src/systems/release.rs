@@ -83,7 +83,7 @@ pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut command
     }
 }
 
-/// Forgets where a body was, and which cloths one met: nobody sees either while its entity is disabled.
+/// Forgets where a body was, and which cloths one met: neither is observed while its entity is disabled.
 pub(crate) fn on_disable(
     disabled: On<Add, Disabled>,
     mut bodies: Query<&mut ColliderBody, Allow<Disabled>>,
@@ -121,17 +121,17 @@ pub(crate) fn on_remove_body(
     }
 }
 
-/// Forgets what was told of a wind zone.
+/// Forgets the warnings about a wind zone.
 pub(crate) fn on_remove_zone(removed: On<Remove, ClothWindZone>, mut commands: Commands) {
     forget(&mut commands, removed.entity);
 }
 
-/// Forgets what was told of a grip.
+/// Forgets the warnings about a grip.
 pub(crate) fn on_remove_grab(removed: On<Remove, ClothGrab>, mut commands: Commands) {
     forget(&mut commands, removed.entity);
 }
 
-/// Forgets what was told of an entity, unless another component of it may have been meant.
+/// Forgets the warnings about an entity, unless another component of it may have been meant.
 pub(crate) fn forget(commands: &mut Commands, entity: Entity) {
     commands.queue(move |world: &mut World| {
         let is_meant = world.get_entity(entity).is_ok_and(|entity| {

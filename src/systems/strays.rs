@@ -1,4 +1,4 @@
-//! Prepare: what has no effect, because a component is missing beside it, is told of once.
+//! Prepare: warns once of a component that has no effect, because another one is missing beside it.
 
 use bevy::prelude::*;
 use bevy::utils::prelude::ShortName;

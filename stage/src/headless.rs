@@ -1,4 +1,4 @@
-//! Runs an example without a window: so many steps of 1/60 s, pictures, a report, the end.
+//! Runs an example without a window: steps of 1/60 s, pictures, a report, the end.
 
 use super::{
     picture::{Picture, PictureKind},

@@ -10,7 +10,7 @@ pub struct Palette {
 
 /// Bits per channel of the histogram and of the cache of nearest colours.
 const BITS: u32 = 6;
-/// Every so many pixels of an animation are looked at.
+/// Stride between the pixels of an animation that are looked at.
 const STRIDE: usize = 7;
 /// Amplitude of the dither, about half the distance between two colours.
 const DITHER: f32 = 5.0;

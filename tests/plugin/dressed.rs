@@ -104,8 +104,8 @@ fn the_cape_of_a_knight_moves_without_code() {
     assert!((most - least).max_element() > 0.05, "the hem stays within {} to {} of the chest", least, most);
 }
 
-/// The skirt of the witch is two of the three parts of a node, purple and a golden hem, at a scale of 100. The third part is her
-/// legs, which stay with the skin.
+/// The skirt of the witch is two of the three parts of a node, purple and a golden hem, at a scale of 100. The third part is
+/// her legs, which stay with the skin.
 #[test]
 fn the_skirt_and_the_hem_of_a_witch_stay_one_piece_without_code() {
     let Some((mut app, file)) = dressed("witch.glb", |name, parts| match name {

@@ -239,8 +239,8 @@ fn over_phases(clip: &str, phases: u32) -> Option<Vec<(String, Worn)>> {
 #[test]
 fn a_human_in_cape_and_skirt_walks_and_runs() {
     // Of what depends on the phase as on a throw of dice, many are asked. One frame in a hundred may cross, as many as two in a
-    // row, and one in so many may have something deep in a bone: the skin of the cape has an elbow through it, that of the skirt
-    // the thighs. Of sixty walks two had frames that cross, 1 and 14 of them; 12 % of frames of the cape were deep.
+    // row, and one in so many may have something deep in a bone: the skin of the cape has an elbow through it, that of the
+    // skirt the thighs. Of sixty walks two had frames that cross, 1 and 14 of them; 12 % of frames of the cape were deep.
     let clips = [
         ("Idle", 1, None),
         ("Walking_A", 20, Some(5)),

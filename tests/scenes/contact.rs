@@ -65,8 +65,8 @@ fn momentum(scene: &Scene) -> DVec3 {
     scene.cloths.iter().map(of).sum()
 }
 
-/// A ball of 5 cm that is shot into 64² stretches edges by 7 % in nine starts of ten, and draws a few out to 2 to 17 times their
-/// length in the tenth: of eight starts, so many may.
+/// A ball of 5 cm that is shot into 64² stretches edges by 7 % in nine starts of ten, and draws a few out to 2 to 17 times
+/// their length in the tenth: of eight starts, so many may.
 #[test]
 fn a_ball_at_30_m_per_s_does_not_pass_a_held_cloth() {
     let coarse = [(24, 0.05, 30.0), (24, 0.15, 30.0), (48, 0.05, 30.0), (64, 0.05, 10.0), (64, 0.05, 3.0), (64, 0.15, 30.0)];
@@ -78,8 +78,8 @@ fn a_ball_at_30_m_per_s_does_not_pass_a_held_cloth() {
     assert!(longest.iter().filter(|&&edge| edge > 2.5).count() <= 2, "64², 30 m/s: worst edges {longest:?}");
 }
 
-/// The worst edge of a sheet of n by n vertices, held at its corners, that a ball is shot into: all of the cloth is longer by what
-/// the ball asks for, not only what lies on it. `start`: 0, or a number for one a little off it.
+/// The worst edge of a sheet of n by n vertices, held at its corners, that a ball is shot into: all of the cloth is longer by
+/// what the ball asks for, not only what lies on it. `start`: 0, or a number for one a little off it.
 fn shot((n, radius, speed): (u32, f32, f32), start: u64) -> f32 {
     let mut scene = Scene::new(vec![sheet(n, 1.0, Quat::IDENTITY, Vec3::ZERO, true)]);
     if start > 0 {

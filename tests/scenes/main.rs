@@ -51,8 +51,8 @@ fn a_skirt_walks() {
     shows_no_crossing("skirt", 300, 1.25, || scenes::skirt(20));
 }
 
-/// The edge of the table pushes faces out before friction acts. With friction first the cloth jams, and edges get 20 to 40 times
-/// as long.
+/// The edge of the table pushes faces out before friction acts. With friction first the cloth jams, and edges get 20 to 40
+/// times as long.
 #[test]
 fn a_cloth_is_pulled_off_a_table() {
     shows_no_crossing("tablecloth", 180, 1.4, || scenes::tablecloth(30));

@@ -12,8 +12,8 @@ use crate::weights::Shares;
 const THIGHS: [f32; 2] = [HIP.y + 0.05, HIP.y - 0.20];
 /// How much of it follows the thighs there.
 const LEGS: f32 = 0.95;
-/// Where a long skirt begins to follow the legs less, and where it does least [m]; by how much, and what of it follows the shins
-/// there. Between the feet cloth hangs more by itself.
+/// Where a long skirt begins to follow the legs less, and where it does least [m]; by how much, and what of it follows the
+/// shins there. Between the feet cloth hangs more by itself.
 const BELOW: [f32; 2] = [0.50, 0.10];
 const LESS: f32 = 0.30;
 const SHINS: f32 = 0.20;

@@ -87,7 +87,7 @@ pub(super) struct FeatureEdges {
 }
 
 impl FeatureEdges {
-    /// Begins a frame: what nobody asked for in the last is forgotten.
+    /// Begins a frame: edges that the last one did not ask for are forgotten.
     pub(super) fn begin(&mut self) {
         self.known.retain_mut(|known| core::mem::take(&mut known.used));
     }

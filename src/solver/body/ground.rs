@@ -9,8 +9,8 @@ use super::{Body, Pose, Touch};
 use crate::solver::couple::Coupling;
 use crate::solver::scales::TOUCHING;
 
-/// Depth below its plane down to which a contact still counts, in distances kept (dimensionless). What is deeper comes out as an
-/// overlap does, at its speed. The worst edge of a sheet of 40² on needles is 1.38 of its length with 1, 1.30 with 2 and 4
+/// Depth below its plane down to which a contact still counts, in distances kept (dimensionless). What is deeper comes out as
+/// an overlap does, at its speed. The worst edge of a sheet of 40² on needles is 1.38 of its length with 1, 1.30 with 2 and 4
 /// **`[measured]`**.
 const DEEPEST: f32 = 2.0;
 
@@ -38,7 +38,7 @@ impl BodyContext<'_> {
         Some(Ground { motion, to_body, radius, friction, gives_way, keep })
     }
 
-    /// Body `body`, if it is one of `coupling` and time passes, shared by so many `contacts` in a frame of `dt` `[s]`.
+    /// Body `body`, if it is one of `coupling` and time passes. `contacts` share it in a frame of `dt` `[s]`.
     pub(super) fn rigid(&mut self, body: u32, dt: f32, contacts: usize) -> Option<RigidProxy<'_>> {
         let slot = self.coupling.slot_mut(self.bodies.get(body as usize)?.rigid?)?;
         let (s0, s1) = self.span;
@@ -97,8 +97,8 @@ impl Ground {
         (self.to_body[1] * way).into()
     }
 
-    /// The way `[m]` from `now` `[m]` out to `floor` `[m]` over a `plane` in the space of the part; `kept`: distance kept `[m]`.
-    /// `None` above that, and deeper than [`DEEPEST`].
+    /// The way `[m]` from `now` `[m]` out to `floor` `[m]` over a `plane` in the space of the part; `kept`: distance kept
+    /// `[m]`. `None` above that, and deeper than [`DEEPEST`].
     pub(super) fn way_to(&self, plane: Plane, floor: f32, now: Vec3A, kept: f32) -> Option<Vec3A> {
         let gap = plane.gap(self.to_body[1] * (now - self.motion.translation1));
         (gap < floor && gap > -DEEPEST * kept).then(|| self.motion.rotation1 * (plane.normal() * (floor - gap)))

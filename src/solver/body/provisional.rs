@@ -19,7 +19,7 @@ pub(crate) struct Provisional {
 }
 
 impl Provisional {
-    /// Begins a frame in which at most so many are moved in a substep.
+    /// Begins a frame in which a substep moves at most `most` particles.
     pub(crate) fn begin(&mut self, most: usize) {
         self.moved.clear();
         self.moved.reserve(most);

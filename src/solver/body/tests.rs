@@ -418,8 +418,8 @@ fn buffers_do_not_grow_once_warm_and_a_second_run_has_the_same_bits() {
     assert_eq!(run(), run());
 }
 
-/// Where a particle ends, from where it lay on a floor `[m]`, that moves by `way` `[m]` in a substep; `again`: it is drawn in by
-/// as much a second time.
+/// Where a particle ends that lay on a floor and moves by `way` `[m]` in a substep, from where it lay `[m]`. `again`: it is
+/// drawn in by as much a second time.
 fn aside(friction: f32, way: Vec3, restitution: f32, again: bool) -> Vec3 {
     let body = Body {
         static_friction: friction,

@@ -15,7 +15,7 @@ pub(super) struct Parts {
     pub most: Effort,
     /// Whether the last look was at all of the cloth.
     pub is_whole: bool,
-    /// Crossings elsewhere, when it was looked at there; at least 1 while nobody did.
+    /// Crossings elsewhere, when a look was there; at least 1 before the first one.
     pub elsewhere: u32,
     /// Crossings found in this round, and in all of the round before, if there was one.
     round: u32,
@@ -37,7 +37,7 @@ impl Parts {
         self.elsewhere = match (is_last, self.before) {
             (true, _) => so_far,
             (false, Some(before)) => so_far.max(before.saturating_sub(found)),
-            // Of what nobody has looked at nobody knows that it is clean.
+            // What was not looked at may cross.
             (false, None) => so_far.max(1),
         };
         if is_last {

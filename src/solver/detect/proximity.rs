@@ -25,7 +25,7 @@ pub struct Proximity {
     pub kind: ProximityKind,
     /// Their particles.
     pub particles: [u32; 4],
-    /// The closest points are `Σ wᵢ xᵢ` of the first primitive and `-Σ wᵢ xᵢ` of the second: `Σ wᵢ xᵢ` over all four is the
+    /// The closest points are `Σ wᵢ xᵢ` of the first primitive and `-Σ wᵢ xᵢ` of the second. So `Σ wᵢ xᵢ` over all four is the
     /// vector from the second's closest point to the first's.
     pub weights: [f32; 4],
     /// Distance `[m]`.

@@ -15,8 +15,8 @@
 //! The shift: positions carry velocities, so a mode with `q = R(z)` goes as `λ² - 2 q λ + q = 0`. Both roots lie within the
 //! unit circle for `q` from -1/3 to 1 only. For `q` from 0 on, no mode swings from substep to substep.
 //!
-//! What bends also rubs, yarn on yarn. A second spring, of stiffness `GRIP · B`, between the curvature and one that follows it
-//! at most `κ_y` behind is that dry friction (Prandtl's element; Miguel et al. 2013). Its moment is Kawabata's
+//! What bends also rubs, yarn on yarn. That dry friction is a second spring of stiffness `GRIP · B` (Prandtl's element; Miguel
+//! et al. 2013). It acts between the curvature and one that follows it at most `κ_y` behind. Its moment is Kawabata's
 //! `HB = GRIP · B κ_y`:
 //!
 //! ```text
@@ -260,9 +260,9 @@ impl BendFactors {
     }
 }
 
-/// Takes out what trembles: a moment `M = B · TREMBLE` `[N]` per width against every change of `v`, whatever its speed. Once
-/// per frame of `dt` `[s]`, for the `motion` `[m]` over a substep of `h` `[s]`, `w` its inverse mass `[1/kg]`; Coulomb's law as
-/// an impulse:
+/// Takes out what trembles: a moment `M = B · TREMBLE` `[N]` per width against every change of `v`, whatever its speed. It acts
+/// once per frame of `dt` `[s]`, on the `motion` `[m]` over a substep of `h` `[s]`, `w` its inverse mass `[1/kg]`. Coulomb's
+/// law as an impulse:
 ///
 /// ```text
 /// Δv̇ = -min(|v̇| / 4, M Σ w c² dt) v̇ / |v̇|       u_i += w_i c_i Δv̇ / Σ w c²

@@ -87,7 +87,7 @@ mod tests {
         scene.untangled(settings, EvaluateSettings::default(), true).expect("a cloth")
     }
 
-    /// What frames put off until nothing crosses, at most so many, and the most work of one of them.
+    /// What frames put off until nothing crosses, `most` frames at most, and the most work of one of them.
     fn frames(scene: &mut Scene, most: usize) -> (Vec<Deferred>, f32) {
         let (mut deferred, mut work) = (Vec::new(), 0.0f32);
         while deferred.len() < most && (deferred.is_empty() || scene.crossings() > 0) {

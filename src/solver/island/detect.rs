@@ -23,7 +23,7 @@ impl Island {
             longest = longest.max(m.clock.min(m.stepping.max_frame));
         }
         self.known &= self.touch == *self.touch_before && self.takes_part == *self.took_part;
-        // While no time passes, nobody knows how much will.
+        // While no time passes, the length of the next frame is not known.
         if longest > 0.0 {
             self.horizon = self.neighbors.horizon(longest.min(LONGEST_LOOK), longest / self.count.max(1) as f32, &self.touch);
         }
@@ -165,8 +165,8 @@ impl Island {
             let Untangler { detector, resolver } = &mut self.untangler;
             resolver.mark(&self.surface, detector.crossings(), &self.positions, RINGS, &mut self.weights);
         }
-        // On which side what starts in the same place belongs, nobody knows; what came to touch has one. What no contact keeps
-        // apart is not rolled back.
+        // What starts in the same place has no side yet; what came to touch has one. What no contact keeps apart is not rolled
+        // back.
         let touches = self.takes_part.contains(&true);
         let clean = touches && self.total.is_clean() && (self.rollback.knows() || !self.contacts.coincide());
         self.rollback.note(&self.surface, &self.positions, &self.previous, clean);

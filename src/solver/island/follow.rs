@@ -5,7 +5,7 @@
 //! ```
 //!
 //! What was clean together and moves together is clean. Where cloths of an island went different ways, or one changed its
-//! shape, nobody knows whether they passed through each other.
+//! shape, they may have passed through each other.
 
 use glam::{Vec3A, Vec4};
 
@@ -91,8 +91,8 @@ mod tests {
         anchors.from.iter_mut().chain(&mut anchors.to).for_each(|x| *x = by.transform_point3(*x));
     }
 
-    /// After a few frames, before each of which each cloth is carried on a motion of its own: whether it was known in all of
-    /// them that nothing crossed there, pairs that touch, and how far particles are from where they are without that `[m]`.
+    /// The state after a few frames, before each of which each cloth is carried on a motion of its own. Whether it was known in
+    /// all of them that nothing crossed, pairs that touch, and how far particles are from where they are without that `[m]`.
     fn after(motions: [Affine3A; 2], offset: Vec3) -> (bool, u32, f32) {
         let (mut scene, mut still) = (lying(), lying());
         let (mut knows, mut sum) = (true, Affine3A::IDENTITY);

@@ -1,5 +1,5 @@
 //! What an island takes in of its cloths between the stages, and gives back. Each cloth lives in a frame of its own; `offset`
-//! brings it into that of the island, and 0 for the only cloth of an island changes no bit.
+//! brings it into that of the island. It is 0 for the only cloth of an island, and changes no bit.
 
 use glam::{Vec3, Vec4};
 

@@ -81,11 +81,11 @@ pub struct UntangleSettings {
     /// Sweeps of the springs after each iteration. Default 2. 0 tears the edges around a tangle; many slow it down.
     pub relaxations: u32,
     /// Most work of a frame beyond the work in proportion to its size, in visits for each face. A visit is to one particle,
-    /// edge, crossing or pair. The bound holds for each look, for untangling, and for the looks within a frame of up to 1/30 s,
-    /// in proportion for a longer one. Cloth that is rolled back as a whole is looked at beyond it. Default 512, range 16 to
-    /// 1,000,000. Work beyond it goes on in the next frame. A garment of many layers that starts tangled takes 170. Less keeps
-    /// the layers tangled for longer, and lets piles that land hard cross. More holds up the frame where a heap crosses all
-    /// over.
+    /// edge, crossing or pair. The bound holds for each look, for untangling, and for the looks within a frame of up to 1/30 s.
+    /// It is higher in proportion for a longer frame. Cloth that is rolled back as a whole is looked at beyond it. Default 512,
+    /// range 16 to 1,000,000. Work beyond it goes on in the next frame. A garment of many layers that starts tangled takes 170.
+    /// Less keeps the layers tangled for longer, and lets piles that land hard cross. More holds up the frame where a heap
+    /// crosses all over.
     pub effort: u32,
 }
 

@@ -138,7 +138,7 @@ impl Island {
             self.look();
         }
         let Self { surface, untangler, undo, positions, previous, .. } = self;
-        // Of parts of the cloth nobody can say which were worse.
+        // A look at a part of the cloth does not tell which cloths got worse.
         if !untangler.detector.is_whole() {
             return;
         }

@@ -65,7 +65,7 @@ impl Island {
                 cross[usize::from(self.surface.part_of_face(crossing.face))] = true;
             }
             if !detector.is_whole() {
-                // Of what nobody has looked at nobody knows that it is whole.
+                // What was not looked at may cross.
                 cross.fill(true);
             }
         }

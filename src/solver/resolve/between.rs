@@ -1,4 +1,4 @@
-//! The contours between each two cloths, sorted, so that nobody has to look through all of them for those of a pair.
+//! The contours between each two cloths, sorted, so that those of a pair are found without a search through all.
 
 use super::contour::ContourGraph;
 use super::separation::Member;
@@ -52,7 +52,7 @@ impl Between {
         run.map(move |e| Member { contour: e.contour as usize, flip: u8::from(e.first != a) })
     }
 
-    /// Whether nobody found out yet that no way undoes all contours between two cloths at once.
+    /// Whether some way may still undo all contours between two cloths at once.
     pub(super) fn may_work(&self, pair: [u16; 2]) -> bool {
         self.list.get(self.start(pair)).is_some_and(|e| !e.failed)
     }

@@ -20,7 +20,7 @@ use crate::solver::detect::tree::Tree;
 use crate::solver::scales::ALIGNED;
 use crate::solver::topology::NONE;
 
-/// So many particles are looked at per iteration, and one in so many at least.
+/// Particles looked at per iteration, and the largest stride between them: a larger surface has more particles looked at.
 const SAMPLES: u32 = 64;
 const STRIDE: u32 = 61;
 /// Share of the particles looked at of a cloth that must be on the wrong side without a crossing.

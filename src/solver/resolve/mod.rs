@@ -76,7 +76,7 @@ const EDGES_A_STALL: u32 = 4;
 /// Switches of strategy after each of which a contour may stall twice as long.
 const MOST_DOUBLINGS: u32 = 4;
 
-/// One in so many switches from a region push is to the gradient of stretches.
+/// Of this number of switches from a region push, one is to the gradient of stretches.
 const STRETCH_EVERY: u32 = 4;
 
 /// How crossing surfaces are taken apart; the methods of others, to compare with, are there with the feature `research`.

@@ -13,8 +13,8 @@ const PASSES: usize = 16;
 const MOST_RINGS: f32 = 8.0;
 
 impl Resolver {
-    /// Like [`Self::follow_global_gradient`], with the gradient summed over a stretch of the contour around each crossing. It is
-    /// for curves on which the sum over everything cancels.
+    /// Like [`Self::follow_global_gradient`], with the gradient summed over a stretch of the contour around each crossing. It
+    /// is for curves on which the sum over everything cancels.
     pub(super) fn follow_stretch_gradient(&mut self, view: View<'_>, contour: usize, step: f32, settings: &ResolveSettings) {
         self.patch.gather(view, &self.graph, contour);
         let share = shares([0, 1].map(|s: usize| load(view.positions, self.patch.sides[s].iter().copied())));

@@ -29,7 +29,7 @@ impl Depth {
 pub(super) struct Depths(Vec<Depth>);
 
 impl Depths {
-    /// Makes room for so many particles.
+    /// Makes room for `particles`.
     pub(super) fn fit(&mut self, particles: usize) {
         self.0.resize(particles, Depth::FREE);
     }

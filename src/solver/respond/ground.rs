@@ -20,7 +20,7 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// Nothing lies on anything, among so many `particles`, of which so many are `paired`.
+    /// Begins with nothing on anything, among `particles`, of which `paired` are in pairs.
     pub(super) fn begin(&mut self, particles: usize, paired: usize) {
         self.ways = Vec3A::ZERO;
         self.normals.clear();

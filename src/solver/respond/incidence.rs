@@ -19,7 +19,7 @@ pub(super) struct Incidence {
 const PER_PAIR: usize = 4;
 
 impl Incidence {
-    /// Makes room for so many particles and pairs.
+    /// Makes room for `particles` and `pairs`.
     pub(super) fn reserve(&mut self, particles: usize, pairs: usize) {
         fn room<T>(of: &mut Vec<T>, count: usize) {
             of.clear();

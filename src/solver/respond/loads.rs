@@ -56,7 +56,7 @@ impl Load {
 }
 
 impl Loads {
-    /// Makes room for so many particles.
+    /// Makes room for `particles`.
     pub(super) fn fit(&mut self, particles: usize) {
         self.heads.resize(particles, NONE);
     }

@@ -156,8 +156,7 @@ impl Contacts {
         }
     }
 
-    /// Whether primitives lay in the same place at the last look, so that nobody can say on which side of each other they
-    /// belong.
+    /// Whether primitives lay in the same place at the last look, so that the side on which they belong is not known.
     #[must_use]
     pub(crate) fn coincide(&self) -> bool {
         self.coincide

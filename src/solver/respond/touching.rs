@@ -21,8 +21,8 @@ pub(crate) struct Touching {
 }
 
 impl Contacts {
-    /// The pairs that touched when last [solved](Self::solve), of particles at `positions` `[m]`, each in the frame of simulation
-    /// of its cloth. The next look for pairs forgets them.
+    /// The pairs that touched when last [solved](Self::solve), of particles at `positions` `[m]`, each in the frame of
+    /// simulation of its cloth. The next look for pairs forgets them.
     ///
     /// Force `F = C / (h² Σ w² m⁻¹)`, a mean over the last substeps. `C` is the push of a pair in a substep `h`, `w` are
     /// weights of the closest points, `m` masses as they were pushed.

@@ -323,8 +323,8 @@ impl Weave {
         Some(Self { angle, along, matrix, fastest, even, uneven })
     }
 
-    /// `α`, and the share of all stiffness that keeps the mean of the two directions (dimensionless), for a `ratio` of the
-    /// warp's stiffness to the weft's.
+    /// `α`, and the share of all stiffness that keeps the mean of the two directions (dimensionless). `ratio`: stiffness along
+    /// the warp over that along the weft.
     #[must_use]
     pub fn split(&self, ratio: f32) -> (f32, f32) {
         let Self { even, uneven, .. } = self;

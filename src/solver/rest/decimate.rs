@@ -193,7 +193,7 @@ impl Collapsing {
         (least > QUALITY || before <= QUALITY).then_some(least)
     }
 
-    /// Whether the faces at `u` are one fan around it, or from border to border (then false), and nothing else; `near`: its
+    /// Whether the faces at `u` are one fan around it, or from border to border (then false), and nothing else. `near`: its
     /// neighbours, as often as there are faces with both.
     fn is_fan(&self, u: u32, near: &[u32]) -> Option<bool> {
         let mut ends = near.chunk_by(|one, other| one == other).filter(|beside| beside.len() == 1).map(|beside| beside[0]);
@@ -290,7 +290,8 @@ mod tests {
         (short, longest, qualities.iter().copied().fold(1.0, f32::min), mean)
     }
 
-    /// Farthest of the authored vertices from the coarse mesh, and of those of the border from its border, in units of `length`.
+    /// Farthest of the authored vertices from the coarse mesh, and of those of the border from its border, in units of
+    /// `length`.
     fn strays(mesh: &SourceMesh, made: &Decimated, length: f32) -> [f32; 2] {
         let sides = |faces: &[[u32; 3]]| -> Vec<[u32; 3]> {
             let mut sides: Vec<[u32; 2]> =

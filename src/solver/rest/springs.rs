@@ -34,7 +34,7 @@ pub struct Springs {
 }
 
 impl Springs {
-    /// One spring per edge of `topology`, at rest at `positions` `[m]`; `twice`: cosine and sine of twice the angle of each
+    /// One spring per edge of `topology`, at rest at `positions` `[m]`. `twice`: cosine and sine of twice the angle of each
     /// edge from the warp, or none.
     #[must_use]
     pub fn new(topology: &Topology, positions: &[Vec3], twice: &[Vec2]) -> Self {

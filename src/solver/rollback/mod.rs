@@ -238,8 +238,8 @@ impl Rollback {
         any
     }
 
-    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing. It is told of
-    /// the motion of the particle of its contour that moved least, and its position `[m]`.
+    /// Calls `act` with every free particle that crosses and did not come from too far, once for each crossing. `act` gets the
+    /// motion of the particle of its contour that moved least, and its position `[m]`.
     fn for_each_that_crosses(
         &mut self,
         tangle: &Tangle<'_>,
@@ -267,9 +267,9 @@ impl Rollback {
         *self.least = least;
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere: no other place is known to
-    /// be clean. No more than a few frames in a row. Velocity is kept, except that particles that were rolled back go on with
-    /// what they had kept: they would do the same again. A cloth that came from far does not stay.
+    /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere: no other place is known
+    /// to be clean. No more than a few frames in a row. Velocity is kept, except that particles that were rolled back go on
+    /// with what they had kept: they would do the same again. A cloth that came from far does not stay.
     pub(crate) fn restore_cloths(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         if self.stays >= MOST_STAYS {
             return false;

@@ -39,9 +39,10 @@ pub struct AvoidBuffers {
 }
 
 impl Skinned {
-    /// Takes the targets at the end of a frame of `dt` `[s]` out of bodies, to the distance that the fabric keeps. Those of pins
-    /// get out with the others, although pins stay where they are: what hangs from pins in a bone would be drawn into it.
-    /// **`[measured: a cape is deeper than 10 mm in an arm in 1 % of the frames of walks; 71 % with these on the skin]`**
+    /// Takes the targets at the end of a frame of `dt` `[s]` out of bodies, to the distance that the fabric keeps. Those of
+    /// pins get out with the others, although pins stay where they are. Otherwise what hangs from pins in a bone would be drawn
+    /// into it. **`[measured: a cape is deeper than 10 mm in an arm in 1 % of the frames of walks; 71 % with these on the
+    /// skin]`**
     pub fn avoid(&mut self, around: &Surroundings<'_>, dt: f32, buffers: &mut AvoidBuffers) {
         let Self { to, way_out, .. } = self;
         way_out.resize(to.len(), Vec3::ZERO);

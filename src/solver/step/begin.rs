@@ -27,7 +27,7 @@ impl Stepped<'_> {
         let substeps = count.unwrap_or_else(|| self.substeps(stepping, state.positions, scratch)).max(1);
         let h = dt / substeps as f32;
         self.begin_coupling(dt, state, scratch);
-        // Bodies that pins move go along in substeps, and of a first frame nobody knows whether it is tangled.
+        // Bodies that pins move go along in substeps, and a first frame may be tangled.
         let steps =
             if scratch.pinned_to_bodies.is_empty() && scratch.worst_edge > 0.0 { self.inner_steps(stepping, h) } else { 1 };
         self.factor(h / steps as f32, state, scratch);

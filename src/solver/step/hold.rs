@@ -13,7 +13,7 @@ use crate::solver::settings::Fabric;
 const TETHER_EVERY: u64 = 2;
 
 impl Stepped<'_> {
-    /// Keeps the cloth from its pins no farther than it is long, in the substep after so many `substeps`. What is strained is
+    /// Keeps the cloth from its pins no farther than it is long, in the substep after `substeps` others. What is strained is
     /// drawn in by its coarse level, too.
     pub(super) fn bound_lengths(&self, frame: &Frame, substeps: u64, scratch: &mut Scratch, positions: &mut [Vec4]) {
         let Self { rest, fabric, .. } = *self;

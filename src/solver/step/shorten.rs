@@ -39,8 +39,7 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut StateMut<'
             x.copy_from_slice(&scratch.displaced);
         }
     }
-    // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that nobody has looked
-    // for.
+    // No farther than the distance kept to bodies: nothing can be behind one then. Nor through cloth that was not looked for.
     let farthest = fabric.thickness * if crowded { CROWDED } else { 1.0 };
     limit_ways(x, before, farthest);
     let slip = Touch::frictionless(fabric);
@@ -52,7 +51,7 @@ pub(super) fn shorten(cloth: &Stepped<'_>, crowded: bool, state: &mut StateMut<'
     }
 }
 
-/// Brings what went farther than so many `[m]` from where it was `before` back on its way.
+/// Brings particles that went farther than `farthest` `[m]` from where they were `before` back on their way.
 pub(super) fn limit_ways(positions: &mut [Vec4], before: &[Vec4], farthest: f32) {
     for (x, before) in positions.iter_mut().zip(before) {
         let way = *x - *before;

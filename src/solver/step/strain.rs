@@ -53,7 +53,7 @@ impl Scratch {
         self.is_beyond(limits, fabric)
     }
 
-    /// Whether the worst edge was longer by more than so many strain limits after the substeps of the last frame.
+    /// Whether the worst edge was longer by more than `limits` strain limits after the substeps of the last frame.
     fn is_beyond(&self, limits: f32, fabric: &Fabric) -> bool {
         self.worst_edge - 1.0 > limits * fabric.strain_limit.max(LEAST_LIMIT)
     }

@@ -53,9 +53,9 @@ impl Stepped<'_> {
         provisional.restore(positions);
     }
 
-    /// Takes turns of a sweep for the strain limit and a push out of bodies, before friction. Springs draw what hangs on a corner
-    /// into it; one push out would stretch the edges next to it. Sweeps may draw a particle through something thin, out of
-    /// which [`Projection::Relax`](crate::solver::body::Projection::Relax) then pushes it.
+    /// Takes turns of a sweep for the strain limit and a push out of bodies, before friction. Springs draw what hangs on a
+    /// corner into it; one push out would stretch the edges next to it. Sweeps may draw a particle through something thin, out
+    /// of which [`Projection::Relax`](crate::solver::body::Projection::Relax) then pushes it.
     pub(super) fn tighten_over_corners(&self, frame: &Frame, positions: &mut [Vec4], scratch: &mut Scratch) {
         let Self { rest, fabric, anchors, .. } = *self;
         let (h, span) = (frame.h, frame.span());

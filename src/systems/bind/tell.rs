@@ -1,4 +1,4 @@
-//! What users are told of a cloth that was bound: what holds nothing, what cannot be used, and the cure.
+//! Warnings about a cloth that was bound: what holds nothing, what cannot be used, and the cure.
 
 use bevy::prelude::*;
 

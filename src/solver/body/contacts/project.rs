@@ -88,9 +88,9 @@ impl BodyContacts {
     /// [Friction](Self::apply_friction) follows.
     ///
     /// `previous` moves only where an overlap from before the substep is recovered, so that recovery leaves no velocity. Pinned
-    /// particles (`w = 0`) never move. Two-way bodies take the reaction, unless no time passes. `inbound`: the ways of particles
-    /// in the substep `[m]` as their speeds at its start and gravity have them; empty: nothing bounces. Returns the number of
-    /// contacts.
+    /// particles (`w = 0`) never move. Two-way bodies take the reaction, unless no time passes. `inbound`: the ways of
+    /// particles in the substep `[m]` as their speeds at its start and gravity have them; empty: nothing bounces. Returns the
+    /// number of contacts.
     pub(crate) fn project(
         &mut self,
         context: &mut BodyContext<'_>,

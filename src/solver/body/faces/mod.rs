@@ -112,8 +112,8 @@ impl Candidate {
         self.particles.map(|p| positions.get(p as usize).copied().unwrap_or(Vec4::NAN))
     }
 
-    /// The particles that move with its point, whose [mobility](push::mobility) is `mobility` `[1/kg]`, and by which share of its
-    /// way (dimensionless).
+    /// The particles that move with its point, whose [mobility](push::mobility) is `mobility` `[1/kg]`, and by which share of
+    /// its way (dimensionless).
     fn shares(&self, corners: &[Vec4; 3], mobility: f32) -> impl Iterator<Item = (u32, f32)> {
         let shares = self.weights.iter().zip(*corners).map(move |(weight, x)| weight * x.w / mobility);
         self.piece.of(&self.particles).iter().copied().zip(shares)
@@ -146,7 +146,7 @@ pub(crate) struct FaceContacts {
     parts: Vec<Part>,
     planes: Vec<Vec4>,
     candidates: Vec<Candidate>,
-    /// Numbers of those that touched when last projected, in ascending order; nothing while nobody has asked.
+    /// Numbers of those that touched when last projected, in ascending order; empty until they are asked for.
     touching: Vec<u32>,
     is_listed: bool,
     /// Sharp edges of surfaces, in their own space; the first is that of convex parts, which have none.

@@ -11,8 +11,8 @@ use crate::solver::body::nearest::{Face, Near, at};
 use crate::solver::body::respond::Plane;
 use crate::solver::body::sweep::{SLIDES, plane_at};
 
-/// How far back a face that was moved onto a part is looked for along its last normal. The search begins with twice the distance
-/// that faces keep, and doubles this many times, or until it is beyond the part.
+/// How far back a face that was moved onto a part is looked for along its last normal. The search begins with twice the
+/// distance that faces keep, and doubles this many times, or until it is beyond the part.
 const DOUBLINGS: u32 = 8;
 
 impl Setting<'_> {

@@ -93,7 +93,7 @@ pub(super) fn lowest_above(branches: &[Branch], ranges: &[Range<u32>], [first, l
     node
 }
 
-/// Runs of numbers, one for each of so many keys.
+/// Runs of numbers, one for each key.
 struct Runs {
     start: Vec<u32>,
     numbers: Vec<u32>,

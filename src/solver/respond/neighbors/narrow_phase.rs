@@ -23,8 +23,8 @@ const PRIMITIVES: usize = 2;
 const MOST_PAIRS: usize = 32;
 
 impl NeighborList {
-    /// What to ask leaves with whose boxes meet. Whether it is asked `anew`, of faces nobody has looked for crossings at since
-    /// they were elsewhere. More than the `meter` allows are not asked, and may cross.
+    /// What to ask leaves with whose boxes meet. `anew`: whether the last look for crossings saw the faces elsewhere. More than
+    /// the `meter` allows are not asked, and may cross.
     pub(crate) fn narrow_phase<'a, T: Fn(u32) -> f32>(
         &'a mut self,
         surface: &'a Surface,
@@ -90,7 +90,7 @@ pub(crate) struct NarrowPhase<'a, T> {
     /// How close boxes must come `[m]`, and the largest thickness `[m]`.
     reach: f32,
     thickest: f32,
-    /// Whether nobody has looked for crossings of the faces since they were elsewhere.
+    /// Whether the last look for crossings saw the faces elsewhere.
     anew: bool,
     meter: &'a Meter,
 }

@@ -30,7 +30,7 @@ pub(super) struct Found {
     pub(super) pair: Proximity,
     /// The faces whose boxes met.
     pub(super) faces: [u32; 2],
-    /// Unit vector towards the first primitive; not a number where nobody can tell.
+    /// Unit vector towards the first primitive; not a number where none is known.
     pub(super) normal: Vec3,
     /// How far apart it will be along it `[m]`.
     pub(super) apart: f32,

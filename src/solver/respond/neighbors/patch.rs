@@ -6,8 +6,8 @@
 //! edges     e e e e | e e e e | e …                          likewise
 //! ```
 //!
-//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved. Leaves that only meet flat neighbours are
-//! not asked.
+//! Lanes and boxes of a leaf are laid out when they are first asked for after everything moved. Leaves that only meet flat
+//! neighbours are not asked.
 
 use core::ops::Range;
 

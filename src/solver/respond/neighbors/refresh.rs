@@ -9,7 +9,7 @@ use crate::solver::detect::tree::Tree;
 
 /// How far particles may drift from where they were at the last look for it to hold in the next frame, too, in thicknesses.
 /// What drifted is looked at where it is, against others that may drift from one side of where they were to the other. Two that
-/// nobody knew come to within `1 + MARGIN - CLOSE` thicknesses, a half, before they are known. Cloth is thinner there for a
+/// were not known come to within `1 + MARGIN - CLOSE` thicknesses, a half, before they are known. Cloth is thinner there for a
 /// moment, and far from crossing.
 const DRIFT: f32 = CLOSE / 3.0;
 /// How close faces may be that cross before they are looked at again, in thicknesses: both drift, and are foreseen to.
@@ -29,7 +29,7 @@ impl NeighborList {
         tangled: impl Fn(u32) -> f32,
         contacts: &mut Contacts,
     ) -> bool {
-        // Where something lay in the same place, nobody knows yet on which side.
+        // Where something lay in the same place, its side is not known yet.
         if self.shared != Vec3A::ZERO || contacts.coincide {
             return false;
         }

@@ -83,8 +83,8 @@ impl NeighborList {
         for ((marked, face), t) in self.marked.iter_mut().zip(&mut self.faces).zip(&surface.topology.faces) {
             *marked = t.iter().any(|&v| self.astray[v as usize]);
             if *marked {
-                // What is astray is looked at where it is. How far the others have drifted within a frame nobody knows: it is
-                // looked at again.
+                // What is astray is looked at where it is. How far the others have drifted within a frame is not known, so that
+                // they are looked at again.
                 let drift = |v: u32| if self.astray[v as usize] { 0.0 } else { self.drift[v as usize] };
                 let drift = if share > 0.0 { f32::INFINITY } else { t.iter().map(|&v| drift(v)).fold(0.0, f32::max) };
                 *face = Looked::at(t.map(|v| Vec3A::from_vec4(moment.positions[v as usize])), drift);
