@@ -3,8 +3,8 @@
 //! ```text
 //! PostUpdate (or the schedule that was asked for)
 //!   TransformSystems::Propagate
-//!     └─ Prepare ─ Integrate ─ Detect ─ Resolve ─ Evaluate ─ Respond ─ Sync
-//!                                                                      └─ AssetEventSystems, VisibilitySystems::CalculateBounds
+//!    └─ Prepare ─ Integrate ─ Detect ─ Resolve ─ Evaluate ─ Respond ─ Sync
+//!                                                                     └─ AssetEventSystems, VisibilitySystems::CalculateBounds
 //! ```
 
 use bevy::app::{

@@ -1,10 +1,10 @@
 //! A mesh with its long edges split.
 //!
 //! ```text
-//!     c             c             c             c        edges that are too long are split in the middle, and faces by which of theirs are:
-//!    / \           /|\           / \           / \       what is drawn is the same surface, and neighbours split the edge that they share alike
-//!   /   \    ─►   / | \    or   /__,x    or   x___x
-//!  /     \       /  |  \       / ,'  \       / \ / \
+//!     c             c             c             c      edges that are too long are split in the middle,
+//!    / \           /|\           / \           / \     and faces by which of theirs are: what is drawn is the
+//!   /   \    ─►   / | \    or   /__,x    or   x___x    same surface, and neighbours split the edge that
+//!  /     \       /  |  \       / ,'  \       / \ / \   they share alike
 //! a───────b     a───x───b     a───────b     a───x───b
 //! ```
 

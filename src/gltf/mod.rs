@@ -22,7 +22,7 @@
 //! | `cloth.subdivision` | metres in the space of the mesh: longer edges are split; for meshes of one material: [`ClothSubdivision`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
 //! | `collider` | `"ball"`, `"capsule"`, `"cuboid"`, `"convex"`, `"trimesh"`, `"plane"`, `"skeleton"`, or `{"shape": …, "friction": …}` |
-//! | `collision_memberships` | layers that the cloth, the collider or, on a joint, the colliders of a body there belong to: a number from 0 to 31, or a list: [`ClothCollisionLayers`](crate::ClothCollisionLayers); without it layer 0 |
+//! | `collision_memberships` | layers that the cloth or collider belongs to: a number from 0 to 31, or a list; without it layer 0. On a joint they count for the colliders of a body there: [`ClothCollisionLayers`](crate::ClothCollisionLayers) |
 //! | `collision_filters` | layers that it touches, as above; without it all |
 //!
 //! | scene extras | value |

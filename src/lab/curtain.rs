@@ -1,7 +1,7 @@
 //! A hanging curtain, whose folds have a length of their own: the stiffer the cloth and the less it weighs down, the wider.
 //!
 //! ```text
-//! λ = 2 √π (B / T)^(1/4) L^(1/2)      T = ρ g (L - y): tension [N/m] at y below the rail, L: height [m] (Cerda, Mahadevan 2003)
+//! λ = 2 √π (B / T)^(1/4) L^(1/2)    T = ρ g (L - y): tension [N/m] at y below the rail, L: height [m] (Cerda, Mahadevan 2003)
 //! ```
 //!
 //! Hooks on the rail give its upper edge more folds than that; on the way down they join.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  frame      X(s)     the way of the body as its engine has it: from X(0) to X(1), without cloth
-//!  substep    advance  d += u h                     d: shift and turn off that way, u: speed off it; both 0 when the frame begins
+//!  substep    advance  d += u h                     d: shift and turn off that way, u: speed off it; both begin at 0
 //!             pins     targets move with d          Δ of a pin  -> body        (`pins`)
 //!             contacts X(s) moved by d              push on cloth -> -push on body
 //!  frame      given    Σ impulses, d               the engine adds impulse / mass to the velocity, and d to the pose
@@ -12,8 +12,8 @@
 //! come as far:
 //!
 //! ```text
-//! K = w 1 + 1/M - [r] I⁻¹ [r]        w: inverse mass of the particle, M, I: mass and inertia of the body, r: from its centre to the particle
-//! Δx = w J,   Δd = -J / M,   Δθ = -I⁻¹ (r × J)
+//! K = w 1 + 1/M - [r] I⁻¹ [r]                     w: inverse mass of the particle, M, I: mass and inertia of the body
+//! Δx = w J,   Δd = -J / M,   Δθ = -I⁻¹ (r × J)    r: from the centre of the body to the particle
 //! ```
 //!
 //! This is XPBD for rigid bodies (Müller et al. 2020, eq. 2 to 9), for a whole vector instead of one direction. The body moves

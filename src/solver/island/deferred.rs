@@ -1,10 +1,10 @@
 //! Which work a frame put off: what can grow beyond the size of the cloth is bounded, and goes on in the next frame.
 //!
 //! ```text
-//!   look     no more pairs of faces and crossings than there may be visits   ─► the next look goes on with the part that follows
-//!   within   no more looks for what strayed, once they were as much          ─► what slips by is rolled back at the end of the frame
-//!   asked    no more mean passes of the CCD, once they asked as many pairs    ─► what still passes is bounded at once
-//!   resolve  contours in their order, until it was as much                   ─► the next iteration goes on with the one that follows
+//!   look     no more pairs of faces and crossings than there may be visits  ─► the next look goes on with the next part
+//!   within   no more looks for what strayed, once they were as much         ─► what slips by is rolled back as the frame ends
+//!   asked    no more mean passes of the CCD, once they asked as many pairs  ─► what still passes is bounded at once
+//!   resolve  contours in their order, until it was as much                  ─► the next iteration goes on with the next one
 //! ```
 
 use super::Island;

@@ -1,7 +1,8 @@
 //! Resolve: takes apart what crosses.
 //!
 //! ```text
-//! roll back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► give back what moved ─► bodies ─► stay: put back what they pushed
+//! roll back what is new ─► (advance ─► springs ─► look)* ─► undo what got worse ─► give back what moved
+//!                       ─► bodies ─► stay: put back what they pushed
 //! ```
 
 use glam::{Vec3, Vec4};

@@ -1,8 +1,8 @@
 //! The order of layers of clothing: of two cloths, the one with the larger number is worn outside.
 //!
 //! ```text
-//!        ↑ normals       ── 1 ──  ●          inner and outer face the same way: what of the outer one lies behind the inner one
-//!    ════╪═══════════════ 0 ══════╪══  ⇒     goes out along the inner one's normals, and the inner one goes in.
+//!        ↑ normals       ── 1 ──  ●         inner and outer face the same way: what of the outer one lies behind the inner one
+//!    ════╪═══════════════ 0 ══════╪══  ⇒    goes out along the inner one's normals, and the inner one goes in.
 //!        ● ── 1 ──────────────────┘
 //! ```
 //!

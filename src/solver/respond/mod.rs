@@ -1,7 +1,7 @@
 //! Respond: cloth rests on cloth, and folds on itself.
 //!
 //! ```text
-//! where it moved NeighborList::find       boxes swept by the motion foreseen ─► pairs that may touch, each with the side it is on
+//! where it moved NeighborList::find       boxes swept by the motion foreseen ─► pairs that may touch, each with its side
 //! each substep   Contacts::touch          closest points again ─► what touches, pushed one thickness apart
 //!                Contacts::solve          the same in more passes ─► friction of the last substep
 //!                Contacts::apply_friction when bodies have pushed, too: what still slips is held

@@ -1,7 +1,7 @@
 //! The rest shape of a mesh that is a multiple of another: every length is multiplied, and nothing is found anew.
 //!
 //! ```text
-//!   length [m] s     area [m²] s²     curvature and shares of edges [1/m] s⁻¹     squares of those s⁻²     angles and weights as they are
+//!   length [m] s  area [m²] s²   curvature and shares of edges [1/m] s⁻¹   squares of those s⁻²   angles, weights: as they are
 //! ```
 
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Skinned constraints: cloth that follows the animated skin of a character, within limits.
 //!
 //! ```text
-//! drive     x ← x* + (ω²h² (q - x*) + 2ζωh (x + u - x*)) / (1 + 2ζωh + ω²h²)    implicit Euler; x* predicted, u what q moved by
+//! drive     x ← x* + (ω²h² (q - x*) + 2ζωh (x + u - x*)) / (1 + 2ζωh + ω²h²)   implicit Euler; x* predicted, u what q moved by
 //! backstop  c = q - n (b + R);   |x - c| < R:  x ← c + R (x - c)/|x - c|
 //! distance  Δ = x - q;           |Δ| > d:      x ← q + d Δ/|Δ|                    last, so that it has the last word
 //! draw      x, x₀ ← + Δ, at most v h + |u|     of what a bone goes through, before forces act and without speed; v: 2 m/s

@@ -2,7 +2,7 @@
 //! face.
 //!
 //! ```text
-//!      o-----------o      particles at the distance kept: enough while the sagitta e² / 8 R of an edge e over a radius R is small
+//!      o-----------o      particles at the distance kept: enough while an edge e over a radius R has a small sagitta e² / 8 R
 //!     /     .-.     \
 //!    /    .'   '.    \    n: normal of the part at the point p = Σ wᵢ xᵢ of the face that is nearest to it, d: distance there
 //!   o----/-------\----o

@@ -2,7 +2,7 @@
 //! hold more than one cloth.
 //!
 //! ```text
-//!             MIXED                     numbers of nodes, faces, particles, leaves and joints are shifted by what stands before
+//!             MIXED                     numbers of nodes, faces, particles, leaves and joints shift by what stands before
 //!            /     \
 //!       MIXED       cloth 2
 //!      /     \

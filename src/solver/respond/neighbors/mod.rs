@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! begin ─► foresee: boxes swept to where each particle will be
-//! find  ─► for pairs of leaves whose boxes meet: ask ─► gap of their faces ─► boxes of the particles and edges they own ─► closest ─► list
+//! find  ─► for pairs of leaves whose boxes meet: ask ─► gap of their faces ─► boxes of the particles and edges they own
+//!                                                ─► closest ─► list
 //! until the next look: strayed ─► update_strayed, within a frame; refresh, at its end
 //! ```
 
