@@ -28,7 +28,7 @@ pub(crate) struct Checked {
 }
 
 impl Checked {
-    /// Forgets all names but keeps the memory.
+    /// Forgets all names, and keeps the allocation.
     pub(crate) fn clear(&mut self) {
         self.clamped.clear();
         self.values.clear();

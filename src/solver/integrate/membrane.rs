@@ -224,7 +224,7 @@ mod tests {
     fn a_stretched_thread_at_held_corners_throws_nothing_away() {
         for lever in [1.0e-2, 1.0e-3, 1.0e-4, 1.0e-6] {
             let mut mesh = SourceMesh::default();
-            // An edge along the weft, all but, and a corner over it.
+            // An edge that is almost along the weft, and a corner over it.
             mesh.positions.extend([Vec3::ZERO, vec3(0.02, 0.0, lever * 0.02), vec3(0.01, 0.0, 0.01)]);
             mesh.triangles.push([0, 1, 2]);
             mesh.uvs = mesh.positions.iter().map(|x| vec2(x.x, x.z)).collect();
