@@ -91,8 +91,9 @@ mod tests {
         anchors.from.iter_mut().chain(&mut anchors.to).for_each(|x| *x = by.transform_point3(*x));
     }
 
-    /// The state after a few frames, before each of which each cloth is carried on a motion of its own. Whether it was known in
-    /// all of them that nothing crossed, pairs that touch, and how far particles are from where they are without that `[m]`.
+    /// The state after a few frames, before each of which each cloth is carried on a motion of its own. It says whether all of
+    /// them knew that nothing crossed. Then come the differences from cloth that is not carried: of the number of pairs that
+    /// touch, and of places `[m]`.
     fn after(motions: [Affine3A; 2], offset: Vec3) -> (bool, u32, f32) {
         let (mut scene, mut still) = (lying(), lying());
         let (mut knows, mut sum) = (true, Affine3A::IDENTITY);

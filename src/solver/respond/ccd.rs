@@ -130,7 +130,7 @@ struct Ways<'a> {
     now: &'a mut [Vec4],
     /// Pass in which the particle was last stopped; 0: not at all; or [`WITH_HELD`].
     cut: &'a mut [u8],
-    /// Farthest way of each particle relative to the mean motion of all `[m]`, or not a number before it is asked for; and that
+    /// Farthest way of each particle relative to the mean motion of all `[m]`; not a number before it is asked for. And that
     /// motion `[m]`.
     bounds: &'a mut Vec<f32>,
     /// What lies on bodies.
