@@ -113,7 +113,7 @@ pub struct Arguments {
     /// Frames of 1/60 s that are timed, after a tenth as many to warm up, and at least 60 with characters.
     #[arg(long, default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: u32,
-    /// Threads that step cloths.
+    /// Threads that step cloths that do not touch, and that share the work of those that do.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub threads: u32,
     /// How crossing cloths are taken apart: history, local-gradient, global-gradient, by-end-type, or none to look for nothing

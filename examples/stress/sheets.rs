@@ -6,6 +6,7 @@ use std::time::Instant;
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;
+use bevy_drape::solver::jobs::JobSystem;
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
 use bevy_drape::solver::step::FrameInput;
 use clap::ValueEnum;
@@ -32,18 +33,20 @@ pub fn run(arguments: &Arguments) -> Result<Value, String> {
     if arguments.no_contact {
         scene = scene.without_contact();
     }
-    // The calling thread works too.
-    let pool = (arguments.threads > 1).then(|| TaskPoolBuilder::new().num_threads(arguments.threads as usize - 1).build());
+    let pool = (arguments.threads > 1).then(|| pool(arguments.threads as usize));
+    if let (Some(pool), Some(untangling)) = (pool, &mut scene.untangle) {
+        untangling.island.share(Some(pool));
+    }
     // A tangle is what its first frames are about.
     let warm_up = if scene.gravity == glam::Vec3::ZERO { 0 } else { arguments.warm_up() };
     let mut run = Run::default();
     for _ in 0..warm_up {
-        step(&mut scene, pool.as_ref());
+        step(&mut scene, pool);
         run.check(arguments, &scene);
     }
     for frame in 1..=arguments.frames {
         let start = Instant::now();
-        step(&mut scene, pool.as_ref());
+        step(&mut scene, pool);
         run.frames.push(start.elapsed().as_secs_f64() * 1.0e3);
         run.note(frame, &scene);
         run.check(arguments, &scene);
@@ -172,11 +175,11 @@ impl Run {
 }
 
 /// One frame of 1/60 s; cloths are dealt to the threads.
-fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
+fn step(scene: &mut Scene, pool: Option<&Pool>) {
     let dt = 1.0 / 60.0;
     // Cloths that touch each other are stepped side by side.
     let touch = scene.untangle.as_ref().is_some_and(|u| u.contact);
-    let Some(pool) = pool.filter(|_| !touch) else {
+    let Some(Pool(pool)) = pool.filter(|_| !touch) else {
         scene.step(dt);
         return;
     };
@@ -194,6 +197,30 @@ fn step(scene: &mut Scene, pool: Option<&TaskPool>) {
     scene.wind.advance(dt);
     scene.times = StageTimes { integrate: 1.0e3 * (clock() - start), ..StageTimes::default() };
     scene.finish_frame(dt);
+}
+
+/// Threads that step cloths beside the calling one, which works, too.
+#[derive(Debug)]
+struct Pool(TaskPool);
+
+/// A pool for so many threads, until the program ends.
+fn pool(threads: usize) -> &'static Pool {
+    Box::leak(Box::new(Pool(TaskPoolBuilder::new().num_threads(threads - 1).build())))
+}
+
+impl JobSystem for Pool {
+    fn concurrency(&self) -> usize {
+        self.0.thread_num() + 1
+    }
+
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        self.0.scope(|scope| {
+            for number in 1..count {
+                scope.spawn(async move { job(number) });
+            }
+            job(0);
+        });
+    }
 }
 
 /// Time since it was first asked [s].

@@ -43,6 +43,12 @@ impl Effort {
         self.spent = self.spent.saturating_add(visits as u64);
     }
 
+    /// Whether so many visits are less than may be made.
+    #[must_use]
+    pub(crate) const fn allows(&self, visits: usize) -> bool {
+        (visits as u64) < self.most
+    }
+
     /// For one walk that may take all of it by itself, whatever was spent before.
     #[must_use]
     pub(crate) const fn meter(&self) -> Meter {

@@ -11,6 +11,7 @@
 //! | step one cloth, or those of an island | [`step`], [`island`], with [`state`], [`anchors`], [`skinned`], [`body`], [`couple`], [`wind`], [`settings`] |
 //! | find crossings and take them apart | [`detect`], [`resolve`], [`verdict`] |
 //! | decide what to show, and take back what blew up | [`evaluate`], [`recover`] |
+//! | lend threads to an island | [`jobs`] |
 //! | step a recorded frame again | `recording` (feature `record`) |
 
 pub mod settings;
@@ -29,6 +30,7 @@ pub(crate) mod integrate;
 pub mod step;
 pub mod detect;
 pub(crate) mod effort;
+pub mod jobs;
 pub mod verdict;
 pub mod resolve;
 pub mod evaluate;

@@ -1,9 +1,10 @@
 //! Runs a stage of the frame of every island, in parallel over islands. Each writes only the data of its own cloths, so the
-//! result has the same bits for any number of threads.
+//! result has the same bits for any number of threads. Fewer islands than threads share them in their looks for pairs.
 
 use bevy::prelude::*;
 use bevy::tasks::ComputeTaskPool;
 
+use super::jobs::spare;
 use super::stopwatch;
 use crate::components::Cloth;
 use crate::islands::{ClothIsland, ClothIslands};
@@ -44,8 +45,10 @@ pub(super) fn run(
             tasks.push((island, mine));
         }
     }
+    let jobs = spare(tasks.len());
     each(tasks, |(ClothIsland { solver, settings, times, .. }, members)| {
         let clock = stopwatch();
+        solver.share(jobs);
         solver.run(stage, dt, settings, members);
         times[stage as usize] = clock();
     });
@@ -53,9 +56,11 @@ pub(super) fn run(
 
 /// Runs a `stage` that needs no cloths of all islands that are awake.
 pub(super) fn run_without_cloths(islands: &mut ClothIslands, stage: Stage, dt: f32) {
-    let awake = islands.list.iter_mut().filter(|island| is_awake(island)).collect();
+    let awake: Vec<_> = islands.list.iter_mut().filter(|island| is_awake(island)).collect();
+    let jobs = spare(awake.len());
     each(awake, |ClothIsland { solver, settings, times, .. }| {
         let clock = stopwatch();
+        solver.share(jobs);
         solver.run(stage, dt, settings, &mut []);
         times[stage as usize] = clock();
     });

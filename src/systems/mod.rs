@@ -14,6 +14,7 @@ pub(crate) mod grab;
 pub(crate) mod inputs;
 pub(crate) mod integrate;
 mod islands;
+mod jobs;
 pub(crate) mod lod;
 pub(crate) mod pieces;
 pub(crate) mod poses;

@@ -4,6 +4,7 @@
 mod apart;
 mod contact;
 mod gusts;
+mod threads;
 
 use bevy_drape::solver::evaluate::EvaluateSettings;
 use bevy_drape::solver::island::UntangleSettings;

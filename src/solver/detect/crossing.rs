@@ -26,7 +26,7 @@ use super::surface::Surface;
 use super::tree::{Meeting, Tree};
 
 /// Visits that it costs to ask whether two faces cross, and those of a crossing, which is worked out, traced and recognized.
-const PAIR: usize = 4;
+pub(crate) const PAIR: usize = 4;
 const CROSSING: usize = 64;
 
 /// An edge passing through a face.
@@ -185,6 +185,30 @@ impl Detector {
         });
         self.parts.note(self.crossings.len() as u32, parts);
         &self.crossings
+    }
+
+    /// As [`Self::detect_and`], where somebody else walked the [tree](Self::tree_ref) from where it was [left](Tree::left) to its
+    /// end: `asks` are the faces that may cross, and `visits` what the walk was. False where some cross, or there was too much
+    /// work: then it is to be done again.
+    pub(crate) fn detect_asked(
+        &mut self,
+        surface: &Surface,
+        positions: &[Vec4],
+        mut asks: impl Iterator<Item = [u32; 2]>,
+        visits: usize,
+    ) -> bool {
+        if positions.len() != surface.len() || !self.parts.most.allows(visits) {
+            return false;
+        }
+        let meter = Effort::UNBOUNDED.meter();
+        meter.spend(visits);
+        let mut cross = false;
+        self.cross(surface, positions, &meter, |_, crosser| cross = asks.any(|[f, g]| crosser.ask(f, g)));
+        if !cross {
+            let is_first = self.tree.end();
+            self.parts.note(self.crossings.len() as u32, [is_first, true]);
+        }
+        !cross
     }
 
     /// Bounds the work of one look: what is more is left to the next one.

@@ -3,7 +3,7 @@
 use super::{Island, LONGEST_LOOK, Member, RINGS, parts_of_contours};
 use crate::solver::body::Touch;
 use crate::solver::resolve::Untangler;
-use crate::solver::respond::{Moment, NeighborList};
+use crate::solver::respond::Moment;
 use crate::solver::verdict::Verdict;
 
 impl Island {
@@ -67,8 +67,8 @@ impl Island {
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let most = self.most;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
+        let (most, jobs) = (self.most, *self.jobs);
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most, jobs };
         let tree = untangler.detector.tree();
         if strayed {
             let (share, rest) = (self.share, self.horizon * (1.0 - self.share));
@@ -101,21 +101,11 @@ impl Island {
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
-        let Self {
-            surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
-        } = self;
-        let most = *most;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
-        neighbors.begin(surface, &moment, self.horizon, contacts);
-        untangler.detector.tree().refit(surface, positions, Some(neighbors.ahead()));
-        let meter = most.meter();
-        let mut narrow = neighbors.narrow_phase(surface, &moment, |_| 0.0, contacts, false, &meter);
-        let crossings =
-            untangler.detector.detect_and(surface, positions, NeighborList::reach(&moment), |tree, met, crosser| {
-                narrow.leaves(tree, met, |f, g| crosser.ask(f, g));
-            });
-        narrow.finish();
-        neighbors.note_cost(&meter);
+        let (most, jobs) = (self.most, *self.jobs);
+        let Self { surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, .. } =
+            self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most, jobs };
+        let crossings = neighbors.find_and_detect(surface, &mut untangler.detector, &moment, self.horizon, contacts);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
         self.looks = 1;
         self.stale = false;
@@ -131,11 +121,10 @@ impl Island {
     /// The same, where cloth has hardly moved since the last time. Only faces that were close then can cross, and only for
     /// cloth that moved pairs are looked for anew. False where cloth has moved farther, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
-        let Self {
-            surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, most, ..
-        } = self;
-        let most = *most;
-        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most };
+        let (most, jobs) = (self.most, *self.jobs);
+        let Self { surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, .. } =
+            self;
+        let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most, jobs };
         let detector = &mut untangler.detector;
         if !(self.known && neighbors.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts))
             || neighbors.is_cut()

@@ -41,6 +41,7 @@ use super::buffer::Buffer;
 use super::detect::tree::{Tree, TreeTopology};
 use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
 use super::effort::Effort;
+use super::jobs::JobSystem;
 use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
 #[cfg(feature = "debug")]
 use super::respond::Touching;
@@ -160,6 +161,8 @@ pub struct Island {
     asked: Effort,
     /// What untangling was in the last frame `[visits]`.
     worked: u64,
+    /// Threads that share its work.
+    jobs: Buffer<Option<&'static dyn JobSystem>>,
 }
 
 impl Island {
@@ -190,6 +193,11 @@ impl Island {
         };
         island.bound(UntangleSettings::default().effort);
         Ok(island)
+    }
+
+    /// Lends it threads, which a clone does not have. They change no bit of the result. None by default.
+    pub fn share(&mut self, jobs: Option<&'static dyn JobSystem>) {
+        *self.jobs = jobs;
     }
 
     /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays

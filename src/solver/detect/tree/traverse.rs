@@ -65,15 +65,13 @@ impl Tree {
         [is_first, self.left.is_empty()]
     }
 
-    /// As [`Self::meetings`], only for pairs with a face that is `marked` (by face).
-    pub(crate) fn meetings_with(
-        &mut self,
-        surface: &Surface,
-        margin: f32,
-        marked: &[bool],
-        meter: &Meter,
-        found: impl FnMut(&Self, &Meeting),
-    ) {
+    /// As [`Self::meetings`], only for pairs with a face that is [marked](Self::mark).
+    pub(crate) fn meetings_with(&mut self, surface: &Surface, margin: f32, meter: &Meter, found: impl FnMut(&Self, &Meeting)) {
+        self.traverse::<true>(surface, margin, &[(0, 0)], meter, found);
+    }
+
+    /// Marks faces, and the nodes above them.
+    pub(crate) fn mark(&mut self, marked: &[bool]) {
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             self.nodes[i].marked = if node.right & IS_LEAF == 0 {
@@ -83,7 +81,6 @@ impl Tree {
                 self.topology.faces[node.run()].iter().enumerate().map(bit).sum()
             };
         }
-        self.traverse::<true>(surface, margin, &[(0, 0)], meter, found);
     }
 
     /// Calls `found` with each pair of faces of a meeting, in order.
@@ -102,67 +99,164 @@ impl Tree {
         margin: f32,
         left: &[(u32, u32)],
         meter: &Meter,
-        mut found: impl FnMut(&Self, &Meeting),
+        found: impl FnMut(&Self, &Meeting),
     ) {
-        if self.nodes.is_empty() {
-            return;
-        }
-        let margin = Vec3A::splat(margin);
         let mut stack = core::mem::take(&mut self.stack);
         stack.clear();
         stack.extend_from_slice(left);
+        self.walk::<MARKED>(surface, margin, &mut stack, meter, found);
+        self.stack = stack;
+    }
+
+    /// Pairs of nodes that are left of a walk in parts: all that the next one begins with.
+    #[must_use]
+    pub(crate) fn left(&self) -> &[(u32, u32)] {
+        if self.left.is_empty() { &[(0, 0)] } else { &self.left }
+    }
+
+    /// Notes that somebody else walked to the end of all that was [left](Self::left). Says whether it began with the first part.
+    pub(crate) fn end(&mut self) -> bool {
+        let is_first = self.left.is_empty();
+        self.left.clear();
+        is_first
+    }
+
+    /// Takes `pairs` of nodes apart until there are `count`, or leaves only. Walked from the last to the first, they find what
+    /// the pairs before found, in the same order. `next` is a buffer.
+    #[expect(clippy::too_many_arguments, reason = "buffers of who asks, which are borrowed apart")]
+    pub(crate) fn split(
+        &self,
+        surface: &Surface,
+        margin: f32,
+        marked: bool,
+        count: usize,
+        pairs: &mut Vec<(u32, u32)>,
+        next: &mut Vec<(u32, u32)>,
+        meter: &Meter,
+    ) {
+        let (margin, nothing) = (Vec3A::splat(margin), &mut |_: &Self, _: &Meeting| {});
+        let mut goes_on = !self.nodes.is_empty();
+        while goes_on && pairs.len() < count {
+            goes_on = false;
+            next.clear();
+            for &pair in pairs.iter() {
+                if self.is_of_leaves(pair) {
+                    next.push(pair);
+                } else {
+                    goes_on = true;
+                    meter.spend(1);
+                    if marked {
+                        self.take_apart::<true>(pair, surface, margin, next, nothing);
+                    } else {
+                        self.take_apart::<false>(pair, surface, margin, next, nothing);
+                    }
+                }
+            }
+            core::mem::swap(pairs, next);
+        }
+    }
+
+    /// As [`Self::meetings`] or, for `marked` faces, [`Self::meetings_with`], of pairs of nodes in a `stack`, from the last to
+    /// the first.
+    pub(crate) fn meetings_of(
+        &self,
+        surface: &Surface,
+        margin: f32,
+        marked: bool,
+        stack: &mut Vec<(u32, u32)>,
+        meter: &Meter,
+        found: impl FnMut(&Self, &Meeting),
+    ) {
+        if marked {
+            self.walk::<true>(surface, margin, stack, meter, found);
+        } else {
+            self.walk::<false>(surface, margin, stack, meter, found);
+        }
+    }
+
+    /// Whether no pair of nodes comes of a pair, as both are leaves.
+    fn is_of_leaves(&self, (a, b): (u32, u32)) -> bool {
+        let [a, b] = if a == JOINT { self.topology.joints[b as usize].nodes } else { [a, b] };
+        self.nodes[a as usize].right & self.nodes[b as usize].right & IS_LEAF != 0
+    }
+
+    fn walk<const MARKED: bool>(
+        &self,
+        surface: &Surface,
+        margin: f32,
+        stack: &mut Vec<(u32, u32)>,
+        meter: &Meter,
+        mut found: impl FnMut(&Self, &Meeting),
+    ) {
+        if self.nodes.is_empty() {
+            stack.clear();
+            return;
+        }
+        let margin = Vec3A::splat(margin);
         while !meter.is_spent()
-            && let Some((a, b)) = stack.pop()
+            && let Some(pair) = stack.pop()
         {
             meter.spend(1);
-            if a == JOINT {
-                if !MARKED || self.topology.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
-                    self.descend::<MARKED>(b, margin, &mut stack, &mut found);
-                }
-                continue;
+            self.take_apart::<MARKED>(pair, surface, margin, stack, &mut found);
+        }
+    }
+
+    /// Takes a pair of nodes apart into pairs of their children, or asks their faces.
+    #[inline(always)]
+    fn take_apart<const MARKED: bool>(
+        &self,
+        (a, b): (u32, u32),
+        surface: &Surface,
+        margin: Vec3A,
+        stack: &mut Vec<(u32, u32)>,
+        found: &mut impl FnMut(&Self, &Meeting),
+    ) {
+        if a == JOINT {
+            if !MARKED || self.topology.joints[b as usize].nodes.iter().any(|&i| self.nodes[i as usize].marked != 0) {
+                self.descend::<MARKED>(b, margin, stack, found);
             }
-            let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
-            if MARKED && left.marked | right.marked == 0 {
-                continue;
+            return;
+        }
+        let (left, right) = (&self.nodes[a as usize], &self.nodes[b as usize]);
+        if MARKED && left.marked | right.marked == 0 {
+            return;
+        }
+        let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
+        if a == b {
+            if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {
+                return;
             }
-            let (leaf_a, leaf_b) = (left.right & IS_LEAF != 0, right.right & IS_LEAF != 0);
-            if a == b {
-                if left.part != MIXED && !surface.parts[usize::from(left.part)].self_collision {
-                    continue;
-                }
-                if left.disc && left.normals.are_flat() {
-                    continue;
-                }
-                if leaf_a {
-                    if !(left.disc && self.hardly_bend([left])) {
-                        self.within::<MARKED>(left, margin, &mut found);
-                    }
-                } else {
-                    stack.push((left.right, left.right));
-                    stack.push((a + 1, a + 1));
-                    if left.link != NONE {
-                        stack.push((JOINT, left.link));
-                    } else if self.meet(a + 1, left.right, margin) {
-                        stack.push((a + 1, left.right));
-                    }
-                }
-            } else if leaf_a && leaf_b {
-                self.between::<MARKED>([left, right], self.topology.unjoined, margin, &mut found);
-            } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
-                for child in [left.right, a + 1] {
-                    if self.meet(child, b, margin) {
-                        stack.push((child, b));
-                    }
+            if left.disc && left.normals.are_flat() {
+                return;
+            }
+            if leaf_a {
+                if !(left.disc && self.hardly_bend([left])) {
+                    self.within::<MARKED>(left, margin, found);
                 }
             } else {
-                for child in [right.right, b + 1] {
-                    if self.meet(a, child, margin) {
-                        stack.push((a, child));
-                    }
+                stack.push((left.right, left.right));
+                stack.push((a + 1, a + 1));
+                if left.link != NONE {
+                    stack.push((JOINT, left.link));
+                } else if self.meet(a + 1, left.right, margin) {
+                    stack.push((a + 1, left.right));
+                }
+            }
+        } else if leaf_a && leaf_b {
+            self.between::<MARKED>([left, right], self.topology.unjoined, margin, found);
+        } else if leaf_b || (!leaf_a && extent(&left.bounds) >= extent(&right.bounds)) {
+            for child in [left.right, a + 1] {
+                if self.meet(child, b, margin) {
+                    stack.push((child, b));
+                }
+            }
+        } else {
+            for child in [right.right, b + 1] {
+                if self.meet(a, child, margin) {
+                    stack.push((a, child));
                 }
             }
         }
-        self.stack = stack;
     }
 
     /// Takes two nodes that share particles apart, unless they are one piece that hardly bends.

@@ -11,8 +11,7 @@ const ONE_IN: usize = 64;
 
 /// Where the cloth hardly bends: particles around which all normals lie, and will lie, within 60° of their sum. Distances
 /// across a crease are at least half of those at rest there.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Default)]
 pub(super) struct Flatness {
     /// Normals of faces as long as twice their area `[m²]`, and their sums around particles.
     normals: Vec<Vec3A>,
@@ -21,19 +20,16 @@ pub(super) struct Flatness {
     flat: Vec<Option<bool>>,
     /// Particles for which it was.
     asked: u32,
+    /// Faces around a particle.
+    fan: Vec<u32>,
 }
 
 impl Flatness {
-    pub(super) fn new(surface: &Surface) -> Self {
-        let n = surface.len();
-        let normals = vec![Vec3A::ZERO; surface.topology.faces.len()];
-        Self { normals, sums: vec![Vec3A::ZERO; n], flat: vec![None; n], asked: 0 }
-    }
-
-    /// Everything moved: nothing is known.
-    pub(super) fn forget(&mut self) {
+    /// Everything moved: nothing is known of so many particles.
+    pub(super) fn forget(&mut self, particles: usize) {
         self.asked = 0;
-        self.flat.fill(None);
+        self.flat.clear();
+        self.flat.resize(particles, None);
     }
 
     /// Whether particle `v` is flat.
@@ -49,19 +45,33 @@ impl Flatness {
         let then = |v: u32| ahead[v as usize];
         self.asked += 1;
         if self.asked as usize * ONE_IN <= self.flat.len() {
-            let flat = is_flat(v, surface, now) && is_flat(v, surface, then);
+            let flat = is_flat(v, surface, &mut self.fan, now) && is_flat(v, surface, &mut self.fan, then);
             self.flat[v as usize] = Some(flat);
             return flat;
         }
+        self.find_all(surface, positions, ahead);
+        self.is_known(v)
+    }
+
+    /// Finds out about all particles.
+    pub(super) fn find_all(&mut self, surface: &Surface, positions: &[Vec4], ahead: &[Vec3A]) {
+        self.asked = self.flat.len() as u32;
         self.flat.fill(Some(true));
-        self.keep(surface, now);
-        self.keep(surface, then);
+        self.keep(surface, |v| Vec3A::from_vec4(positions[v as usize]));
+        self.keep(surface, |v| ahead[v as usize]);
+    }
+
+    /// Whether particle `v` is known to be flat.
+    #[inline]
+    pub(super) fn is_known(&self, v: u32) -> bool {
         self.flat[v as usize] == Some(true)
     }
 
     fn keep(&mut self, surface: &Surface, at: impl Fn(u32) -> Vec3A) {
         let Self { normals, sums, flat, .. } = self;
-        sums.fill(Vec3A::ZERO);
+        sums.clear();
+        sums.resize(flat.len(), Vec3A::ZERO);
+        normals.resize(surface.topology.faces.len(), Vec3A::ZERO);
         // Any direction will do, so large faces may count for more.
         for (&[a, b, c], normal) in surface.topology.faces.iter().zip(normals.iter_mut()) {
             let origin = at(a);
@@ -83,17 +93,22 @@ impl Flatness {
     }
 }
 
-/// Whether all normals around a particle lie within 60° of their sum.
-fn is_flat(v: u32, surface: &Surface, at: impl Fn(u32) -> Vec3A) -> bool {
+/// Whether all normals around a particle lie within 60° of their sum. With the bits of [`Flatness::keep`], which sums in the
+/// order of faces.
+fn is_flat(v: u32, surface: &Surface, fan: &mut Vec<u32>, at: impl Fn(u32) -> Vec3A) -> bool {
     let topology = &surface.topology;
+    fan.clear();
+    fan.extend(topology.around(v).iter().flat_map(|&(_, e)| topology.edge_faces[e as usize]).filter(|&f| f != NONE));
     // Each face twice: it has two edges there.
-    let faces = || topology.around(v).iter().flat_map(|&(_, e)| topology.edge_faces[e as usize]).filter(|&f| f != NONE);
-    let normal = |f: u32| {
+    fan.sort_unstable();
+    fan.dedup();
+    let normal = |&f: &u32| {
         let [a, b, c] = topology.faces[f as usize].map(&at);
         (b - a).cross(c - a)
     };
-    let sum: Vec3A = faces().map(normal).sum();
-    faces().map(normal).all(|normal| {
+    let mut sum = Vec3A::ZERO;
+    fan.iter().map(normal).for_each(|normal| sum += normal);
+    fan.iter().map(normal).all(|normal| {
         let along = normal.dot(sum);
         along > 0.0 && along * along > ALIGNED * ALIGNED * normal.length_squared() * sum.length_squared()
     })

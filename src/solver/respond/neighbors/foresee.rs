@@ -96,6 +96,7 @@ mod tests {
                 takes_part,
                 pinned,
                 most: Effort::UNBOUNDED,
+                jobs: None,
             };
             foreseen(&moment, 0, 6.0, before, ahead)
         };

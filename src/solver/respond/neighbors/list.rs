@@ -1,7 +1,7 @@
 //! Lists a pair of primitives that may touch, with the side it is on and the distance it keeps.
 
 use super::MARGIN;
-use super::narrow_phase::NarrowPhase;
+use super::narrow_phase::{NarrowPhase, Search};
 use super::near::{Found, REST_SHARE};
 use crate::solver::detect::ProximityKind;
 use crate::solver::respond::contact::Contact;
@@ -16,25 +16,26 @@ const LEAST_KEPT: f32 = 0.1;
 /// thickness, would buckle and cross more.
 const WITHIN_TANGLE: f32 = 0.9;
 
-impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
+impl<T: Fn(u32) -> f32, F: FnMut(u32) -> bool> NarrowPhase<'_, T, F> {
     /// Lists a pair that was `found`, if it may touch.
     #[inline]
     pub(super) fn list(&mut self, found: &Found) {
-        if self.contacts.len() >= self.most {
+        if self.outcome.room == 0 {
             return;
         }
         let &Found { pair, faces, normal, .. } = found;
-        let (ids, touch) = (pair.particles, self.touch);
+        let &Search { surface, touch, takes_part, .. } = self.search;
+        let ids = pair.particles;
         let first = if pair.kind == ProximityKind::VertexFace { 1 } else { 2 };
-        let (p, q) = (self.surface.part(ids[0]), self.surface.part(ids[3]));
-        if !(self.takes_part[usize::from(p)] && self.takes_part[usize::from(q)]) {
+        let (p, q) = (surface.part(ids[0]), surface.part(ids[3]));
+        if !(takes_part[usize::from(p)] && takes_part[usize::from(q)]) {
             return;
         }
         let whole = 0.5 * (touch[usize::from(p)].thickness + touch[usize::from(q)].thickness);
         let (mut thickness, margin) = (whole, MARGIN * whole);
         let tangled = self.tangled(&ids[..first]).min(self.tangled(&ids[first..]));
         if !normal.is_finite() || tangled > WITHIN_TANGLE {
-            self.contacts.coincide |= !normal.is_finite();
+            self.outcome.coincide |= !normal.is_finite();
             return;
         }
         let far = |thickness: f32| found.is_far(thickness + margin);
@@ -47,7 +48,7 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
                 return;
             }
         }
-        if self.contacts.is_inverted(pair.kind, ids) {
+        if self.search.is_inverted(pair.kind, ids) {
             return;
         }
         // Looked for as far as any other, so that nothing meets unseen.
@@ -56,7 +57,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         } else if tangled > 0.0 {
             thickness = thickness.min(pair.distance.max(LEAST_KEPT * whole));
         }
-        self.contacts.push(Contact {
+        self.outcome.room -= 1;
+        self.outcome.pairs.push(Contact {
             kind: pair.kind,
             faces,
             particles: ids,
@@ -72,12 +74,12 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     /// How much the particles of a primitive belong to a tangle, at most (0 to 1, dimensionless).
     #[inline]
     fn tangled(&self, ids: &[u32]) -> f32 {
-        ids.iter().map(|&v| (self.tangled)(v)).fold(0.0, f32::max)
+        ids.iter().map(|&v| (self.search.tangled)(v)).fold(0.0, f32::max)
     }
 
     /// Whether pins hold a particle of a primitive.
     #[inline]
     fn is_pinned(&self, ids: &[u32]) -> bool {
-        ids.iter().any(|&v| self.pinned[v as usize])
+        ids.iter().any(|&v| self.search.pinned[v as usize])
     }
 }

@@ -20,6 +20,8 @@ mod flat;
 mod patch;
 mod gap;
 mod narrow_phase;
+mod outcome;
+mod threads;
 mod near;
 mod batch;
 mod closest;
@@ -31,14 +33,19 @@ pub(crate) use moment::Moment;
 
 use super::{Contacts, Touch};
 use crate::solver::buffer::Buffer;
-use crate::solver::detect::Surface;
-use crate::solver::detect::tree::Tree;
+use crate::solver::detect::crossing::PAIR;
+use crate::solver::detect::tree::{Meeting, Tree};
+use crate::solver::detect::{Crossing, Detector, Surface};
 use crate::solver::effort::Meter;
+use crate::solver::jobs::JobSystem;
 use crate::solver::rigid::Rigid;
 use batch::Batch;
 use flat::Flatness;
 use looked::Looked;
-use patch::Patches;
+use narrow_phase::{Known, NarrowPhase, Search};
+use outcome::Outcome;
+use patch::{Laid, Patches};
+use threads::{Threads, WORTH_WAKING, Walk};
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame
 /// comes from there.
@@ -63,7 +70,6 @@ pub(crate) struct NeighborList {
     astray: Vec<bool>,
     shifted: Vec<bool>,
     marked: Vec<bool>,
-    flatness: Flatness,
     /// The motion that all share until the next frame `[m]`.
     shared: Vec3A,
     /// Mean speed at the last look at everything, less what all cloths share `[m/s]`.
@@ -78,24 +84,54 @@ pub(crate) struct NeighborList {
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
-    /// Pairs whose closest points are to be found next.
-    batch: Buffer<Batch>,
+    tools: Buffer<Tools>,
     /// What the last look cost, and whether there was too much of it.
     visits: usize,
     is_cut: bool,
 }
 
-impl NeighborList {
-    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: with [`Self::narrow_phase`], in whatever order
-    /// [`Tree::pairs`] finds faces. The tree is fitted to where particles are and [will be](Self::ahead), and finds faces
-    /// within [`Self::reach`].
-    pub(crate) fn begin(&mut self, surface: &Surface, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
-        contacts.begin();
-        contacts.fit(surface);
-        self.foresee(surface, moment, dt);
-        self.flatness.forget();
+/// What leaves are asked with.
+#[derive(Debug, Default)]
+struct Tools {
+    flatness: Flatness,
+    laid: Laid,
+    batch: Batch,
+    outcome: Outcome,
+    threads: Threads,
+}
+
+impl Tools {
+    /// Begins to ask leaves, by one thread.
+    fn one_thread<'a, T: Fn(u32) -> f32>(
+        &'a mut self,
+        search: &'a Search<'a, T>,
+        room: usize,
+        meter: &'a Meter,
+    ) -> NarrowPhase<'a, T, impl FnMut(u32) -> bool> {
+        let Self { flatness, laid, batch, outcome, .. } = self;
+        let &Search { surface, positions, ahead, patches, .. } = search;
+        laid.forget(patches);
+        batch.clear();
+        outcome.begin(room);
+        let is_flat = |v| flatness.holds(v, surface, positions, ahead);
+        NarrowPhase { search, is_flat, laid, batch, outcome, meter }
     }
 
+    /// Asks leaves, by several threads. Returns the visits of the walk and of asking leaves, where as much was listed as may be.
+    fn ask_by_threads<T: Fn(u32) -> f32 + Sync>(
+        &mut self,
+        jobs: &dyn JobSystem,
+        search: &Search<'_, T>,
+        tree: &Tree,
+        walk: Walk<'_>,
+    ) -> Option<[usize; 2]> {
+        self.flatness.find_all(search.surface, search.positions, search.ahead);
+        let visits = self.threads.ask(jobs, search, &self.flatness, tree, walk);
+        self.threads.fit(walk.room).then_some(visits)
+    }
+}
+
+impl NeighborList {
     /// Finds the pairs that may touch within `dt` `[s]`. `tangled` says how much a particle belongs to a tangle (0 to 1),
     /// within which there is no right side.
     pub(crate) fn find(
@@ -104,20 +140,111 @@ impl NeighborList {
         tree: &mut Tree,
         moment: &Moment<'_>,
         dt: f32,
-        tangled: impl Fn(u32) -> f32,
+        tangled: impl Fn(u32) -> f32 + Sync,
         contacts: &mut Contacts,
     ) {
-        self.begin(surface, moment, dt, contacts);
+        self.begin(surface, tree, moment, dt, contacts);
+        self.ask_leaves(surface, tree, moment, tangled, contacts, false);
+    }
+
+    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: the tree is fitted to where particles are and are
+    /// foreseen to be.
+    fn begin(&mut self, surface: &Surface, tree: &mut Tree, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
+        contacts.begin();
+        contacts.fit(surface);
+        self.foresee(surface, moment, dt);
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        let meter = moment.most.meter();
-        let mut narrow = self.narrow_phase(surface, moment, tangled, contacts, false, &meter);
-        tree.meetings(surface, Self::reach(moment), &meter, |tree, met| narrow.leaves(tree, met, |_, _| false));
-        narrow.finish();
+    }
+
+    /// The same, and looks for crossings at the same pairs of faces. From the first crossing on it looks for nothing else.
+    pub(crate) fn find_and_detect<'a>(
+        &mut self,
+        surface: &Surface,
+        detector: &'a mut Detector,
+        moment: &Moment<'_>,
+        dt: f32,
+        contacts: &mut Contacts,
+    ) -> &'a [Crossing] {
+        self.begin(surface, detector.tree(), moment, dt, contacts);
+        let (jobs, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
+        let (known, tools) = self.parts();
+        let search = known.search(surface, moment, |_| 0.0, &inverted, false);
+        let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
+        let walk = Walk { left: detector.tree_ref().left(), marked: false, pair: PAIR, room, moment };
+        let asked = jobs.and_then(|jobs| tools.ask_by_threads(jobs, &search, detector.tree_ref(), walk));
+        let clean = asked.filter(|&[walked, asked]| {
+            let asks = tools.threads.runs().flat_map(|run| run.asks.iter().copied());
+            moment.most.allows(asked) && detector.detect_asked(surface, moment.positions, asks, walked)
+        });
+        if let Some([_, asked]) = clean {
+            meter.spend(asked);
+            tools.threads.runs().for_each(|run| run.outcome.drain_into(contacts));
+        } else {
+            let mut narrow = tools.one_thread(&search, room, &meter);
+            detector.detect_and(surface, moment.positions, Self::reach(moment), |tree, met, crosser| {
+                narrow.leaves(tree, met, |f, g| crosser.ask(f, g));
+                narrow.outcome.drain_into(contacts);
+            });
+            narrow.finish();
+            narrow.outcome.drain_into(contacts);
+        }
+        contacts.inverted = inverted;
+        self.note_cost(&meter);
+        detector.crossings()
+    }
+
+    /// Asks the leaves of a tree for what may touch: all, or `anew` those with a face that is [marked](Tree::mark).
+    fn ask_leaves(
+        &mut self,
+        surface: &Surface,
+        tree: &mut Tree,
+        moment: &Moment<'_>,
+        tangled: impl Fn(u32) -> f32 + Sync,
+        contacts: &mut Contacts,
+        anew: bool,
+    ) {
+        let (jobs, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
+        let (known, tools) = self.parts();
+        let search = known.search(surface, moment, tangled, &inverted, anew);
+        let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
+        let walk = Walk { left: &[(0, 0)], marked: anew, pair: 0, room, moment };
+        let asked = jobs.and_then(|jobs| tools.ask_by_threads(jobs, &search, tree, walk));
+        if let Some(visits) = asked.map(|visits| visits.iter().sum()).filter(|&visits| moment.most.allows(visits)) {
+            meter.spend(visits);
+            tools.threads.runs().for_each(|run| run.outcome.drain_into(contacts));
+        } else {
+            let mut narrow = tools.one_thread(&search, room, &meter);
+            let mut ask = |tree: &Tree, met: &Meeting| {
+                narrow.leaves(tree, met, |_, _| false);
+                narrow.outcome.drain_into(contacts);
+            };
+            if anew {
+                tree.meetings_with(surface, Self::reach(moment), &meter, &mut ask);
+            } else {
+                tree.meetings(surface, Self::reach(moment), &meter, &mut ask);
+            }
+            narrow.finish();
+            narrow.outcome.drain_into(contacts);
+        }
+        contacts.inverted = inverted;
         self.note_cost(&meter);
     }
 
+    /// Threads to share a look with, if it will cost as much as the last one.
+    fn to_wake<'a>(&self, moment: &Moment<'a>) -> Option<&'a dyn JobSystem> {
+        let worth = self.visits >= WORTH_WAKING && !self.is_cut;
+        moment.jobs.filter(|jobs| worth && jobs.concurrency() > 1)
+    }
+
+    /// What is known, and what leaves are asked with.
+    fn parts(&mut self) -> (Known<'_>, &mut Tools) {
+        let Self { ahead, longest, loose, patches, tools, .. } = self;
+        tools.flatness.forget(ahead.len());
+        (Known { ahead, longest, loose, patches }, tools)
+    }
+
     /// Notes what a look cost.
-    pub(crate) fn note_cost(&mut self, meter: &Meter) {
+    fn note_cost(&mut self, meter: &Meter) {
         (self.visits, self.is_cut) = (meter.spent(), meter.is_spent());
     }
 

@@ -4,6 +4,7 @@ use glam::Vec4;
 
 use crate::solver::body::Touch;
 use crate::solver::effort::Effort;
+use crate::solver::jobs::JobSystem;
 
 /// What pairs are looked for in: the state of all cloths after a substep.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +23,8 @@ pub(crate) struct Moment<'a> {
     pub pinned: &'a [bool],
     /// Work that one look may be: of pairs that come on top, in cloth that is crushed, nothing is known.
     pub most: Effort,
+    /// Threads that may share it.
+    pub jobs: Option<&'a dyn JobSystem>,
 }
 
 impl Moment<'_> {

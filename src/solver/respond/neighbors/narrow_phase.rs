@@ -5,12 +5,13 @@ use core::ops::Range;
 use glam::{Vec3A, Vec4};
 
 use super::batch::{BATCH, Batch};
-use super::flat::Flatness;
 use super::gap::{may_cross, near, way};
 use super::near::{Near, rest_matters};
-use super::patch::{Patches, boxes_within};
+use super::outcome::Outcome;
+use super::patch::{Laid, Patches, boxes_within};
 use super::refresh::CLOSE;
-use super::{Contacts, MARGIN, Moment, NeighborList, Touch};
+use super::{MARGIN, Moment, NeighborList};
+use crate::solver::body::Touch;
 use crate::solver::detect::tree::{LEAF, LeafRef, Meeting, Tree, lanes};
 use crate::solver::detect::{ProximityKind, Surface};
 use crate::solver::effort::Meter;
@@ -19,28 +20,63 @@ use crate::solver::effort::Meter;
 const ASK: usize = 3;
 const PRIMITIVES: usize = 2;
 
-/// Pairs listed for each particle, at most; what comes on top, in cloth that is crushed, is left to untangling.
-const MOST_PAIRS: usize = 32;
+/// What leaves are asked in: the same for all that ask.
+pub(super) struct Search<'a, T> {
+    pub(super) surface: &'a Surface,
+    /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle, and where it is foreseen to be `[m]`.
+    pub(super) positions: &'a [Vec4],
+    pub(super) ahead: &'a [Vec3A],
+    /// Thickness and friction of each cloth, and whether it rests on cloths at all.
+    pub(super) touch: &'a [Touch],
+    pub(super) takes_part: &'a [bool],
+    /// Whether pins hold each particle.
+    pub(super) pinned: &'a [bool],
+    /// Longest edge of each cloth at rest `[m]`.
+    longest: &'a [f32],
+    /// Particles around which cloth may lie over itself.
+    loose: &'a [bool],
+    pub(super) patches: &'a Patches,
+    /// Pairs on the wrong side, sorted.
+    inverted: &'a [(u8, [u32; 4])],
+    /// How much a particle belongs to a tangle (0 to 1, dimensionless).
+    pub(super) tangled: T,
+    /// How close boxes must come `[m]`, and the largest thickness `[m]`.
+    reach: f32,
+    thickest: f32,
+    /// Whether the last look for crossings saw the faces elsewhere.
+    anew: bool,
+}
 
-impl NeighborList {
-    /// What to ask leaves with whose boxes meet. `anew`: whether the last look for crossings saw the faces elsewhere. More than
-    /// the `meter` allows are not asked, and may cross.
-    pub(crate) fn narrow_phase<'a, T: Fn(u32) -> f32>(
-        &'a mut self,
+impl<T> Search<'_, T> {
+    /// Whether a pair is on the wrong side.
+    pub(super) fn is_inverted(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
+        !self.inverted.is_empty() && self.inverted.binary_search(&(kind as u8, particles)).is_ok()
+    }
+}
+
+/// What is known of a surface, for a [`Search`].
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    pub(super) ahead: &'a [Vec3A],
+    pub(super) longest: &'a [f32],
+    pub(super) loose: &'a [bool],
+    pub(super) patches: &'a Patches,
+}
+
+impl<'a> Known<'a> {
+    /// What leaves are asked in whose boxes meet. `anew`: whether the last look for crossings saw the faces elsewhere.
+    pub(super) fn search<T: Fn(u32) -> f32>(
+        self,
         surface: &'a Surface,
         moment: &Moment<'a>,
         tangled: T,
-        contacts: &'a mut Contacts,
+        inverted: &'a [(u8, [u32; 4])],
         anew: bool,
-        meter: &'a Meter,
-    ) -> NarrowPhase<'a, T> {
+    ) -> Search<'a, T> {
         let &Moment { positions, touch, takes_part, pinned, .. } = moment;
-        let (reach, thickest) = (Self::reach(moment), moment.thickest());
-        let Self { ahead, longest, flatness, loose, patches, batch, .. } = self;
-        patches.forget();
-        batch.clear();
-        let most = MOST_PAIRS * surface.len();
-        NarrowPhase {
+        let (reach, thickest) = (NeighborList::reach(moment), moment.thickest());
+        let Self { ahead, longest, loose, patches } = self;
+        Search {
             surface,
             positions,
             ahead,
@@ -49,53 +85,30 @@ impl NeighborList {
             pinned,
             longest,
             loose,
-            flatness,
             patches,
-            batch,
+            inverted,
             tangled,
-            contacts,
             reach,
             thickest,
-            most,
             anew,
-            meter,
         }
     }
 }
 
-/// What leaves are asked with.
-pub(crate) struct NarrowPhase<'a, T> {
-    pub(super) surface: &'a Surface,
-    /// Position `[m]` and, in `w`, inverse mass `[1/kg]` of every particle, and where it is foreseen to be `[m]`.
-    pub(super) positions: &'a [Vec4],
-    ahead: &'a [Vec3A],
-    /// Thickness and friction of each cloth, and whether it rests on cloths at all.
-    pub(super) touch: &'a [Touch],
-    pub(super) takes_part: &'a [bool],
-    /// Whether pins hold each particle.
-    pub(super) pinned: &'a [bool],
-    /// Longest edge of each cloth at rest `[m]`.
-    pub(super) longest: &'a [f32],
-    /// How much a particle belongs to a tangle (0 to 1, dimensionless).
-    pub(super) tangled: T,
-    pub(super) contacts: &'a mut Contacts,
-    /// Pairs listed, at most.
-    pub(super) most: usize,
-    /// Particles around which cloth may lie over itself; where it hardly bends.
-    loose: &'a [bool],
-    flatness: &'a mut Flatness,
-    patches: &'a mut Patches,
+/// What leaves are asked with, by one thread.
+pub(super) struct NarrowPhase<'a, T, F> {
+    pub(super) search: &'a Search<'a, T>,
+    /// Whether the cloth hardly bends around a particle.
+    pub(super) is_flat: F,
+    pub(super) laid: &'a mut Laid,
     /// What is near, until it is [listed](Self::finish).
-    batch: &'a mut Batch,
-    /// How close boxes must come `[m]`, and the largest thickness `[m]`.
-    reach: f32,
-    thickest: f32,
-    /// Whether the last look for crossings saw the faces elsewhere.
-    anew: bool,
-    meter: &'a Meter,
+    pub(super) batch: &'a mut Batch,
+    pub(super) outcome: &'a mut Outcome,
+    /// More than it allows is not asked, and may cross.
+    pub(super) meter: &'a Meter,
 }
 
-impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
+impl<T: Fn(u32) -> f32, F: FnMut(u32) -> bool> NarrowPhase<'_, T, F> {
     /// Asks for what may touch of the faces of two leaves. `cross` is called with faces that may cross now, and returns whether
     /// something does. Then no more pairs are asked for, and `cross` is called with all faces that are left.
     pub(crate) fn leaves(&mut self, tree: &Tree, met: &Meeting, mut cross: impl FnMut(u32, u32) -> bool) {
@@ -107,16 +120,17 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         let (a, b) = (tree.leaf(met.leaves[0]), tree.leaf(met.leaves[1]));
         let (u, v) = (a.corners[0][0], b.corners[0][0]);
         // A thick cloth does not make the others look farther.
-        let reach = if self.touch.len() == 1 { self.reach } else { self.reach_of(u, v) };
+        let search = self.search;
+        let reach = if search.touch.len() == 1 { search.reach } else { self.reach_of(u, v) };
         let [flat, loose] = if met.joined { self.flat(a, b, met) } else { [[0; LEAF]; 2] };
         let [may, close, asked] = self.gaps(tree, met, &flat, reach);
         if (may, loose) == ([0; LEAF], [0; LEAF]) {
             return;
         }
         if may != [0; LEAF] {
-            self.patches.fit(met.leaves[1], self.positions, self.ahead);
+            self.laid.fit(search.patches, met.leaves[1], search.positions, search.ahead);
         }
-        let across = self.surface.part(u) != self.surface.part(v);
+        let across = search.surface.part(u) != search.surface.part(v);
         let pair = Pair { leaves: [a, b], numbers: met.leaves, reach, across, joined: met.joined };
         for i in (0..a.faces.len()).filter(|&i| may[i] | loose[i] != 0) {
             if may[i] != 0 {
@@ -124,8 +138,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
             }
             for k in lanes(u32::from(close[i] | loose[i])) {
                 let faces = [a.faces[i], b.faces[k]];
-                if close[i] & (1 << k) != 0 || self.anew {
-                    self.contacts.close.push(faces);
+                if close[i] & (1 << k) != 0 || search.anew {
+                    self.outcome.close.push(faces);
                 }
                 if (asked[i] | loose[i]) & (1 << k) != 0 && cross(faces[0], faces[1]) {
                     self.let_go(&pair, met, [i, k], cross);
@@ -152,8 +166,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
 
     /// Lists what may touch of all that is near.
     pub(crate) fn finish(&mut self) {
-        self.batch.find(self.positions, self.ahead);
-        let (surface, touch, longest) = (self.surface, self.touch, self.longest);
+        let &Search { surface, positions, ahead, touch, longest, .. } = self.search;
+        self.batch.find(positions, ahead);
         self.batch.find_at_rest(&surface.rest, |found| rest_matters(surface, touch, longest, found));
         for i in 0..self.batch.len() {
             if self.batch.found(i).may_touch {
@@ -168,7 +182,8 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
     /// How close the boxes of faces at particles `u` and `v` must come `[m]`.
     #[inline]
     fn reach_of(&self, u: u32, v: u32) -> f32 {
-        let [a, b] = [u, v].map(|v| self.touch[usize::from(self.surface.part(v))].thickness);
+        let Search { surface, touch, .. } = self.search;
+        let [a, b] = [u, v].map(|v| touch[usize::from(surface.part(v))].thickness);
         (1.0 + MARGIN) * 0.5 * (a + b)
     }
 
@@ -180,9 +195,9 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         for (i, corners) in a.corners.iter().enumerate() {
             for k in lanes(u32::from(met.hits[i])) {
                 let mut shared = corners.iter().filter(|v| b.corners[k].contains(v));
-                if let Some(&v) = shared.find(|&&v| self.flatness.holds(v, self.surface, self.positions, self.ahead)) {
+                if let Some(&v) = shared.find(|&&v| (self.is_flat)(v)) {
                     flat[i] |= 1 << k;
-                    loose[i] |= u8::from(self.loose[v as usize]) << k;
+                    loose[i] |= u8::from(self.search.loose[v as usize]) << k;
                 }
             }
         }
@@ -198,13 +213,14 @@ impl<T: Fn(u32) -> f32> NarrowPhase<'_, T> {
         if met.hits == *flat {
             return [may, close, cross];
         }
-        let lanes = self.patches.lanes(tree, b, self.positions, self.ahead);
-        let within = CLOSE * self.thickest;
+        let &Search { positions, ahead: there, thickest, .. } = self.search;
+        let lanes = self.laid.lanes(tree, b, positions, there);
+        let within = CLOSE * thickest;
         for (i, &t) in tree.leaf(a).corners.iter().enumerate() {
             let hits = met.hits[i] & !flat[i];
             if hits != 0 {
-                let now = [self.positions[t[0] as usize], self.positions[t[1] as usize], self.positions[t[2] as usize]];
-                let ahead = [self.ahead[t[0] as usize], self.ahead[t[1] as usize], self.ahead[t[2] as usize]];
+                let now = [positions[t[0] as usize], positions[t[1] as usize], positions[t[2] as usize]];
+                let ahead = [there[t[0] as usize], there[t[1] as usize], there[t[2] as usize]];
                 [may[i], close[i]] = near(now, ahead, lanes, hits, reach, within);
                 cross[i] = may_cross(now, lanes, close[i]);
             }
@@ -228,11 +244,12 @@ impl Pair<'_> {
     /// Notes what is near of face `i` of the first leaf and the `faces` of the second, a bit for each. Of two faces first the
     /// corners that each owns with the other face, then the edges that both own. What shares a particle is not.
     #[inline]
-    fn take<T>(&self, asked: &mut NarrowPhase<'_, T>, i: usize, faces: u32) {
-        let NarrowPhase { patches, positions, ahead, batch, .. } = asked;
+    fn take<T, F>(&self, asked: &mut NarrowPhase<'_, T, F>, i: usize, faces: u32) {
+        let &Search { patches, positions, ahead, .. } = asked.search;
+        let NarrowPhase { laid, batch, .. } = asked;
         let &Self { leaves: [a, b], numbers, reach, across, joined } = self;
         let [[corners, edges], [their_corners, their_edges]] = numbers.map(|leaf| patches.owned(leaf));
-        let [corner_boxes, edge_boxes] = patches.boxes(numbers[1]);
+        let [corner_boxes, edge_boxes] = laid.boxes(patches, numbers[1]);
         let (mine, wide, t) = (edges.of_face(i), Vec3A::splat(reach), a.corners[i]);
         let way = |v: u32| way(positions, ahead, v);
         // What comes close to the face, and to each corner and edge that it owns.

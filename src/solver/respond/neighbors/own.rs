@@ -3,7 +3,6 @@
 use glam::Vec3A;
 
 use super::NeighborList;
-use super::flat::Flatness;
 use super::looked::Looked;
 use super::patch::Patches;
 use crate::solver::buffer::Buffer;
@@ -40,14 +39,13 @@ impl NeighborList {
             astray,
             shifted,
             marked,
-            flatness: Flatness::new(surface),
             shared: Vec3A::ZERO,
             haste: 0.0,
             faces: vec![Looked::default(); topology.faces.len()],
             drift: vec![0.0; surface.len()],
             longest: Vec::new(),
             loose: loose(surface, &seams(surface)),
-            batch: Buffer::default(),
+            tools: Buffer::default(),
             visits: 0,
             is_cut: false,
         };

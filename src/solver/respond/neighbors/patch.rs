@@ -14,7 +14,7 @@ use core::ops::Range;
 use glam::{Vec3A, Vec4};
 
 use super::gap::way;
-use crate::solver::buffer::{Buffer, keep_room_up_to};
+use crate::solver::buffer::keep_room_up_to;
 use crate::solver::detect::four::{Four, WIDE, each};
 use crate::solver::detect::tree::{Bounds, LEAF, Tree};
 use crate::solver::topology::NONE;
@@ -138,18 +138,18 @@ pub(super) fn boxes_within(boxes: &[Boxes], bounds: &Bounds, margin: f32) -> u32
     met.fold(0, |bits, met| bits << WIDE | met)
 }
 
-/// The faces of all leaves. Before leaves are asked for, and whenever everything moved, it has to [forget](Self::forget).
+/// What the faces of all leaves own.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Patches {
     corners: Owned,
     edges: Owned,
-    laid: Buffer<Laid>,
 }
 
-/// What was laid out of the leaves that were asked for since everything moved.
+/// What was laid out of the leaves that were asked for since everything moved. Before leaves are asked for, and whenever
+/// everything moved, it has to [forget](Self::forget).
 #[derive(Debug, Default)]
-struct Laid {
+pub(super) struct Laid {
     lanes: Vec<Lanes>,
     boxes: Vec<Boxes>,
     /// Where the lanes of each leaf are, and where its boxes are, those of corners before those of edges; `NONE`: nowhere.
@@ -164,18 +164,22 @@ impl Patches {
             let (t, bits) = (faces[f as usize], owns[f as usize] >> shift);
             (0..3).filter(move |k| bits & (1 << k) != 0).map(move |k| [t[k], t[(k + next) % 3]])
         };
-        Self {
-            corners: Owned::new(tree, |f| owned(f, 0, 0)),
-            edges: Owned::new(tree, |f| owned(f, 3, 1)),
-            laid: Buffer::default(),
-        }
+        Self { corners: Owned::new(tree, |f| owned(f, 0, 0)), edges: Owned::new(tree, |f| owned(f, 3, 1)) }
     }
 
+    /// The corners and the edges that the faces of a leaf own.
+    #[inline]
+    pub(super) fn owned(&self, leaf: u32) -> [Owns<'_>; 2] {
+        [self.corners.leaf(leaf), self.edges.leaf(leaf)]
+    }
+}
+
+impl Laid {
     /// Forgets what is laid out: everything moved.
-    pub(super) fn forget(&mut self) {
-        let leaves = self.corners.first.len();
-        let most: usize = [&self.corners, &self.edges].map(Owned::boxes).iter().sum();
-        let Laid { lanes, boxes, lanes_at, boxes_at } = &mut *self.laid;
+    pub(super) fn forget(&mut self, patches: &Patches) {
+        let leaves = patches.corners.first.len();
+        let most: usize = [&patches.corners, &patches.edges].map(Owned::boxes).iter().sum();
+        let Self { lanes, boxes, lanes_at, boxes_at } = self;
         for at in [lanes_at, boxes_at] {
             at.clear();
             at.resize(leaves, NONE);
@@ -190,7 +194,7 @@ impl Patches {
     /// The corners of the faces of a leaf.
     #[inline]
     pub(super) fn lanes(&mut self, tree: &Tree, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) -> &Lanes {
-        let Laid { lanes, lanes_at, .. } = &mut *self.laid;
+        let Self { lanes, lanes_at, .. } = self;
         let at = &mut lanes_at[leaf as usize];
         if *at == NONE {
             *at = lanes.len() as u32;
@@ -200,20 +204,14 @@ impl Patches {
         &lanes[*at as usize]
     }
 
-    /// The corners and the edges that the faces of a leaf own.
-    #[inline]
-    pub(super) fn owned(&self, leaf: u32) -> [Owns<'_>; 2] {
-        [self.corners.leaf(leaf), self.edges.leaf(leaf)]
-    }
-
     /// Makes [boxes](Self::boxes) of what the faces of a leaf own.
     #[inline]
-    pub(super) fn fit(&mut self, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) {
-        let Laid { boxes, boxes_at, .. } = &mut *self.laid;
+    pub(super) fn fit(&mut self, patches: &Patches, leaf: u32, positions: &[Vec4], ahead: &[Vec3A]) {
+        let Self { boxes, boxes_at, .. } = self;
         let at = &mut boxes_at[leaf as usize];
         if *at == NONE {
             *at = boxes.len() as u32;
-            for owned in [&self.corners, &self.edges] {
+            for owned in [&patches.corners, &patches.edges] {
                 boxes.extend(owned.leaf(leaf).boxes(|v| way(positions, ahead, v)));
             }
         }
@@ -221,10 +219,11 @@ impl Patches {
 
     /// Boxes of the corners and of the edges that the faces of a leaf own; none before they were [made](Self::fit).
     #[inline]
-    pub(super) fn boxes(&self, leaf: u32) -> [&[Boxes]; 2] {
-        debug_assert_ne!(self.laid.boxes_at[leaf as usize], NONE, "leaf {leaf} has no boxes yet");
-        let counts = [&self.corners, &self.edges].map(|owned| usize::from(owned.starts[leaf as usize][LEAF]).div_ceil(WIDE));
-        let boxes = self.laid.boxes.get(self.laid.boxes_at[leaf as usize] as usize..).unwrap_or_default();
+    pub(super) fn boxes(&self, patches: &Patches, leaf: u32) -> [&[Boxes]; 2] {
+        debug_assert_ne!(self.boxes_at[leaf as usize], NONE, "leaf {leaf} has no boxes yet");
+        let counts =
+            [&patches.corners, &patches.edges].map(|owned| usize::from(owned.starts[leaf as usize][LEAF]).div_ceil(WIDE));
+        let boxes = self.boxes.get(self.boxes_at[leaf as usize] as usize..).unwrap_or_default();
         let (corners, rest) = boxes.split_at_checked(counts[0]).unwrap_or_default();
         [corners, rest.get(..counts[1]).unwrap_or_default()]
     }
@@ -245,16 +244,17 @@ mod tests {
         let surface = Surface::new(&[part]).expect("a cloth");
         let tree = Tree::of_surface(&surface);
         let faces = &surface.topology.faces;
-        let mut patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
+        let patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
         let mut rng = fastrand::Rng::with_seed(2);
-        patches.forget();
+        let mut laid = Laid::default();
+        laid.forget(&patches);
         let positions: Vec<Vec4> = surface.rest.iter().map(|x| (*x + rng.f32()).extend(1.0)).collect();
         let ahead: Vec<Vec3A> = positions.iter().map(|x| Vec3A::from_vec4(*x) + 0.2 * rng.f32()).collect();
         let mut met = 0;
         for leaf in 0..tree.leaves() {
-            patches.fit(leaf, &positions, &ahead);
+            laid.fit(&patches, leaf, &positions, &ahead);
             let bounds = way(&positions, &ahead, rng.u32(0..72)).union(way(&positions, &ahead, rng.u32(0..72)));
-            for ((of, boxes), count) in patches.owned(leaf).iter().zip(patches.boxes(leaf)).zip([1, 2]) {
+            for ((of, boxes), count) in patches.owned(leaf).iter().zip(laid.boxes(&patches, leaf)).zip([1, 2]) {
                 let within = boxes_within(boxes, &bounds, 0.1);
                 let own = |&[a, b]: &[u32; 2]| way(&positions, &ahead, a).union(way(&positions, &ahead, b));
                 let expected = of.ends.iter().map(own).map(|own| own.meets(&bounds, Vec3A::splat(0.1)));
@@ -275,25 +275,25 @@ mod tests {
         let tree = Tree::new(rest.tree_topology().clone());
         let faces = &rest.topology.faces;
         let mut rng = fastrand::Rng::with_seed(3);
-        let mut patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
-        let mut asked = 0;
+        let patches = Patches::new(&tree, faces, &vec![0b10_1001; faces.len()]);
+        let (mut laid, mut asked) = (Laid::default(), 0);
         for _ in 0..3 {
             let positions: Vec<Vec4> = rest.positions.iter().map(|x| (*x + rng.f32()).extend(1.0)).collect();
             let ahead: Vec<Vec3A> = positions.iter().map(|x| Vec3A::from_vec4(*x) + rng.f32()).collect();
-            patches.forget();
+            laid.forget(&patches);
             for _ in 0..tree.leaves() {
                 let leaf = rng.u32(0..tree.leaves());
-                let mut alone = Patches { laid: Buffer::default(), ..patches.clone() };
-                alone.forget();
-                alone.fit(leaf, &positions, &ahead);
+                let mut alone = Laid::default();
+                alone.forget(&patches);
+                alone.fit(&patches, leaf, &positions, &ahead);
                 if rng.bool() {
-                    assert_eq!(patches.lanes(&tree, leaf, &positions, &ahead), alone.lanes(&tree, leaf, &positions, &ahead));
+                    assert_eq!(laid.lanes(&tree, leaf, &positions, &ahead), alone.lanes(&tree, leaf, &positions, &ahead));
                     asked += 1;
                 }
-                patches.fit(leaf, &positions, &ahead);
-                assert_eq!(patches.boxes(leaf), alone.boxes(leaf));
+                laid.fit(&patches, leaf, &positions, &ahead);
+                assert_eq!(laid.boxes(&patches, leaf), alone.boxes(&patches, leaf));
             }
         }
-        assert!(patches.laid.lanes.len() < asked && asked > 10, "no leaf was asked twice");
+        assert!(laid.lanes.len() < asked && asked > 10, "no leaf was asked twice");
     }
 }

@@ -26,7 +26,7 @@ impl NeighborList {
         tree: &mut Tree,
         moment: &Moment<'_>,
         dt: f32,
-        tangled: impl Fn(u32) -> f32,
+        tangled: impl Fn(u32) -> f32 + Sync,
         contacts: &mut Contacts,
     ) -> bool {
         // Where something lay in the same place, its side is not known yet.

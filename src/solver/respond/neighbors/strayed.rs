@@ -59,7 +59,7 @@ impl NeighborList {
         moment: &Moment<'_>,
         share: f32,
         dt: f32,
-        tangled: impl Fn(u32) -> f32,
+        tangled: impl Fn(u32) -> f32 + Sync,
         contacts: &mut Contacts,
     ) {
         self.mark(surface, moment, share);
@@ -67,15 +67,9 @@ impl NeighborList {
         contacts.close.retain(|faces| faces.iter().all(|&f| !self.marked[f as usize]));
         contacts.note_inverted();
         self.foresee_astray(surface, moment, share, dt);
-        self.flatness.forget();
         tree.refit(surface, moment.positions, Some(&self.ahead));
-        let marked = core::mem::take(&mut self.marked);
-        let meter = moment.most.meter();
-        let mut narrow = self.narrow_phase(surface, moment, tangled, contacts, true, &meter);
-        tree.meetings_with(surface, Self::reach(moment), &marked, &meter, |tree, met| narrow.leaves(tree, met, |_, _| false));
-        narrow.finish();
-        self.note_cost(&meter);
-        self.marked = marked;
+        tree.mark(&self.marked);
+        self.ask_leaves(surface, tree, moment, tangled, contacts, true);
     }
 
     /// Marks the faces with a particle that is astray, and notes how those are now.

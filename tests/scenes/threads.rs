@@ -1,0 +1,83 @@
+//! Threads that share the work of an island change no bit of its frame, and none of what it keeps for the next one.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use bevy_drape::solver::jobs::JobSystem;
+use drape_scenes::{self as scenes, Scene, untangled};
+
+use crate::FRAME;
+
+/// Threads of the standard library, and how often they were asked for.
+#[derive(Debug)]
+struct Threads {
+    count: usize,
+    asked: AtomicUsize,
+}
+
+impl JobSystem for Threads {
+    fn concurrency(&self) -> usize {
+        self.count
+    }
+
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        self.asked.fetch_add(1, Ordering::Relaxed);
+        thread::scope(|scope| {
+            for number in 1..count {
+                scope.spawn(move || job(number));
+            }
+            job(0);
+        });
+    }
+}
+
+/// Steps a scene alone and with 2, 3 and 8 threads, and compares every frame. Returns how often threads were asked for, and in
+/// how many frames something was rolled back or taken apart, so that pairs were looked for again.
+fn has_the_same_bits(name: &str, frames: u32, scene: &Scene) -> (usize, u32) {
+    let (mut asked, mut again) = (usize::MAX, 0);
+    for count in [2, 3, 8] {
+        let threads: &Threads = Box::leak(Box::new(Threads { count, asked: AtomicUsize::new(0) }));
+        let (mut alone, mut shared) = (scene.clone(), scene.clone());
+        shared.untangle.as_mut().expect("cloths that meet").island.share(Some(threads));
+        for frame in 1..=frames {
+            alone.step(FRAME);
+            shared.step(FRAME);
+            for (a, b) in alone.cloths.iter().zip(&shared.cloths) {
+                assert!(a.state == b.state, "{name}, {count} threads, frame {frame}: another state");
+            }
+            let [a, b] = [&alone, &shared].map(|scene| scene.untangle.as_ref().map(|untangling| &untangling.island));
+            assert!(a == b, "{name}, {count} threads, frame {frame}: another island");
+            again += u32::from(a.is_some_and(|island| island.looks() > 1 && island.total().is_clean()));
+        }
+        asked = asked.min(threads.asked.load(Ordering::Relaxed));
+    }
+    (asked, again)
+}
+
+#[test]
+fn a_pile_has_the_same_bits_with_any_number_of_threads() {
+    let (asked, _) = has_the_same_bits("pile", 50, &untangled(scenes::stack(4, 24), true));
+    assert!(asked > 50, "threads were asked for {asked} times");
+}
+
+#[test]
+fn cloth_that_comes_to_cross_has_the_same_bits_with_any_number_of_threads() {
+    // Three sheets of 32² hit each other and a ball at up to 12 m/s.
+    let mut scene = scenes::layers(3, 32);
+    for (i, cloth) in (0..).zip(&mut scene.cloths) {
+        let fall = glam::Vec3::NEG_Y * (4.0 * i as f32 + 4.0) * FRAME / 6.0;
+        cloth.state.previous.iter_mut().zip(&cloth.state.positions).for_each(|(old, x)| *old = *x - fall.extend(0.0));
+        cloth.state.substep = FRAME / 6.0;
+    }
+    let (asked, again) = has_the_same_bits("layers that hit each other", 40, &untangled(scene, true));
+    assert!(asked > 10 && again > 0, "threads were asked for {asked} times, {again} frames were looked at again");
+}
+
+#[test]
+fn too_much_work_is_left_to_the_next_frame_by_one_thread_as_by_many() {
+    let mut scene = untangled(scenes::stack(4, 24), true);
+    if let Some(untangling) = &mut scene.untangle {
+        untangling.settings.effort = 32;
+    }
+    has_the_same_bits("bounded pile", 40, &scene);
+}
