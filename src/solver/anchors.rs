@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 /// A pin of at least this weight is rigid (dimensionless).
-pub const RIGID: f32 = 0.999;
+pub(crate) const RIGID: f32 = 0.999;
 
 /// Particles that are held, and where.
 ///

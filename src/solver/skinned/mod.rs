@@ -23,7 +23,7 @@ pub use avoid::{AvoidBuffers, Surroundings};
 pub use tangled::TangledLimits;
 
 /// Below this maximum distance a particle is as good as pinned `[m]`.
-pub const PINNED: f32 = 1.0e-3;
+pub(crate) const PINNED: f32 = 1.0e-3;
 
 /// Where the skin wants the particles of one cloth in a frame, and how far they may be from there.
 ///

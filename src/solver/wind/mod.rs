@@ -37,7 +37,7 @@ pub use zones::{WindZone, ZoneMode, ZoneShape};
 use turbulence::intensity_of;
 
 /// Density of air at 15 °C and sea level `[kg/m³]`.
-pub const AIR_DENSITY: f32 = 1.225;
+pub(crate) const AIR_DENSITY: f32 = 1.225;
 
 /// The air as one cloth sees it in one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +89,7 @@ impl Wind {
 
     /// Mean velocity with zones at a point of the frame of simulation `[m/s]`.
     #[must_use]
-    pub fn mean_at(&self, point: Vec3) -> Vec3 {
+    pub(crate) fn mean_at(&self, point: Vec3) -> Vec3 {
         self.zones.iter().fold(finite(self.velocity), |wind, zone| zone.blend(point, wind))
     }
 

@@ -12,7 +12,7 @@ use crate::solver::topology::NONE;
 impl Tree {
     /// Builds it over the rest shape of a surface. Its boxes are empty until they are [fitted](Self::refit).
     #[must_use]
-    pub fn of_surface(surface: &Surface) -> Self {
+    pub(crate) fn of_surface(surface: &Surface) -> Self {
         Self::new(Arc::new(TreeTopology::new(surface)))
     }
 }
