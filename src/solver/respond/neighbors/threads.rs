@@ -27,8 +27,8 @@ use crate::solver::jobs::JobSystem;
 const RUNS: usize = 4;
 const PAIRS: usize = 8;
 
-/// Work from which on threads are worth waking `[visits]`: a visit takes some ten nanoseconds, waking a thread 6 to 90 µs
-/// **`[measured]`**.
+/// Work for each thread from which on it is worth waking `[visits]`: a visit takes some ten nanoseconds, waking a thread 6 to
+/// 90 µs **`[measured]`**.
 pub(super) const WORTH_WAKING: usize = 20_000;
 
 /// What the threads work with, and what they found.
@@ -57,6 +57,14 @@ pub(super) struct Run {
     visits: [usize; 2],
 }
 
+/// Threads that share a look.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crew<'a> {
+    pub(super) jobs: &'a dyn JobSystem,
+    /// How many of them.
+    pub(super) threads: usize,
+}
+
 /// Which leaves are asked.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk<'a> {
@@ -77,13 +85,12 @@ impl Threads {
     /// asking leaves. Where either is more than may be done, not all were asked.
     pub(super) fn ask<T: Fn(u32) -> f32 + Sync>(
         &mut self,
-        jobs: &dyn JobSystem,
+        Crew { jobs, threads }: Crew<'_>,
         search: &Search<'_, T>,
         flatness: &Flatness,
         tree: &Tree,
         walk: Walk<'_>,
     ) -> [usize; 2] {
-        let threads = jobs.concurrency();
         self.workers.resize_with(threads, Mutex::default);
         self.runs.resize_with(RUNS * threads, Mutex::default);
         let Self { workers, runs, pairs: [pairs, next] } = self;
