@@ -44,7 +44,7 @@ use looked::Looked;
 use narrow_phase::{Known, NarrowPhase, Search};
 use outcome::Outcome;
 use patch::{Laid, Patches};
-use threads::{Crew, Threads, WORTH_WAKING, Walk};
+use threads::{Pool, Threads, WORTH_WAKING, Walk};
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame
 /// comes from there.
@@ -119,13 +119,13 @@ impl Tools {
     /// Asks leaves, by several threads. Returns the visits of the walk and of asking leaves, where as much was listed as may be.
     fn ask_by_threads<T: Fn(u32) -> f32 + Sync>(
         &mut self,
-        crew: Crew<'_>,
+        pool: Pool<'_>,
         search: &Search<'_, T>,
         tree: &Tree,
         walk: Walk<'_>,
     ) -> Option<[usize; 2]> {
         self.flatness.find_all(search.surface, search.positions, search.ahead);
-        let visits = self.threads.ask(crew, search, &self.flatness, tree, walk);
+        let visits = self.threads.ask(pool, search, &self.flatness, tree, walk);
         self.threads.fit(walk.room).then_some(visits)
     }
 }
@@ -165,12 +165,12 @@ impl NeighborList {
         contacts: &mut Contacts,
     ) -> &'a [Crossing] {
         self.begin(surface, detector.tree(), moment, dt, contacts);
-        let (crew, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
+        let (pool, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
         let (known, tools) = self.parts();
         let search = known.search(surface, moment, |_| 0.0, &inverted, false);
         let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
         let walk = Walk { left: detector.tree_ref().left(), marked: false, pair: PAIR, room, moment };
-        let asked = crew.and_then(|crew| tools.ask_by_threads(crew, &search, detector.tree_ref(), walk));
+        let asked = pool.and_then(|pool| tools.ask_by_threads(pool, &search, detector.tree_ref(), walk));
         let clean = asked.filter(|&[walked, asked]| {
             let asks = tools.threads.runs().flat_map(|run| run.asks.iter().copied());
             moment.most.allows(asked) && detector.detect_asked(surface, moment.positions, asks, walked)
@@ -202,12 +202,12 @@ impl NeighborList {
         contacts: &mut Contacts,
         anew: bool,
     ) {
-        let (crew, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
+        let (pool, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
         let (known, tools) = self.parts();
         let search = known.search(surface, moment, tangled, &inverted, anew);
         let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
         let walk = Walk { left: &[(0, 0)], marked: anew, pair: 0, room, moment };
-        let asked = crew.and_then(|crew| tools.ask_by_threads(crew, &search, tree, walk));
+        let asked = pool.and_then(|pool| tools.ask_by_threads(pool, &search, tree, walk));
         if let Some(visits) = asked.map(|visits| visits.iter().sum()).filter(|&visits| moment.most.allows(visits)) {
             meter.spend(visits);
             tools.threads.runs().for_each(|run| run.outcome.drain_into(contacts));
@@ -230,10 +230,10 @@ impl NeighborList {
     }
 
     /// Threads to share a look with: as many as are worth waking, if it will cost as much as the last one.
-    fn to_wake<'a>(&self, moment: &Moment<'a>) -> Option<Crew<'a>> {
+    fn to_wake<'a>(&self, moment: &Moment<'a>) -> Option<Pool<'a>> {
         let jobs = moment.jobs?;
         let threads = (1 + self.visits / WORTH_WAKING).min(jobs.concurrency());
-        (threads > 1 && !self.is_cut).then_some(Crew { jobs, threads })
+        (threads > 1 && !self.is_cut).then_some(Pool { jobs, threads })
     }
 
     /// What is known, and what leaves are asked with.

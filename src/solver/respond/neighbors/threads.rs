@@ -59,7 +59,7 @@ pub(super) struct Run {
 
 /// Threads that share a look.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Crew<'a> {
+pub(super) struct Pool<'a> {
     pub(super) jobs: &'a dyn JobSystem,
     /// How many of them.
     pub(super) threads: usize,
@@ -85,7 +85,7 @@ impl Threads {
     /// asking leaves. Where either is more than may be done, not all were asked.
     pub(super) fn ask<T: Fn(u32) -> f32 + Sync>(
         &mut self,
-        Crew { jobs, threads }: Crew<'_>,
+        Pool { jobs, threads }: Pool<'_>,
         search: &Search<'_, T>,
         flatness: &Flatness,
         tree: &Tree,
