@@ -34,3 +34,87 @@ impl Stepped<'_> {
         scratch.for_heavy_body = for_heavy_body;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+    use parry3d::math::Pose;
+
+    use super::*;
+    use crate::solver::anchors::Anchors;
+    use crate::solver::body::{Approach, Body, BodyContext, Projection, Touch, shape};
+    use crate::solver::couple::Rigid;
+    use crate::solver::rest::RestShape;
+    use crate::solver::scene::{GRAVITY, grid};
+    use crate::solver::settings::Fabric;
+    use crate::solver::step::FrameInput;
+    use crate::solver::wind::Wind;
+
+    /// A body of so many times the mass of the cloth, and what it does.
+    struct Case {
+        what: &'static str,
+        /// Infinite: cloth cannot move it.
+        heavier: f32,
+        /// How far it presses, in what one may press `[1]`.
+        pressed: f32,
+        /// Whether it is above the cloth; else the cloth rests on it.
+        above: bool,
+        /// The factor of the frame before, and that of the next.
+        factors: [u32; 2],
+    }
+
+    const LEAVES: f32 = -1.0;
+
+    #[test]
+    fn bodies_that_press_too_far_and_are_heavier_take_more_substeps_until_they_leave() {
+        let case = |what, heavier, pressed, above, factors| Case { what, heavier, pressed, above, factors };
+        for case in [
+            case("it presses too far", 10.0, 1.5, true, [1, 4]),
+            case("no more than eight times", 1000.0, 1.5, true, [1, 8]),
+            case("its depth does not count", 10.0, 3.0, true, [1, 4]),
+            case("it is lighter", 0.9, 1.5, true, [1, 1]),
+            case("cloth cannot move it", f32::INFINITY, 1.5, true, [1, 1]),
+            case("it does not press too far", 10.0, 0.5, true, [1, 1]),
+            case("as long as it touches", 10.0, 0.5, true, [3, 3]),
+            case("by more than before", 10.0, 1.5, true, [3, 4]),
+            case("by less than before", 10.0, 1.5, true, [6, 6]),
+            case("it is near", 10.0, 0.0, true, [3, 3]),
+            case("it has left", 10.0, LEAVES, true, [3, 1]),
+            case("what is lighter does not keep it", 0.9, 1.5, true, [3, 1]),
+            case("the cloth rests on it", 10.0, 1.5, false, [1, 1]),
+        ] {
+            let factor = next_factor(&case);
+            assert_eq!(factor, case.factors[1], "{}: {} times heavier, {}", case.what, case.heavier, case.pressed);
+        }
+    }
+
+    fn next_factor(case: &Case) -> u32 {
+        let (rest, _) = RestShape::build(&grid(5, 5, |u, v| vec3(u - 0.5, 0.0, v - 0.5))).expect("a sheet");
+        let fabric = Fabric::default();
+        let mut scratch = Scratch { area: 1.0, for_heavy_body: case.factors[0], ..Scratch::default() };
+        let inverse_mass = Vec3::splat((case.heavier * fabric.density).recip());
+        let slot = scratch.coupling.add(Rigid { inverse_mass, ..Rigid::immovable(Vec3::ZERO, Vec3::ZERO) });
+        // A plate that goes through the place of the cloth.
+        let (half, off) = (0.1, 0.1 + fabric.thickness);
+        let plate = shape::cuboid(Vec3::new(2.0, half, 2.0)).expect("a plate");
+        let side = if case.above { Vec3::Y } else { Vec3::NEG_Y };
+        let at = |gap: f32| Pose::from_translation((off + gap) * side);
+        let mut bodies = [Body { rigid: Some(slot), ..Body::at_rest(plate, at(0.0)) }];
+        let anchors = Anchors::default();
+        let wind = Wind::NONE;
+        let input = FrameInput { dt: 0.01, gravity: GRAVITY, bodies: &[], wind: &wind, skinned: None };
+        let cloth = Stepped { rest: &rest, fabric: &fabric, anchors: &anchors, input };
+        let pressed = case.pressed * cloth.most_pressed();
+        let gap = if case.pressed == LEAVES { 1.0 } else { 1.0e-5 };
+        (bodies[0].from, bodies[0].to) = (at(gap), at(gap - pressed.max(0.0)));
+        let mut positions: Vec<_> = rest.positions.iter().map(|x| x.extend(25.0 / fabric.density)).collect();
+        let mut previous = positions.clone();
+        let approach = Approach { dt: 0.01, substep: 0.01, gravity: GRAVITY, thickness: fabric.thickness, extra: 0.0 };
+        scratch.contacts.gather(&bodies, &positions, &previous, &approach);
+        let Scratch { contacts, coupling, .. } = &mut scratch;
+        let mut context = BodyContext { bodies: &bodies, span: (0.0, 1.0), touch: Touch::frictionless(&fabric), coupling };
+        contacts.project(&mut context, &mut positions, &mut previous, &[], Projection::First);
+        Stepped { input: FrameInput { bodies: &bodies, ..input }, ..cloth }.count_for_heavy_bodies(&mut scratch);
+        scratch.for_heavy_body
+    }
+}

@@ -56,3 +56,90 @@ pub(super) fn mean_square_speed(positions: &[Vec4], before: &[Vec4], dt: f32) ->
     }
     sum / (count.max(1) as f32 * dt * dt)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, vec3};
+
+    use super::*;
+    use crate::solver::state::ClothState;
+
+    const DT: f32 = 1.0 / 64.0;
+
+    #[test]
+    fn a_cloth_settles_once_it_was_slow_for_a_while_and_until_it_is_twice_as_fast() {
+        // Speeds in settling speeds, for so many frames; whether it settles after them. A quarter of a second is 16 frames.
+        let rows = [
+            (0.9, 15, false),
+            (0.9, 1, true),
+            (1.9, 40, true),
+            (2.1, 1, false),
+            (1.1, 40, false),
+            (1.0, 15, false),
+            (1.1, 1, false),
+            (0.0, 15, false),
+            (0.0, 1, true),
+            (f32::NAN, 1, false),
+            (0.5, 16, true),
+            (f32::INFINITY, 1, false),
+        ];
+        let mut scratch = Scratch::default();
+        for (row, (speed, frames, settles)) in rows.into_iter().enumerate() {
+            let speed = speed * SETTLING_SPEED;
+            (0..frames).for_each(|_| scratch.note_speed(speed * speed, DT));
+            assert_eq!(scratch.is_settling(), settles, "row {row}: slow for {} s", scratch.slow_for);
+        }
+        (0..1000).for_each(|_| scratch.note_speed(0.0, DT));
+        assert_eq!(scratch.slow_for, 1.0, "no more is counted");
+    }
+
+    #[test]
+    fn what_got_less_far_than_a_quarter_of_its_speed_is_given_the_speed_with_which_it_got_there() {
+        let at = vec3(1.0, 2.0, 3.0);
+        // In a frame of 8 substeps: its way in the frame, that in the last substep, and what it then has [mm].
+        let rows = [
+            (8.0 * Vec3::X, 3.9 * Vec3::X, 3.9 * Vec3::X),
+            (8.0 * Vec3::X, 4.1 * Vec3::X, Vec3::X),
+            (8.0 * Vec3::X, 4.1 * Vec3::Y, Vec3::X),
+            (8.0 * Vec3::X, -4.1 * Vec3::X, Vec3::X),
+            (Vec3::ZERO, 0.1 * Vec3::Z, Vec3::ZERO),
+            (8.0 * Vec3::Z, Vec3::ZERO, Vec3::ZERO),
+            (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO),
+        ];
+        for w in [2.0, 0.0] {
+            let place = |off: Vec3| (at - 1.0e-3 * off).extend(w);
+            let mut state = ClothState {
+                positions: vec![place(Vec3::ZERO); rows.len()],
+                previous: rows.iter().map(|row| place(row.1)).collect(),
+                ..ClothState::default()
+            };
+            let before: Vec<Vec4> = rows.iter().map(|row| place(row.0)).collect();
+            damp_oscillation(&before, 1.0 / 8.0, &mut state.as_mut());
+            for (row, old) in rows.iter().zip(&state.previous) {
+                let left = 1.0e3 * (at - old.truncate());
+                assert!(left.distance(row.2) < 1.0e-3 && old.w == w, "{row:?}: {left}");
+            }
+            assert!(state.positions.iter().all(|x| *x == place(Vec3::ZERO)));
+        }
+    }
+
+    #[test]
+    fn the_mean_square_of_speeds_is_that_of_free_particles_over_the_frame() {
+        let before = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let way = [vec3(0.03, 0.0, 0.04), Vec3::ZERO, vec3(0.0, 0.0, -0.1), 9.0 * Vec3::X];
+        let speed2 = |w: [f32; 4]| {
+            let before: Vec<Vec4> = before.iter().zip(w).map(|(x, w)| x.extend(w)).collect();
+            let now: Vec<Vec4> = before.iter().zip(way).map(|(x, way)| *x + way.extend(0.0)).collect();
+            mean_square_speed(&now, &before, 0.5)
+        };
+        for (w, expected) in [
+            ([1.0, 1.0, 1.0, 0.0], (0.0025 + 0.01) / 3.0 / 0.25),
+            ([5.0, 0.0, 0.0, 0.0], 0.01),
+            ([0.0, 2.0, 0.0, 0.0], 0.0),
+            ([0.0; 4], 0.0),
+        ] {
+            let speed2 = speed2(w);
+            assert!((speed2 - expected).abs() < 1.0e-6, "{w:?}: {speed2}, {expected} expected");
+        }
+    }
+}

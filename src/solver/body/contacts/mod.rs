@@ -6,6 +6,8 @@ mod meet;
 mod memory;
 mod part;
 mod project;
+#[cfg(test)]
+mod tests;
 
 use glam::{Vec3, Vec4};
 use parry3d::math::Pose;
