@@ -37,6 +37,8 @@ mod refit;
 mod rings;
 mod segment;
 mod shared;
+#[cfg(test)]
+mod tests;
 mod traverse;
 
 use core::ops::Range;
