@@ -321,11 +321,44 @@ fn of_marked_faces_those_pairs_are_found_that_have_one() {
             let expected: Pairs = all.iter().copied().filter(|pair| pair.iter().any(|f| marked[*f as usize])).collect();
             let Cloths { surface, tree, .. } = &mut cloths;
             let (mut pairs, meter) = (Pairs::new(), Effort::UNBOUNDED.meter());
-            tree.meetings_with(surface, margin, &marked, &meter, |tree, met| collect(surface, tree, met, &mut pairs));
+            tree.mark(&marked);
+            tree.meetings_with(surface, margin, &meter, |tree, met| collect(surface, tree, met, &mut pairs));
             assert!(pairs == expected, "{} of {} pairs with a share of {share}", pairs.len(), expected.len());
             assert_eq!(cloths.found(margin), all, "marks are gone");
         }
     }
+}
+
+#[test]
+fn what_is_split_is_found_in_the_order_of_one_walk_for_as_many_visits() {
+    let rng = &mut Rng::with_seed(7);
+    let (mut found, mut most) = (0, 0);
+    for round in 0..30 {
+        let mut cloths = Cloths::random(rng);
+        let margin = random_margin(rng, &cloths);
+        let marked: Vec<bool> = (0..cloths.tree.len()).map(|_| rng.f32() < 0.1).collect();
+        let Cloths { surface, tree, .. } = &mut cloths;
+        tree.mark(&marked);
+        for only_marked in [false, true] {
+            let (mut expected, meter) = (Vec::new(), Effort::UNBOUNDED.meter());
+            if only_marked {
+                tree.meetings_with(surface, margin, &meter, |_, met| expected.push(*met));
+            } else {
+                tree.meetings(surface, margin, &meter, |_, met| expected.push(*met));
+            }
+            let (mut pairs, mut next, split) = (vec![(0, 0)], Vec::new(), Effort::UNBOUNDED.meter());
+            tree.split(surface, margin, only_marked, 1 << (round % 9), &mut pairs, &mut next, &split);
+            most = most.max(pairs.len());
+            let mut meetings = Vec::new();
+            while let Some(pair) = pairs.pop() {
+                tree.meetings_of(surface, margin, only_marked, &mut vec![pair], &split, |_, met| meetings.push(*met));
+            }
+            assert!(meetings == expected, "round {round}: {} meetings, {} in one walk", meetings.len(), expected.len());
+            assert_eq!(split.spent(), meter.spent());
+            found += meetings.len();
+        }
+    }
+    assert!(found > 1_000 && most > 256, "{found} meetings, of {most} pairs at most");
 }
 
 #[test]
