@@ -9,12 +9,14 @@ use crate::solver::rest::{LANES, Springs};
 
 /// Notes the motion of each particle over the last substep: `xyz` `[m]`, `w` its inverse mass `[1/kg]`.
 pub(crate) fn note(positions: &[Vec4], previous: &[Vec4], motion: &mut Vec<Vec4>) {
+    debug_assert_eq!(positions.len(), previous.len());
     motion.clear();
     motion.extend(positions.iter().zip(previous).map(|(x, old)| Vec4::select(IS_XYZ, *x - *old, *x)));
 }
 
 /// Takes over what became of the motion that [`note`] noted: it moves `previous`, where it changed.
 pub(crate) fn apply(positions: &[Vec4], motion: &[Vec4], previous: &mut [Vec4]) {
+    debug_assert_eq!([positions.len(); 2], [motion.len(), previous.len()]);
     for ((x, old), motion) in positions.iter().zip(previous).zip(motion) {
         *old += Vec4::select(IS_XYZ, (*x - *old) - *motion, Vec4::ZERO);
     }

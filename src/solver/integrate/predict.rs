@@ -10,6 +10,7 @@ use glam::Vec4;
 /// `carry` = `h / h'` times what drag leaves of a velocity (dimensionless), `push` = `h (h' + h) / 2` `[s²]`.
 /// `acceleration` `[m/s²]` holds gravity and wind, one per particle, `w` = 0.
 pub(crate) fn predict(positions: &mut [Vec4], previous: &mut [Vec4], acceleration: &[Vec4], carry: f32, push: f32) {
+    debug_assert_eq!([positions.len(); 2], [previous.len(), acceleration.len()]);
     let push = Vec4::splat(push);
     let carry = Vec4::splat(carry);
     for ((x, old), &a) in positions.iter_mut().zip(previous).zip(acceleration) {
@@ -21,6 +22,7 @@ pub(crate) fn predict(positions: &mut [Vec4], previous: &mut [Vec4], acceleratio
 
 /// [`predict`] with one acceleration for all particles.
 pub(crate) fn predict_uniform(positions: &mut [Vec4], previous: &mut [Vec4], acceleration: Vec4, carry: f32, push: f32) {
+    debug_assert_eq!(positions.len(), previous.len());
     let kick = acceleration * push;
     let carry = Vec4::splat(carry);
     for (x, old) in positions.iter_mut().zip(previous) {

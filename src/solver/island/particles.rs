@@ -39,6 +39,16 @@ impl StepParticles {
         }
     }
 
+    /// Whether there are as many as in the `surface`, and all of a cloth that fits have an inverse mass. What went beyond all
+    /// numbers has none.
+    pub(super) fn are_whole(&self, surface: &Surface, cloths: &[Member<'_>]) -> bool {
+        let Self { positions, previous } = self;
+        let weighs = |x: &Vec4| (x.w >= 0.0 && x.w.is_finite()) || !x.truncate().is_finite();
+        let mut fitting = surface.parts.iter().zip(cloths).filter(|(part, m)| m.fits(part));
+        [positions, previous].iter().all(|all| all.len() == surface.len())
+            && fitting.all(|(part, _)| positions[part.range()].iter().all(weighs))
+    }
+
     /// Gives those back that were stepped.
     pub(super) fn publish(&self, surface: &Surface, cloths: &mut [Member<'_>]) {
         for (part, m) in surface.parts.iter().zip(cloths).filter(|(part, m)| m.is_stepped(part)) {

@@ -151,6 +151,22 @@ impl ContourGraph {
         self.group();
         self.classify();
         self.measure(surface, crossings, points, at);
+        debug_assert!(self.is_consistent(crossings.len()));
+    }
+
+    /// Whether each of so many `crossings` is of one contour, and whatever is named is there.
+    fn is_consistent(&self, crossings: usize) -> bool {
+        let is_crossing = |&i: &u32| (i as usize) < crossings;
+        let Self { contours, nodes, side, contour_of, links, .. } = self;
+        let mut runs = contours.iter().scan(0, |next, c| Some(c.first == core::mem::replace(next, c.first + c.count)));
+        let whole = |k: usize| self.nodes_of(k).iter().all(|&i| contour_of[i as usize] as usize == k);
+        [nodes.len(), side.len(), contour_of.len(), links.len()] == [crossings; 4]
+            && runs.all(|follows| follows)
+            && contours.last().map_or(0, |c| c.first + c.count) as usize == crossings
+            && nodes.iter().all(is_crossing)
+            && (0..contours.len()).all(whole)
+            && links.iter().flatten().all(|link| *link >= FIRST_END || is_crossing(link))
+            && contours.iter().flat_map(|c| &c.border_ends).all(|end| *end == NONE || is_crossing(end))
     }
 
     /// The crossings of a contour.

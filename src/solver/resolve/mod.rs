@@ -253,6 +253,7 @@ impl Resolver {
         } else {
             self.layers.clear();
         }
+        debug_assert_eq!(self.graph.contour_of.len(), detector.crossings().len(), "analysed last");
         self.deferred = 0;
         if self.graph.contours.is_empty() && !self.layers.any() {
             self.tracked.clear();

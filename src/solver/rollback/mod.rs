@@ -126,6 +126,7 @@ impl Rollback {
             self.fastest.clear();
             self.fastest.extend(surface.parts.iter().map(|part| fastest(part.range(), positions, previous)));
         }
+        debug_assert_eq!([positions.len(), previous.len()], [surface.len(); 2]);
         self.stays = if self.stayed { self.stays + 1 } else { 0 };
         (self.rolls_back, self.stayed) = (false, false);
     }
@@ -153,6 +154,8 @@ impl Rollback {
         if self.clean.len() != positions.len() {
             return false;
         }
+        debug_assert_eq!([previous.len(), self.restored.len()], [positions.len(); 2]);
+        debug_assert_eq!(self.fastest.len(), surface.parts.len());
         self.substeps = substeps as f32;
         self.rolls_back = true;
         self.pins.forget();
@@ -246,6 +249,7 @@ impl Rollback {
         positions: &mut [Vec4],
         mut act: impl FnMut(&mut Self, usize, Vec3A, &mut Vec4),
     ) {
+        debug_assert!(self.knows_all_of(tangle, positions));
         let mut least = core::mem::take(&mut *self.least);
         least.clear();
         least.resize(tangle.graph.contours.len(), Vec3A::INFINITY);
@@ -274,6 +278,7 @@ impl Rollback {
         if self.stays >= MOST_STAYS {
             return false;
         }
+        debug_assert!(self.knows_all_of(tangle, positions));
         let mut any = false;
         let substeps = self.substeps.max(1.0);
         self.note_crossed(tangle);
@@ -298,6 +303,15 @@ impl Rollback {
         }
         self.stayed |= any;
         any
+    }
+
+    /// Whether each crossing has a contour, and each particle of one a place where it was.
+    fn knows_all_of(&self, tangle: &Tangle<'_>, positions: &[Vec4]) -> bool {
+        let Tangle { surface, crossings, graph } = tangle;
+        let known = [self.clean.len(), self.restored.len(), self.kept.len()];
+        known == [positions.len(); 3]
+            && (self.farthest.len(), graph.contour_of.len()) == (surface.parts.len(), crossings.len())
+            && tangle.particles().all(|(contour, v)| contour < graph.contours.len() && (v as usize) < positions.len())
     }
 
     /// Notes which cloths are part of a crossing.

@@ -26,6 +26,7 @@ impl Stepped<'_> {
         let dt = input.dt.min(stepping.max_frame);
         let substeps = count.unwrap_or_else(|| self.substeps(stepping, state.positions, scratch)).max(1);
         let h = dt / substeps as f32;
+        debug_assert!(h > 0.0 && state.previous.len() == state.positions.len(), "{substeps} substeps of {h} s");
         self.begin_coupling(dt, state, scratch);
         // Bodies that pins move go along in substeps, and a first frame may be tangled.
         let steps =

@@ -9,6 +9,7 @@ impl Stepped<'_> {
     /// none was begun.
     pub(crate) fn constrain(&self, state: &mut StateMut<'_>, scratch: &mut Scratch) -> bool {
         let Some(frame) = scratch.frame.as_mut().and_then(Frame::next_substep) else { return false };
+        debug_assert!(scratch.late.is_empty() || scratch.late.len() == state.previous.len());
         Self::give_back(state, scratch);
         if self.input.wind.density > 0.0 && frame.is_gusty() {
             self.blow(&frame, state, scratch);
@@ -25,6 +26,7 @@ impl Stepped<'_> {
         } else {
             self.advance(&frame, state, scratch);
         }
+        debug_assert_eq!(*state.substep, frame.h);
         *state.substeps += 1;
         true
     }
