@@ -1,6 +1,6 @@
 //! Scenes of the solver alone, without an app.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 use std::time::Instant;
 
 use bevy::tasks::{TaskPool, TaskPoolBuilder};
@@ -33,20 +33,20 @@ pub fn run(arguments: &Arguments) -> Result<Value, String> {
     if arguments.no_contact {
         scene = scene.without_contact();
     }
-    let pool = (arguments.threads > 1).then(|| pool(arguments.threads as usize));
-    if let (Some(pool), Some(untangling)) = (pool, &mut scene.untangle) {
-        untangling.island.share(Some(pool));
+    let pool = (arguments.threads > 1).then(|| Arc::new(Pool::new(arguments.threads as usize)));
+    if let (Some(pool), Some(untangling)) = (&pool, &mut scene.untangle) {
+        untangling.island.share(Some(pool.clone()));
     }
     // A tangle is what its first frames are about.
     let warm_up = if scene.gravity == glam::Vec3::ZERO { 0 } else { arguments.warm_up() };
     let mut run = Run::default();
     for _ in 0..warm_up {
-        step(&mut scene, pool);
+        step(&mut scene, pool.as_deref());
         run.check(arguments, &scene);
     }
     for frame in 1..=arguments.frames {
         let start = Instant::now();
-        step(&mut scene, pool);
+        step(&mut scene, pool.as_deref());
         run.frames.push(start.elapsed().as_secs_f64() * 1.0e3);
         run.note(frame, &scene);
         run.check(arguments, &scene);
@@ -203,9 +203,10 @@ fn step(scene: &mut Scene, pool: Option<&Pool>) {
 #[derive(Debug)]
 struct Pool(TaskPool);
 
-/// A pool for so many threads, until the program ends.
-fn pool(threads: usize) -> &'static Pool {
-    Box::leak(Box::new(Pool(TaskPoolBuilder::new().num_threads(threads - 1).build())))
+impl Pool {
+    fn new(threads: usize) -> Self {
+        Self(TaskPoolBuilder::new().num_threads(threads - 1).build())
+    }
 }
 
 impl JobSystem for Pool {

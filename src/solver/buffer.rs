@@ -1,9 +1,9 @@
-//! What only saves allocation.
+//! What only saves allocation or time.
 
 use core::ops::{Deref, DerefMut};
 
-/// Reused memory, beside the state that decides the next frame. The next frame does not read its contents, or finds them again
-/// with the same bits. So any two are equal, a clone is empty, and nothing of it is recorded.
+/// Reused memory, or threads that are lent, beside the state that decides the next frame. Nothing of it decides that, or it is
+/// found again with the same bits. So any two are equal, a clone is empty, and nothing of it is recorded.
 #[derive(Debug, Default)]
 pub(super) struct Buffer<T>(pub T);
 

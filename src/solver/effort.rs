@@ -89,6 +89,11 @@ impl Meter {
         self.spent.get() as usize
     }
 
+    /// Lets no more visits be made.
+    pub(crate) fn exhaust(&self) {
+        self.spent.set(self.spent.get().max(self.most));
+    }
+
     /// Whether the walk is to stop.
     #[inline]
     #[must_use]

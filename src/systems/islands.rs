@@ -1,10 +1,11 @@
 //! Runs a stage of the frame of every island, in parallel over islands. Each writes only the data of its own cloths, so the
-//! result has the same bits for any number of threads. Fewer islands than threads share them in their looks for pairs.
+//! result has the same bits for any number of threads. Where one island is large, threads share its
+//! looks for pairs.
 
 use bevy::prelude::*;
 use bevy::tasks::ComputeTaskPool;
 
-use super::jobs::spare;
+use super::jobs::compute_pool;
 use super::stopwatch;
 use crate::components::Cloth;
 use crate::islands::{ClothIsland, ClothIslands};
@@ -45,25 +46,29 @@ pub(super) fn run(
             tasks.push((island, mine));
         }
     }
-    let jobs = spare(tasks.len());
-    each(tasks, |(ClothIsland { solver, settings, times, .. }, members)| {
-        let clock = stopwatch();
-        solver.share(jobs);
-        solver.run(stage, dt, settings, members);
-        times[stage as usize] = clock();
-    });
+    each(
+        tasks,
+        |(island, _)| island,
+        |(ClothIsland { solver, settings, times, .. }, members)| {
+            let clock = stopwatch();
+            solver.run(stage, dt, settings, members);
+            times[stage as usize] = clock();
+        },
+    );
 }
 
 /// Runs a `stage` that needs no cloths of all islands that are awake.
 pub(super) fn run_without_cloths(islands: &mut ClothIslands, stage: Stage, dt: f32) {
-    let awake: Vec<_> = islands.list.iter_mut().filter(|island| is_awake(island)).collect();
-    let jobs = spare(awake.len());
-    each(awake, |ClothIsland { solver, settings, times, .. }| {
-        let clock = stopwatch();
-        solver.share(jobs);
-        solver.run(stage, dt, settings, &mut []);
-        times[stage as usize] = clock();
-    });
+    let awake = islands.list.iter_mut().filter(|island| is_awake(island)).collect();
+    each(
+        awake,
+        |island| island,
+        |ClothIsland { solver, settings, times, .. }| {
+            let clock = stopwatch();
+            solver.run(stage, dt, settings, &mut []);
+            times[stage as usize] = clock();
+        },
+    );
 }
 
 /// Whether an island has a frame: not all of its members sleep or stand still.
@@ -71,18 +76,33 @@ pub(super) fn is_awake(island: &ClothIsland) -> bool {
     !island.asleep
 }
 
-/// Does all of the work, in parallel when there is more than one.
-fn each<T: Send>(mut tasks: Vec<T>, work: impl Fn(T) + Sync) {
-    if tasks.len() == 1 {
-        tasks.pop().into_iter().for_each(work);
-        return;
-    }
-    let work = &work;
-    ComputeTaskPool::get().scope(|scope| {
-        for task in tasks {
-            scope.spawn(async move { work(task) });
+/// Does all of the work, in parallel when there is more than one task. Where only one `island` is worth sharing, it comes last,
+/// by itself, and all threads share it: who waits for them within a task would begin with the frame of another island.
+fn each<T: Send>(mut tasks: Vec<T>, island: impl Fn(&mut T) -> &mut ClothIsland, work: impl Fn(T) + Sync) {
+    let mut large = Vec::new();
+    for i in (0..tasks.len()).rev() {
+        let solver = &mut island(&mut tasks[i]).solver;
+        solver.share(None);
+        if solver.is_worth_sharing() {
+            large.push(tasks.swap_remove(i));
         }
-    });
+    }
+    if let [task] = large.as_mut_slice() {
+        island(task).solver.share(Some(compute_pool()));
+    } else {
+        tasks.append(&mut large);
+    }
+    if tasks.len() > 1 {
+        let work = &work;
+        ComputeTaskPool::get().scope(|scope| {
+            for task in tasks {
+                scope.spawn(async move { work(task) });
+            }
+        });
+    } else {
+        tasks.into_iter().for_each(&work);
+    }
+    large.into_iter().for_each(work);
 }
 
 /// Cloth `part` of an island, as the solver sees it in a frame of `dt` `[s]`.

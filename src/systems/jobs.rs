@@ -1,4 +1,6 @@
-//! Threads of Bevy's compute pool for islands to share.
+//! Threads of Bevy's compute pool for an island to share.
+
+use std::sync::{Arc, LazyLock};
 
 use bevy::tasks::ComputeTaskPool;
 
@@ -22,8 +24,8 @@ impl JobSystem for ComputePool {
     }
 }
 
-/// Threads that each of so many islands may share. None where the islands themselves keep all threads busy: who waits for a
-/// job of one island would begin with the frame of another.
-pub(super) fn spare(islands: usize) -> Option<&'static dyn JobSystem> {
-    (islands < ComputePool.concurrency()).then_some(&ComputePool)
+/// The threads of the compute pool.
+pub(super) fn compute_pool() -> Arc<dyn JobSystem> {
+    static POOL: LazyLock<Arc<ComputePool>> = LazyLock::new(|| Arc::new(ComputePool));
+    POOL.clone()
 }

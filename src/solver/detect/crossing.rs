@@ -187,9 +187,8 @@ impl Detector {
         &self.crossings
     }
 
-    /// As [`Self::detect_and`], where somebody else walked the [tree](Self::tree_ref) from where it was [left](Tree::left) to its
-    /// end: `asks` are the faces that may cross, and `visits` what the walk was. False where some cross, or there was too much
-    /// work: then it is to be done again.
+    /// As [`Self::detect_and`], where somebody else walked all of the [tree](Self::tree_ref): `asks` are the faces that may
+    /// cross, `visits` what the walk was. False where some cross, or where that was too much work: then nothing of it counts.
     pub(crate) fn detect_asked(
         &mut self,
         surface: &Surface,
@@ -197,18 +196,20 @@ impl Detector {
         mut asks: impl Iterator<Item = [u32; 2]>,
         visits: usize,
     ) -> bool {
-        if positions.len() != surface.len() || !self.parts.most.allows(visits) {
+        debug_assert!(!self.tree.has_left(), "a walk in parts goes on where it was");
+        if positions.len() != surface.len() {
             return false;
         }
         let meter = Effort::UNBOUNDED.meter();
         meter.spend(visits);
         let mut cross = false;
         self.cross(surface, positions, &meter, |_, crosser| cross = asks.any(|[f, g]| crosser.ask(f, g)));
-        if !cross {
-            let is_first = self.tree.end();
-            self.parts.note(self.crossings.len() as u32, [is_first, true]);
+        // Edges that meet a tie are visits, too.
+        if cross || !self.parts.most.allows(self.visits) {
+            return false;
         }
-        !cross
+        self.parts.note(self.crossings.len() as u32, [true; 2]);
+        true
     }
 
     /// Bounds the work of one look: what is more is left to the next one.

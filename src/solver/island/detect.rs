@@ -67,7 +67,7 @@ impl Island {
         let takes_part = &self.takes_part;
         let tangled = |v: u32| if clean { 0.0 } else { weights.get(v as usize).copied().unwrap_or_default() };
         let (positions, previous, substep, touch) = (&self.positions, &self.previous, &self.substep, &self.touch);
-        let (most, jobs) = (self.most, *self.jobs);
+        let (most, jobs) = (self.most, self.jobs.as_deref());
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most, jobs };
         let tree = untangler.detector.tree();
         if strayed {
@@ -101,9 +101,9 @@ impl Island {
 
     /// Looks for crossings and, at the same pairs of faces until something crosses, for what may touch.
     fn look_and_find(&mut self) {
-        let (most, jobs) = (self.most, *self.jobs);
         let Self { surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, .. } =
             self;
+        let (most, jobs) = (self.most, self.jobs.as_deref());
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most, jobs };
         let crossings = neighbors.find_and_detect(surface, &mut untangler.detector, &moment, self.horizon, contacts);
         self.total = untangler.resolver.analyse(surface, crossings, positions);
@@ -121,9 +121,9 @@ impl Island {
     /// The same, where cloth has hardly moved since the last time. Only faces that were close then can cross, and only for
     /// cloth that moved pairs are looked for anew. False where cloth has moved farther, or something crosses.
     fn look_where_drifted(&mut self) -> bool {
-        let (most, jobs) = (self.most, *self.jobs);
         let Self { surface, untangler, neighbors, contacts, positions, previous, substep, touch, takes_part, pinned, .. } =
             self;
+        let (most, jobs) = (self.most, self.jobs.as_deref());
         let moment = Moment { positions, previous, substep, touch, takes_part, pinned, most, jobs };
         let detector = &mut untangler.detector;
         if !(self.known && neighbors.refresh(surface, detector.tree(), &moment, self.horizon, |_| 0.0, contacts))

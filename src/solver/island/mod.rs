@@ -162,7 +162,7 @@ pub struct Island {
     /// What untangling was in the last frame `[visits]`.
     worked: u64,
     /// Threads that share its work.
-    jobs: Buffer<Option<&'static dyn JobSystem>>,
+    jobs: Buffer<Option<Arc<dyn JobSystem>>>,
 }
 
 impl Island {
@@ -195,9 +195,16 @@ impl Island {
         Ok(island)
     }
 
-    /// Lends it threads, which a clone does not have. They change no bit of the result. None by default.
-    pub fn share(&mut self, jobs: Option<&'static dyn JobSystem>) {
+    /// Lends it threads, which a clone does not have: where they are worth it, they share its looks for pairs. They change no
+    /// bit of the result. None by default.
+    pub fn share(&mut self, jobs: Option<Arc<dyn JobSystem>>) {
         *self.jobs = jobs;
+    }
+
+    /// Whether threads are worth waking for its looks for pairs, if they cost as much as the last ones.
+    #[must_use]
+    pub fn is_worth_sharing(&self) -> bool {
+        self.neighbors.is_worth_sharing()
     }
 
     /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays

@@ -246,10 +246,6 @@ impl Contacts {
         borne.truncate(kept_borne);
     }
 
-    fn is_inverted(&self, kind: ProximityKind, particles: [u32; 4]) -> bool {
-        !self.inverted.is_empty() && self.inverted.binary_search(&(kind as u8, particles)).is_ok()
-    }
-
     /// Lets go of particles that have not lain on anything for a while; once a substep.
     pub(crate) fn age_support(&mut self) {
         self.depths.age();

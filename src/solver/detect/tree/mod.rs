@@ -49,6 +49,7 @@ use glam::Vec3A;
 pub(crate) use bounds::Bounds;
 pub(crate) use traverse::Meeting;
 
+use crate::solver::buffer::Buffer;
 use pack::Pack;
 pub(crate) use pack::lanes;
 
@@ -181,7 +182,7 @@ pub struct Tree {
     /// Sum of the unit normals of each leaf.
     axes: Vec<Vec3A>,
     quarantined: Vec<bool>,
-    stack: Vec<(u32, u32)>,
+    stack: Buffer<Vec<(u32, u32)>>,
     /// Where the last [`Self::go_on`] stopped; empty where it came to its end.
     left: Vec<(u32, u32)>,
 }
@@ -199,7 +200,7 @@ impl Tree {
             axes: vec![Vec3A::ZERO; topology.leaves.len()],
             quarantined: vec![false; cloths],
             // Depth of the pair stack is bounded by a small multiple of the depth of the tree.
-            stack: Vec::with_capacity(256),
+            stack: Buffer(Vec::with_capacity(256)),
             left: Vec::new(),
             topology,
         }

@@ -101,24 +101,16 @@ impl Tree {
         meter: &Meter,
         found: impl FnMut(&Self, &Meeting),
     ) {
-        let mut stack = core::mem::take(&mut self.stack);
+        let mut stack = core::mem::take(&mut *self.stack);
         stack.clear();
         stack.extend_from_slice(left);
         self.walk::<MARKED>(surface, margin, &mut stack, meter, found);
-        self.stack = stack;
+        *self.stack = stack;
     }
 
-    /// Pairs of nodes that are left of a walk in parts: all that the next one begins with.
-    #[must_use]
-    pub(crate) fn left(&self) -> &[(u32, u32)] {
-        if self.left.is_empty() { &[(0, 0)] } else { &self.left }
-    }
-
-    /// Notes that somebody else walked to the end of all that was [left](Self::left). Says whether it began with the first part.
-    pub(crate) fn end(&mut self) -> bool {
-        let is_first = self.left.is_empty();
-        self.left.clear();
-        is_first
+    /// Whether the next [`Self::go_on`] goes on with what the last one left.
+    pub(crate) fn has_left(&self) -> bool {
+        !self.left.is_empty()
     }
 
     /// Takes `pairs` of nodes apart until there are `count`, or leaves only. Walked from the last to the first, they find what

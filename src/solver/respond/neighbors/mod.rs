@@ -44,7 +44,7 @@ use looked::Looked;
 use narrow_phase::{Known, NarrowPhase, Search};
 use outcome::Outcome;
 use patch::{Laid, Patches};
-use threads::{Pool, Threads, WORTH_WAKING, Walk};
+use threads::{Pool, Threads, Walk, threads_worth};
 
 /// How much farther than its thickness a pair is looked for, in thicknesses (dimensionless): what accelerates within a frame
 /// comes from there.
@@ -83,9 +83,13 @@ pub(crate) struct NeighborList {
     longest: Vec<f32>,
     /// Particles around which cloth may lie over itself although normals agree.
     loose: Vec<bool>,
+    /// Whether the edges at a particle know all faces around it, as where no more than two faces share an edge.
+    has_fans: bool,
     tools: Buffer<Tools>,
-    /// What the last look cost, and whether there was too much of it.
+    /// What the last look at everything cost, that at what strayed, and the last of both `[visits]`.
+    costs: [usize; 2],
     visits: usize,
+    /// Whether there was too much of it.
     is_cut: bool,
 }
 
@@ -116,7 +120,8 @@ impl Tools {
         NarrowPhase { search, is_flat, laid, batch, outcome, meter }
     }
 
-    /// Asks leaves, by several threads. Returns the visits of the walk and of asking leaves, where as much was listed as may be.
+    /// Asks leaves, by several threads. Returns the visits of the walk and of asking leaves; none where that was too much work,
+    /// or found more than may be listed.
     fn ask_by_threads<T: Fn(u32) -> f32 + Sync>(
         &mut self,
         pool: Pool<'_>,
@@ -125,8 +130,7 @@ impl Tools {
         walk: Walk<'_>,
     ) -> Option<[usize; 2]> {
         self.flatness.find_all(search.surface, search.positions, search.ahead);
-        let visits = self.threads.ask(pool, search, &self.flatness, tree, walk);
-        self.threads.fit(walk.room).then_some(visits)
+        self.threads.ask(pool, search, &self.flatness, tree, walk)
     }
 }
 
@@ -146,16 +150,7 @@ impl NeighborList {
         self.ask_leaves(surface, tree, moment, tangled, contacts, false);
     }
 
-    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: the tree is fitted to where particles are and are
-    /// foreseen to be.
-    fn begin(&mut self, surface: &Surface, tree: &mut Tree, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
-        contacts.begin();
-        contacts.fit(surface);
-        self.foresee(surface, moment, dt);
-        tree.refit(surface, moment.positions, Some(&self.ahead));
-    }
-
-    /// The same, and looks for crossings at the same pairs of faces. From the first crossing on it looks for nothing else.
+    /// As [`Self::find`] where nothing is tangled, and looks for crossings at the same pairs of faces. From the first crossing on it looks for nothing else.
     pub(crate) fn find_and_detect<'a>(
         &mut self,
         surface: &Surface,
@@ -165,11 +160,13 @@ impl NeighborList {
         contacts: &mut Contacts,
     ) -> &'a [Crossing] {
         self.begin(surface, detector.tree(), moment, dt, contacts);
-        let (pool, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
+        // A walk in parts is one thread's.
+        let pool = self.to_wake(moment, false).filter(|_| detector.is_whole() && !detector.tree_ref().has_left());
+        let inverted = core::mem::take(&mut contacts.inverted);
         let (known, tools) = self.parts();
         let search = known.search(surface, moment, |_| 0.0, &inverted, false);
         let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
-        let walk = Walk { left: detector.tree_ref().left(), marked: false, pair: PAIR, room, moment };
+        let walk = Walk { marked: false, pair: PAIR, room, moment };
         let asked = pool.and_then(|pool| tools.ask_by_threads(pool, &search, detector.tree_ref(), walk));
         let clean = asked.filter(|&[walked, asked]| {
             let asks = tools.threads.runs().flat_map(|run| run.asks.iter().copied());
@@ -188,8 +185,17 @@ impl NeighborList {
             narrow.outcome.drain_into(contacts);
         }
         contacts.inverted = inverted;
-        self.note_cost(&meter);
+        self.note_cost(&meter, false);
         detector.crossings()
+    }
+
+    /// Prepares for looking at all pairs that may touch within `dt` `[s]`: the tree is fitted to where particles are and are
+    /// foreseen to be.
+    fn begin(&mut self, surface: &Surface, tree: &mut Tree, moment: &Moment<'_>, dt: f32, contacts: &mut Contacts) {
+        contacts.begin();
+        contacts.fit(surface);
+        self.foresee(surface, moment, dt);
+        tree.refit(surface, moment.positions, Some(&self.ahead));
     }
 
     /// Asks the leaves of a tree for what may touch: all, or `anew` those with a face that is [marked](Tree::mark).
@@ -202,11 +208,11 @@ impl NeighborList {
         contacts: &mut Contacts,
         anew: bool,
     ) {
-        let (pool, inverted) = (self.to_wake(moment), core::mem::take(&mut contacts.inverted));
+        let (pool, inverted) = (self.to_wake(moment, anew), core::mem::take(&mut contacts.inverted));
         let (known, tools) = self.parts();
         let search = known.search(surface, moment, tangled, &inverted, anew);
         let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
-        let walk = Walk { left: &[(0, 0)], marked: anew, pair: 0, room, moment };
+        let walk = Walk { marked: anew, pair: 0, room, moment };
         let asked = pool.and_then(|pool| tools.ask_by_threads(pool, &search, tree, walk));
         if let Some(visits) = asked.map(|visits| visits.iter().sum()).filter(|&visits| moment.most.allows(visits)) {
             meter.spend(visits);
@@ -226,14 +232,21 @@ impl NeighborList {
             narrow.outcome.drain_into(contacts);
         }
         contacts.inverted = inverted;
-        self.note_cost(&meter);
+        self.note_cost(&meter, anew);
     }
 
-    /// Threads to share a look with: as many as are worth waking, if it will cost as much as the last one.
-    fn to_wake<'a>(&self, moment: &Moment<'a>) -> Option<Pool<'a>> {
+    /// Threads to share a look with, at everything or at what `strayed`: as many as are worth waking, if it will cost as much as
+    /// the last one.
+    fn to_wake<'a>(&self, moment: &Moment<'a>, strayed: bool) -> Option<Pool<'a>> {
         let jobs = moment.jobs?;
-        let threads = (1 + self.visits / WORTH_WAKING).min(jobs.concurrency());
-        (threads > 1 && !self.is_cut).then_some(Pool { jobs, threads })
+        let threads = threads_worth(self.costs[usize::from(strayed)]).min(jobs.concurrency());
+        (threads > 1 && self.has_fans && !self.is_cut).then_some(Pool { jobs, threads })
+    }
+
+    /// Whether looks cost so much that threads are worth waking.
+    #[must_use]
+    pub(crate) fn is_worth_sharing(&self) -> bool {
+        self.costs.iter().any(|&cost| threads_worth(cost) > 1)
     }
 
     /// What is known, and what leaves are asked with.
@@ -243,9 +256,10 @@ impl NeighborList {
         (Known { ahead, longest, loose, patches }, tools)
     }
 
-    /// Notes what a look cost.
-    fn note_cost(&mut self, meter: &Meter) {
+    /// Notes what a look cost, at everything or at what `strayed`.
+    fn note_cost(&mut self, meter: &Meter, strayed: bool) {
         (self.visits, self.is_cut) = (meter.spent(), meter.is_spent());
+        self.costs[usize::from(strayed)] = self.visits;
     }
 
     /// Whether pairs were left out at the last look, since there was too much work.

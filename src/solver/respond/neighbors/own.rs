@@ -45,7 +45,9 @@ impl NeighborList {
             drift: vec![0.0; surface.len()],
             longest: Vec::new(),
             loose: loose(surface, &seams(surface)),
+            has_fans: has_fans(surface),
             tools: Buffer::default(),
+            costs: [0; 2],
             visits: 0,
             is_cut: false,
         };
@@ -61,5 +63,38 @@ impl NeighborList {
         };
         self.longest.clear();
         self.longest.extend(surface.parts.iter().map(|part| part.edges.clone().map(length).fold(0.0, f32::max)));
+    }
+}
+
+/// Whether each corner of each face has an edge that knows the face.
+fn has_fans(surface: &Surface) -> bool {
+    let topology = &surface.topology;
+    topology.face_edges.iter().zip(0..).all(|(edges, f)| {
+        let knows = |k: usize| topology.edge_faces[edges[k] as usize].contains(&f);
+        // Corner k is between edge k and the one before.
+        (0..3).all(|k| knows(k) || knows((k + 2) % 3))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::solver::detect::PartRef;
+    use crate::solver::topology::Topology;
+
+    #[test]
+    fn a_face_that_is_third_at_both_edges_of_a_corner_is_not_known_there() {
+        let pages = vec![[0, 1, 3], [0, 1, 4], [0, 2, 5], [0, 2, 6], [0, 1, 2]];
+        let known = |faces: &[[u32; 3]]| {
+            let (topology, rest) = (Arc::new(Topology::new(7, faces.to_vec())), [Vec3::ZERO; 7]);
+            let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
+            has_fans(&Surface::new(&[part]).expect("a cloth"))
+        };
+        assert!(known(&pages[..4]) && known(&[pages[0], pages[1], pages[4]]), "another edge knows the third face");
+        assert!(!known(&pages));
     }
 }

@@ -29,7 +29,12 @@ const PAIRS: usize = 8;
 
 /// Work for each thread from which on it is worth waking `[visits]`: a visit takes some ten nanoseconds, waking a thread 6 to
 /// 90 µs **`[measured]`**.
-pub(super) const WORTH_WAKING: usize = 20_000;
+const WORTH_WAKING: usize = 20_000;
+
+/// How many threads are worth a look that costs so many visits.
+pub(super) const fn threads_worth(visits: usize) -> usize {
+    1 + visits / WORTH_WAKING
+}
 
 /// What the threads work with, and what they found.
 #[derive(Debug, Default)]
@@ -37,6 +42,8 @@ pub(super) struct Threads {
     workers: Vec<Mutex<Worker>>,
     runs: Vec<Mutex<Run>>,
     pairs: [Vec<(u32, u32)>; 2],
+    /// Runs of the last look.
+    count: usize,
 }
 
 /// What a thread works with.
@@ -53,7 +60,7 @@ pub(super) struct Run {
     pub(super) outcome: Outcome,
     /// Faces that may cross now, in the order in which one thread would have asked them.
     pub(super) asks: Vec<[u32; 2]>,
-    /// Visits of the walk, and of asking leaves.
+    /// Work of the walk, and of asking leaves `[visits]`.
     visits: [usize; 2],
 }
 
@@ -68,13 +75,11 @@ pub(super) struct Pool<'a> {
 /// Which leaves are asked.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk<'a> {
-    /// The pairs of nodes to begin with.
-    pub(super) left: &'a [(u32, u32)],
     /// Only those with a marked face.
     pub(super) marked: bool,
-    /// Visits that each pair of faces costs besides.
+    /// What each pair of faces costs besides `[visits]`.
     pub(super) pair: usize,
-    /// Pairs that may be listed.
+    /// Pairs that may be listed; where there are as many, a look is one thread's.
     pub(super) room: usize,
     /// When; with the work that may be done.
     pub(super) moment: &'a Moment<'a>,
@@ -82,7 +87,8 @@ pub(super) struct Walk<'a> {
 
 impl Threads {
     /// Asks the leaves of a tree, where it is known of all particles whether they are flat. Returns the visits of the walk and of
-    /// asking leaves. Where either is more than may be done, not all were asked.
+    /// asking leaves. None where either is too much, or too many pairs were found. Each thread then did four times
+    /// the work that may be done, at most.
     pub(super) fn ask<T: Fn(u32) -> f32 + Sync>(
         &mut self,
         Pool { jobs, threads }: Pool<'_>,
@@ -90,63 +96,65 @@ impl Threads {
         flatness: &Flatness,
         tree: &Tree,
         walk: Walk<'_>,
-    ) -> [usize; 2] {
-        self.workers.resize_with(threads, Mutex::default);
-        self.runs.resize_with(RUNS * threads, Mutex::default);
-        let Self { workers, runs, pairs: [pairs, next] } = self;
+    ) -> Option<[usize; 2]> {
+        let count = RUNS * threads;
+        self.workers.resize_with(self.workers.len().max(threads), Mutex::default);
+        self.runs.resize_with(self.runs.len().max(count), Mutex::default);
+        self.count = count;
+        let Self { workers, runs, pairs: [pairs, next], .. } = self;
+        let runs = &mut runs[..count];
         pairs.clear();
-        pairs.extend_from_slice(walk.left);
+        pairs.push((0, 0));
         let meter = Effort::UNBOUNDED.meter();
-        tree.split(search.surface, NeighborList::reach(walk.moment), walk.marked, PAIRS * runs.len(), pairs, next, &meter);
-        let each = pairs.len().div_ceil(runs.len());
+        tree.split(search.surface, NeighborList::reach(walk.moment), walk.marked, PAIRS * count, pairs, next, &meter);
+        let each = pairs.len().div_ceil(count);
         // The walk takes the last pair first.
         let pairs_of = |run: usize| {
             let [end, start] = [run, run + 1].map(|n| pairs.len().saturating_sub(n * each));
             &pairs[start..end]
         };
-        let (claimed, spent) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let [claimed, finished, spent, listed] = [const { AtomicUsize::new(0) }; 4];
+        let is_too_much = || {
+            let [spent, listed] = [&spent, &listed].map(|sum| sum.load(Ordering::Relaxed));
+            listed >= walk.room || !walk.moment.most.allows(spent / 2)
+        };
         jobs.run(threads, &|thread| {
-            let worker = &mut *lock(&workers[thread]);
+            let Some(worker) = workers.get(thread) else { return };
+            let worker = &mut *lock(worker);
             worker.laid.forget(search.patches);
-            loop {
+            // Where it is too much, nothing of this counts.
+            while !is_too_much() {
                 let number = claimed.fetch_add(1, Ordering::Relaxed);
                 let Some(run) = runs.get(number) else { break };
                 let run = &mut *lock(run);
                 run.begin(walk.room);
-                // Where it is too much already, it does not matter what comes of the rest.
-                if !walk.is_too_much(spent.load(Ordering::Relaxed)) {
-                    worker.walk(search, flatness, tree, walk, pairs_of(number), run);
-                    spent.fetch_add(run.visits.iter().sum(), Ordering::Relaxed);
-                }
+                worker.walk(search, flatness, tree, walk, pairs_of(number), run);
+                spent.fetch_add(run.visits.iter().sum(), Ordering::Relaxed);
+                listed.fetch_add(run.outcome.pairs.len(), Ordering::Relaxed);
+                finished.fetch_add(1, Ordering::Relaxed);
             }
         });
         let mut visits = [meter.spent(), 0];
         for run in runs.iter_mut().map(get) {
             visits.iter_mut().zip(run.visits).for_each(|(sum, visits)| *sum += visits);
         }
-        visits
-    }
-
-    /// Whether no more pairs were found than may be listed.
-    pub(super) fn fit(&mut self, room: usize) -> bool {
-        self.runs().map(|run| run.outcome.pairs.len()).sum::<usize>() < room
+        let all = finished.into_inner() == count && listed.into_inner() < walk.room;
+        if !(all && visits.iter().all(|&visits| walk.moment.most.allows(visits))) {
+            // It held more than a look that counts.
+            self.runs.clear();
+            return None;
+        }
+        Some(visits)
     }
 
     /// What each run of pairs came to, in their order.
     pub(super) fn runs(&mut self) -> impl Iterator<Item = &mut Run> {
-        self.runs.iter_mut().map(get)
-    }
-}
-
-impl Walk<'_> {
-    /// Whether the visits of the walk and of asking leaves sum up to more than both may be.
-    fn is_too_much(&self, spent: usize) -> bool {
-        !self.moment.most.allows(spent / 2)
+        self.runs.iter_mut().take(self.count).map(get)
     }
 }
 
 impl Worker {
-    /// Asks the leaves of some pairs of nodes.
+    /// Asks the leaves of some pairs of nodes, until there is too much work.
     fn walk<T: Fn(u32) -> f32>(
         &mut self,
         search: &Search<'_, T>,
@@ -169,6 +177,9 @@ impl Worker {
                 asks.push([f, g]);
                 false
             });
+            if asked.is_spent() || narrow.outcome.room == 0 {
+                walked.exhaust();
+            }
         });
         narrow.finish();
         *visits = [walked.spent(), asked.spent()];
