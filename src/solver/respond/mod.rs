@@ -34,7 +34,7 @@ use glam::{Quat, Vec3, Vec3A, Vec4};
 
 use crate::solver::body::{Bearing, Touch};
 use crate::solver::buffer::{Buffer, keep_room};
-use crate::solver::detect::{ProximityKind, Surface};
+use crate::solver::detect::Surface;
 use cloths::{Cloths, offset_of};
 use constraint::Constraint;
 use contact::{Contact, Particles};
@@ -398,6 +398,7 @@ fn note_paired(paired: &mut [bool], particles: [u32; 4]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solver::detect::ProximityKind;
 
     #[test]
     fn what_pairs_bear_stays_with_them_when_others_are_forgotten_and_comes_back_when_they_are_found_again() {

@@ -274,12 +274,6 @@ impl NeighborList {
         self.visits
     }
 
-    /// Where each particle is foreseen to be `[m]`, less the motion that all cloths share.
-    #[must_use]
-    pub(crate) fn ahead(&self) -> &[Vec3A] {
-        &self.ahead
-    }
-
     /// How far ahead to look `[s]` when the next look at everything is due in `dt` `[s]`. It is half of that where cloth
     /// flutters, as boxes swept half as far meet a third of the faces. It is a whole number of substeps of `h` `[s]`.
     #[must_use]
