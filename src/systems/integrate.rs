@@ -101,7 +101,7 @@ fn begin(
     scratch: &mut ClothScratch,
     report: &mut ClothReport,
 ) -> bool {
-    let fits = particles.state.positions.len() == rest.0.positions.len();
+    let fits = [&particles.state.positions, &particles.state.previous].iter().all(|all| all.len() == rest.0.positions.len());
     if !(inputs.moves(&particles.recovery) && fits && dt > 0.0) {
         // Nothing moved, unless it was carried: there is nothing to interpolate.
         if !inputs.carried {

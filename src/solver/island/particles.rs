@@ -39,14 +39,9 @@ impl StepParticles {
         }
     }
 
-    /// Whether there are as many as in the `surface`, and all of a cloth that fits have an inverse mass. What went beyond all
-    /// numbers has none.
-    pub(super) fn are_whole(&self, surface: &Surface, cloths: &[Member<'_>]) -> bool {
-        let Self { positions, previous } = self;
-        let weighs = |x: &Vec4| (x.w >= 0.0 && x.w.is_finite()) || !x.truncate().is_finite();
-        let mut fitting = surface.parts.iter().zip(cloths).filter(|(part, m)| m.fits(part));
-        [positions, previous].iter().all(|all| all.len() == surface.len())
-            && fitting.all(|(part, _)| positions[part.range()].iter().all(weighs))
+    /// Whether there are as many as in the `surface`.
+    pub(super) fn are_whole(&self, surface: &Surface) -> bool {
+        [&self.positions, &self.previous].iter().all(|all| all.len() == surface.len())
     }
 
     /// Gives those back that were stepped.

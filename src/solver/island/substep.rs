@@ -50,7 +50,7 @@ impl Island {
         }
         self.note_start(cloths);
         self.finish(cloths);
-        debug_assert!(self.particles.are_whole(&self.surface, cloths));
+        debug_assert!(self.particles.are_whole(&self.surface));
         self.particles.publish(&self.surface, cloths);
     }
 
@@ -86,7 +86,7 @@ impl Island {
         let (count, tangled) = (self.count, !self.contours().is_empty());
         self.contacts.set_offsets(cloths.iter().map(|m| m.offset));
         self.particles.take_in(&self.surface, cloths);
-        debug_assert!(self.particles.are_whole(&self.surface, cloths));
+        debug_assert!(self.particles.are_whole(&self.surface));
         for (part, m) in self.surface.parts.iter().zip(cloths) {
             // Inner steps would draw back what untangling moves.
             let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };

@@ -20,13 +20,17 @@ impl Stepped<'_> {
         scratch.frame = None;
         let Self { rest, fabric, input, .. } = *self;
         // NaN fails the comparison; `min` alone would let it pass as a whole frame.
-        if !(input.dt > 0.0) || state.positions.len() != rest.positions.len() {
+        let fits = [state.positions.len(), state.previous.len()] == [rest.positions.len(); 2];
+        if !(input.dt > 0.0 && fits) {
             return;
         }
         let dt = input.dt.min(stepping.max_frame);
         let substeps = count.unwrap_or_else(|| self.substeps(stepping, state.positions, scratch)).max(1);
         let h = dt / substeps as f32;
-        debug_assert!(h > 0.0 && state.previous.len() == state.positions.len(), "{substeps} substeps of {h} s");
+        // A time that is hardly a number has no parts.
+        if !(h > 0.0) {
+            return;
+        }
         self.begin_coupling(dt, state, scratch);
         // Bodies that pins move go along in substeps, and a first frame may be tangled.
         let steps =
@@ -145,5 +149,40 @@ impl Stepped<'_> {
         // Before pairs and after their first pass; or in each sweep of skinned cloth, which may begin to settle in any frame.
         let times = if self.input.skinned.is_some() { SETTLING_SWEEPS } else { 2 };
         scratch.provisional.begin(lie * times as usize);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, vec3};
+
+    use super::*;
+    use crate::solver::anchors::Anchors;
+    use crate::solver::rest::RestShape;
+    use crate::solver::scene::grid;
+    use crate::solver::settings::Fabric;
+    use crate::solver::state::ClothState;
+    use crate::solver::step::{FrameInput, prepare};
+    use crate::solver::wind::Wind;
+
+    #[test]
+    fn a_time_that_has_no_parts_and_a_state_that_does_not_fit_begin_no_frame() {
+        let (rest, _) = RestShape::build(&grid(4, 4, |u, v| vec3(u, 0.0, v))).expect("a sheet");
+        let (fabric, anchors, stepping) = (Fabric::default(), Anchors::default(), Stepping::default());
+        let positions: Vec<_> = rest.positions.iter().map(|x| x.extend(1.0)).collect();
+        let begins = |dt: f32, missing: usize| {
+            let previous = positions[missing..].to_vec();
+            let mut state = ClothState { positions: positions.clone(), previous, ..ClothState::default() };
+            let mut scratch = Scratch::default();
+            prepare(&rest, &fabric, &anchors, &mut state, &mut scratch);
+            let input = FrameInput { dt, gravity: Vec3::NEG_Y, bodies: &[], wind: &Wind::STILL, skinned: None };
+            let cloth = Stepped { rest: &rest, fabric: &fabric, anchors: &anchors, input };
+            cloth.begin(&stepping, Some(4), &mut state.as_mut(), &mut scratch);
+            scratch.frame.is_some()
+        };
+        assert!(begins(1.0 / 60.0, 0));
+        assert!(!begins(f32::from_bits(1), 0), "a quarter of the shortest time is none");
+        assert!(!begins(1.0 / 60.0, 1), "a particle without a position before");
+        assert!(!begins(f32::NAN, 0) && !begins(0.0, 0));
     }
 }
