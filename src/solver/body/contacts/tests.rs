@@ -364,7 +364,7 @@ fn loads_go_with_their_particles_and_bodies_whatever_numbers_these_get() {
         Body::at_rest(shape, Pose::from_translation(x * Vec3::X))
     };
     // Every other particle lies on the floor; none is near the walls but one that lies on the second.
-    let height = |k: usize| if k % 2 == 0 { KEEP } else { 0.02 };
+    let height = |k: usize| if k.is_multiple_of(2) { KEEP } else { 0.02 };
     let mut particles: Vec<Vec3> = (0..8).map(|k| vec3(0.1 * k as f32, height(k), 0.0)).collect();
     particles.push(vec3(-0.5 + KEEP, 0.02, 0.0));
     let mut scene = Scene::new(vec![floor(), wall(-2.0), wall(-0.5)], &particles);

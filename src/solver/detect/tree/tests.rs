@@ -177,7 +177,7 @@ impl Cloths {
 
     /// Whether an edge of one face goes through the other.
     fn cross(&self, f: u32, g: u32) -> bool {
-        let at = |f| self.corners(f).map(|x| x.as_dvec3());
+        let at = |f| self.corners(f).map(Vec3A::as_dvec3);
         let pierces = |t: [DVec3; 3], s: [DVec3; 3]| (0..3).any(|k| goes_through([t[k], t[(k + 1) % 3]], s));
         let (t, s) = (at(f), at(g));
         !self.share(f, g) && (pierces(t, s) || pierces(s, t))
@@ -592,8 +592,8 @@ fn along_a_segment_every_face_is_found_once_whose_box_it_meets() {
                 let is_found = found.contains(&f);
                 assert!(is_found || !meets(own, 0.0, from, path), "{f}: {own:?}, {from} {path}");
                 assert!(!is_found || meets(own, 1.0e-4, from, path), "{f}: {own:?}, {from} {path}");
-                let segment = [from, from + path].map(|x| x.as_dvec3());
-                let pierces = goes_through(segment, cloths.corners(f).map(|x| x.as_dvec3()));
+                let segment = [from, from + path].map(Vec3::as_dvec3);
+                let pierces = goes_through(segment, cloths.corners(f).map(Vec3A::as_dvec3));
                 assert!(is_found || !pierces, "{f}");
                 pierced += usize::from(pierces);
             }
