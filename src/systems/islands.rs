@@ -1,5 +1,5 @@
 //! Runs a stage of the frame of every island, in parallel over islands. Each writes only the data of its own cloths, so the
-//! result has the same bits for any number of threads. Where one island is large, threads share its
+//! result has the same bits for any number of threads. Where one island dominates, threads share its
 //! looks for pairs.
 
 use bevy::prelude::*;
@@ -76,22 +76,22 @@ pub(super) fn is_awake(island: &ClothIsland) -> bool {
     !island.asleep
 }
 
-/// Does all of the work, in parallel when there is more than one task. Where only one `island` is worth sharing, it comes last,
-/// by itself, and all threads share it: who waits for them within a task would begin with the frame of another island.
+/// Share of the time of all islands from which on threads share one, rather than take islands (dimensionless). Two threads
+/// share 57 % of the frame of a pile **`[measured]`**: while the others take less than half of its time, that is the sooner.
+const DOMINANT: f32 = 2.0 / 3.0;
+
+/// Does all of the work, in parallel when there is more than one task. An `island` that dominates comes last, by itself, and all
+/// threads share it: who waits for them within a task would begin with the frame of another island.
 fn each<T: Send>(mut tasks: Vec<T>, island: impl Fn(&mut T) -> &mut ClothIsland, work: impl Fn(T) + Sync) {
-    let mut large = Vec::new();
-    for i in (0..tasks.len()).rev() {
-        let solver = &mut island(&mut tasks[i]).solver;
-        solver.share(None);
-        if solver.is_worth_sharing() {
-            large.push(tasks.swap_remove(i));
-        }
-    }
-    if let [task] = large.as_mut_slice() {
-        island(task).solver.share(Some(compute_pool()));
-    } else {
-        tasks.append(&mut large);
-    }
+    tasks.iter_mut().for_each(|task| island(task).solver.share(None));
+    let time = |task: &mut T| island(task).times.iter().sum::<f32>();
+    let all: f32 = tasks.iter_mut().map(time).sum();
+    let large = tasks.iter_mut().position(|task| island(task).solver.is_worth_sharing() && time(task) > DOMINANT * all);
+    let large = large.map(|number| {
+        let mut task = tasks.swap_remove(number);
+        island(&mut task).solver.share(Some(compute_pool()));
+        task
+    });
     if tasks.len() > 1 {
         let work = &work;
         ComputeTaskPool::get().scope(|scope| {

@@ -150,7 +150,8 @@ impl NeighborList {
         self.ask_leaves(surface, tree, moment, tangled, contacts, false);
     }
 
-    /// As [`Self::find`] where nothing is tangled, and looks for crossings at the same pairs of faces. From the first crossing on it looks for nothing else.
+    /// As [`Self::find`] where nothing is tangled, and looks for crossings at the same pairs of faces. From the first crossing on
+    /// it looks for nothing else.
     pub(crate) fn find_and_detect<'a>(
         &mut self,
         surface: &Surface,
@@ -168,9 +169,9 @@ impl NeighborList {
         let (room, meter) = (Outcome::room(surface.len(), contacts), moment.most.meter());
         let walk = Walk { marked: false, pair: PAIR, room, moment };
         let asked = pool.and_then(|pool| tools.ask_by_threads(pool, &search, detector.tree_ref(), walk));
-        let clean = asked.filter(|&[walked, asked]| {
+        let clean = asked.filter(|&[walked, _]| {
             let asks = tools.threads.runs().flat_map(|run| run.asks.iter().copied());
-            moment.most.allows(asked) && detector.detect_asked(surface, moment.positions, asks, walked)
+            detector.detect_asked(surface, moment.positions, asks, walked)
         });
         if let Some([_, asked]) = clean {
             meter.spend(asked);
