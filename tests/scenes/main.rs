@@ -1,7 +1,6 @@
 //! Scenes in which cloth folds, twists and is pinched show no crossing, in any frame, from any of a few starts that differ by a
 //! thousandth of an edge. What is shown is checked with code that shares nothing with the detector.
 
-mod apart;
 mod contact;
 mod gusts;
 mod threads;

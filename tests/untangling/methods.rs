@@ -10,8 +10,7 @@ use bevy_drape::solver::topology::Topology;
 use drape_scenes::Tangle;
 use glam::{DVec3, Vec3, Vec4};
 
-/// Positions [m] and faces.
-type Mesh = (Vec<DVec3>, Vec<[u32; 3]>);
+use crate::meshes::{Mesh, obj, subdivided};
 
 fn grid(n: usize, m: usize, f: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let at = |i: usize, j: usize| f(i as f64 / (n - 1) as f64, j as f64 / (m - 1) as f64);
@@ -120,43 +119,6 @@ impl World {
     }
 }
 
-fn data(name: &str) -> Option<Mesh> {
-    let text = std::fs::read_to_string(drape_tests::data(name)?).expect("text");
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    for line in text.lines() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                let c: Vec<f64> = words.map(|w| w.parse().expect("a number")).collect();
-                vertices.push(DVec3::new(c[0], c[1], c[2]));
-            }
-            Some("f") => {
-                let index = |w: &str| w.split('/').next().and_then(|i| i.parse::<u32>().ok()).expect("an index") - 1;
-                let c: Vec<u32> = words.map(index).collect();
-                faces.push([c[0], c[1], c[2]]);
-            }
-            _ => {}
-        }
-    }
-    Some((vertices, faces))
-}
-
-fn subdivided((vertices, faces): &Mesh) -> Mesh {
-    let (mut all, mut new) = (vertices.clone(), Vec::new());
-    let mut middles = std::collections::BTreeMap::new();
-    for t in faces {
-        let m = [0, 1, 2].map(|k| {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                all.push((vertices[a as usize] + vertices[b as usize]) * 0.5);
-                all.len() as u32 - 1
-            })
-        });
-        new.extend([[t[0], m[0], m[2]], [m[0], t[1], m[1]], [m[2], m[1], t[2]], m]);
-    }
-    (all, new)
-}
-
 /// Exact answer for coordinates that are multiples of 2^-30; `None` when some orientation is zero.
 fn crosses_exactly(u: Vec3, v: Vec3, [p, q, r]: [Vec3; 3]) -> Option<bool> {
     let int = |x: Vec3| [x.x, x.y, x.z].map(|c| (f64::from(c) * f64::from(1u32 << 30)) as i128);
@@ -255,7 +217,7 @@ fn cloths_that_only_touch_do_not_cross() {
 
 #[test]
 fn the_layered_garment_has_its_1292_proper_crossings_and_1222_when_welded_to_a_ten_millionth() {
-    let Some(mesh) = data("garments/multilayer.obj") else { return };
+    let Some(mesh) = obj("garments/multilayer.obj") else { return };
     let count = |mesh: Mesh| {
         let world = World::new(&[mesh], &[1.0], true);
         let mut detector = Detector::new(&world.surface);
@@ -430,7 +392,7 @@ fn the_seven_contour_units_are_recognized_and_come_apart() {
         ("Cross", ContourKind::Cross),
     ];
     for (name, kind) in units {
-        let Some(mut mesh) = data(&format!("contour_units/unit_{name}.obj")) else { return };
+        let Some(mut mesh) = obj(&format!("contour_units/unit_{name}.obj")) else { return };
         for subdivision in 0..4 {
             let mut world = World::new(&[mesh.clone()], &[1.0], true);
             let mut untangler = Untangler::new(&world.surface);
