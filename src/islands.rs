@@ -12,8 +12,8 @@ use bevy::prelude::*;
 
 use crate::components::{ClothCollision, ClothCollisionLayers};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
-use crate::solver::detect::PartRef;
 use crate::solver::detect::tree::TreeTopology;
+use crate::solver::detect::{PartRef, PartSettings};
 use crate::solver::island::{Island, Stage, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
@@ -50,6 +50,8 @@ pub(crate) struct ClothIsland {
     pub origin: DVec3,
     /// Time spent on each [`Stage`] `[ms]`.
     pub times: [f32; Stage::FRAME.len()],
+    /// What the frame before it was formed took on all stages `[ms]`.
+    pub last_ms: f32,
     /// Whether it was built in this frame.
     #[cfg(feature = "record")]
     pub built: bool,
@@ -222,7 +224,8 @@ impl ClothIslands {
                 island.members.clone_from(members);
                 for (part, member) in members.iter().enumerate() {
                     let ClothCollision { garment_layer, self_collision, .. } = member.collision;
-                    island.solver.tune(part, garment_layer, self_collision, member.thickness);
+                    let thickness = member.thickness;
+                    island.solver.tune(part, PartSettings { garment_layer, self_collision, thickness });
                 }
                 if island.origin != first.origin {
                     island.solver.carry((island.origin - first.origin).as_vec3());
@@ -233,7 +236,8 @@ impl ClothIslands {
                 *builds += 1;
                 ClothIsland { solver, members: members.clone(), ..ClothIsland::default() }
             };
-            (island.settings, island.origin, island.times) = (best.settings, first.origin, Default::default());
+            (island.settings, island.origin) = (best.settings, first.origin);
+            island.last_ms = core::mem::take(&mut island.times).iter().sum();
             island.together = false;
             #[cfg(feature = "record")]
             {
@@ -283,8 +287,8 @@ fn build(members: &[Member]) -> Option<Island> {
         .iter()
         .map(|Member { rest, collision, thickness, .. }| {
             let (topology, positions) = (&rest.topology, &rest.positions);
-            let ClothCollision { garment_layer: layer, self_collision, .. } = *collision;
-            (PartRef { topology, rest: positions, layer, self_collision, thickness: *thickness }, rest.tree_topology())
+            let ClothCollision { garment_layer, self_collision, .. } = *collision;
+            (PartRef { topology, rest: positions, garment_layer, self_collision, thickness: *thickness }, rest.tree_topology())
         })
         .collect();
     match Island::new(&parts) {

@@ -6,6 +6,7 @@
 //! - collision: [`ClothCollider`], [`ClothBody`], [`ClothCollision`] with cloth; wind: [`ClothGlobalWind`], [`ClothWind`],
 //!   [`ClothWindZone`];
 //! - how it follows a character: [`ClothLimits`], [`ClothDrive`], [`ClothInertia`], [`ClothBlend`];
+//! - how it begins: [`ClothWarmUp`], [`ClothReset`], [`ClothPose`];
 //! - how much it may cost: [`ClothSleep`], [`ClothLod`], [`ClothBudget`], [`ClothSolver`];
 //! - reports and events: [`ClothReport`], [`ClothStatus`], [`ClothRecovered`] and others.
 //!
@@ -67,8 +68,8 @@ pub use components::{
     ClothRecovered, ClothRecoveryCause, ClothRecoveryLevel, ClothRenderMesh, ClothReport, ClothReset, ClothRigidBody,
     ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSolver, ClothStatus, ClothSubdivision,
     ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling,
-    ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWaitingFor, ClothWind, ClothWindZone,
-    ClothWindZoneShape, ClothWoke, ParryShape, PositionPredicate,
+    ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWaitingFor, ClothWarmUp, ClothWind,
+    ClothWindZone, ClothWindZoneShape, ClothWoke, ParryShape, PositionPredicate,
 };
 #[cfg(feature = "debug")]
 pub use debug::{ClothDebug, ClothDebugPlugin, ClothGizmos};
@@ -97,10 +98,10 @@ pub mod prelude {
         ClothLimits, ClothLoading, ClothLod, ClothMap, ClothMaterial, ClothMembrane, ClothMeshFit, ClothOnTargetLost,
         ClothPaint, ClothParticles, ClothPiece, ClothPinSelect, ClothPinSet, ClothPins, ClothPlugin, ClothPose, ClothPriority,
         ClothQuery, ClothReaction, ClothRecovered, ClothRenderMesh, ClothReport, ClothReset, ClothRest, ClothRigidBody,
-        ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot, ClothSolver, ClothStatus,
-        ClothSubdivision, ClothSystems, ClothTangled, ClothTargetLost, ClothTeleportMode, ClothTeleported, ClothTouch,
-        ClothUntangled, ClothUntangling, ClothUntanglingDisabled, ClothUntanglingEscalated, ClothUntanglingMethod, ClothWind,
-        ClothWindZone, ClothWindZoneShape, ClothWoke,
+        ClothSkinQuery, ClothSkipFrame, ClothSkipPolicy, ClothSleep, ClothSleepDisabled, ClothSlept, ClothSnapshot,
+        ClothSnapshotError, ClothSolver, ClothStatus, ClothSubdivision, ClothSystems, ClothTangled, ClothTargetLost,
+        ClothTeleportMode, ClothTeleported, ClothTouch, ClothUntangled, ClothUntangling, ClothUntanglingDisabled,
+        ClothUntanglingEscalated, ClothUntanglingMethod, ClothWarmUp, ClothWind, ClothWindZone, ClothWindZoneShape, ClothWoke,
     };
     #[cfg(feature = "debug")]
     pub use crate::{ClothDebug, ClothDebugPlugin};

@@ -30,11 +30,11 @@ use crate::components::{
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
 use crate::schedule::ClothClock;
-pub use crate::schedule::ClothSystems;
+use crate::schedule::ClothSystems;
 use crate::simulation::{ClothInputs, WorldAir, WorldBodies};
 use crate::systems::{
     bind, budget, carriers, character, colliders, couple, defaults, detect, evaluate, grab, inputs, integrate, lod, pieces,
-    poses, release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, strays, subdivide, sync, touch,
+    poses, release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, strays, subdivide, sync, touch, warm_up,
 };
 use crate::time;
 
@@ -187,6 +187,7 @@ fn stages(app: &mut App, schedule: Interned<dyn ScheduleLabel>, shows: Interned<
                     colliders::poses,
                     couple::bodies,
                     inputs::air,
+                    warm_up::pace,
                     inputs::settings,
                     budget::budget,
                     // Bevy forgets there what was seen in the last frame.
@@ -219,6 +220,13 @@ fn stages(app: &mut App, schedule: Interned<dyn ScheduleLabel>, shows: Interned<
                 .in_set(ClothSystems::Evaluate),
             (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
         ),
+    )
+    .add_systems(
+        shows,
+        warm_up::hide
+            .after(ClothSystems::Prepare)
+            .before(ClothSystems::Integrate)
+            .before(VisibilitySystems::VisibilityPropagate),
     )
     .add_systems(
         shows,

@@ -7,10 +7,11 @@ use std::path::{Path, PathBuf};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use crate::components::{Cloth, ClothFailed, ClothHeld, ClothRecovered};
+use crate::components::{Cloth, ClothCollision, ClothFailed, ClothHeld, ClothRecovered};
 use crate::islands::{ClothIsland, ClothIslands};
 use crate::schedule::{self, ClothSystems};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::solver::detect::PartSettings;
 use crate::solver::evaluate::Pose;
 use crate::solver::recording::{RecordedCloth, Recording, RecordingError};
 use crate::solver::skinned::Skinned;
@@ -193,7 +194,7 @@ fn record(
         unprepared: inputs.stale || scratch.fresh,
         carrier: Pose { translation, rotation: carrier.rotation },
         offsets: [offset; 2],
-        tuned: (0, false, inputs.fabric.thickness),
+        settings: PartSettings { thickness: inputs.fabric.thickness, ..default() },
         written: particles.written,
         moves: inputs.moves(&particles.recovery),
         clock: dt * inputs.time_scale,
@@ -222,7 +223,8 @@ fn record_islands(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloth
             if let Ok((.., particles, _)) = cloths.get(member.entity) {
                 cloth.offsets[1] = (particles.origin - island.origin).as_vec3();
             }
-            cloth.tuned = (collision.garment_layer, collision.self_collision, member.thickness);
+            let ClothCollision { garment_layer, self_collision, .. } = collision;
+            cloth.settings = PartSettings { garment_layer, self_collision, thickness: member.thickness };
             (cloth.fixed, cloth.still) = (member.fixed, member.still);
             (cloth.contact, cloth.at_load) = (collision.contact, member.at_load);
         }

@@ -23,7 +23,7 @@ use crate::time::ClothTime;
 /// own: transforms and parents, settings, grips ([`ClothGrab`](crate::ClothGrab)), the bodies of a physics engine, and time.
 /// Then the frames that follow have the same bits as those that followed the first time. Write only what differs
 /// ([`set_if_neq`](bevy::prelude::DetectChangesMut::set_if_neq)): cloth that sleeps wakes when a setting is written. It does
-/// not hold what cameras saw, so do without `ClothLod` where bits matter.
+/// not hold what cameras saw, nor what frames will cost: do without `ClothLod` and `ClothBudget` where bits matter.
 ///
 /// Capture and restore between two updates, or in an exclusive system before
 /// [`ClothSystems::Prepare`](crate::ClothSystems::Prepare) or after [`ClothSystems::Sync`](crate::ClothSystems::Sync). A

@@ -159,7 +159,7 @@ mod tests {
                 let part = PartRef {
                     topology: &rest.topology,
                     rest: &rest.positions,
-                    layer: 0,
+                    garment_layer: 0,
                     self_collision: true,
                     thickness: 0.005,
                 };

@@ -35,6 +35,7 @@ mod status;
 mod subdivision;
 mod touch;
 mod untangle;
+mod warm_up;
 mod wind;
 
 pub use blend::ClothBlend;
@@ -70,4 +71,5 @@ pub use status::{
 pub use subdivision::ClothSubdivision;
 pub use touch::{ClothContactEnded, ClothContactEvents, ClothContactStarted, ClothContacts, ClothTouch};
 pub use untangle::{ClothUntangling, ClothUntanglingDisabled, ClothUntanglingMethod};
+pub use warm_up::ClothWarmUp;
 pub use wind::{ClothGlobalWind, ClothWind, ClothWindZone, ClothWindZoneShape};

@@ -29,7 +29,8 @@ pub struct ClothSolver {
     pub membrane: ClothMembrane,
     /// Scale of [`ClothGravity`] (dimensionless). Default 1, range -100 to 100.
     pub gravity_scale: f32,
-    /// Pace of this cloth over that of its clock (dimensionless). Default 1, range 0 to 10; 0 stops it.
+    /// Pace of this cloth over that of its clock (dimensionless). Default 1, range 0 to 10; 0 stops it. How long it is tangled or
+    /// held goes by the clock.
     pub time_scale: f32,
     /// Teleport mode: what the cloth does when its carrier jumps. Default [`ClothTeleportMode::Keep`].
     pub teleport: ClothTeleportMode,

@@ -49,6 +49,8 @@ pub(crate) struct ClothExtras {
     pub inertia: Option<ClothInertia>,
     /// How much of it is simulated (dimensionless).
     pub blend: Option<f32>,
+    /// Time that is simulated before it is shown `[s]`.
+    pub warm_up: Option<f32>,
     /// Longest edge that is left `[m]`.
     pub subdivision: Option<f32>,
     /// Shortest edge that is simulated `[m]`.
@@ -207,6 +209,10 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.blend = number(value);
                 cloth.blend.is_none().then_some("a number from 0, animated, to 1, simulated")
             }
+            "warm_up" => {
+                cloth.warm_up = number(value).filter(|seconds| *seconds >= 0.0);
+                cloth.warm_up.is_none().then_some("a number of seconds, of 0 or more")
+            }
             "subdivision" => {
                 cloth.subdivision = number(value).filter(|longest| *longest > 0.0);
                 cloth.subdivision.is_none().then_some("a number of metres, of more than 0")
@@ -232,7 +238,7 @@ fn cloth(keys: &Map<String, Value>, problems: &mut Vec<Problem>) -> ClothExtras 
                 cloth.substep_rate.is_none().then_some("a number of hertz")
             }
             _ => {
-                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, subdivision, decimation, proxy";
+                let known = "material, pin, self_collision, layer, thickness, substep_rate, max_distance, backstop, drive, inertia, blend, warm_up, subdivision, decimation, proxy";
                 problems.push(Problem::new(format!("cloth.{}", shortened(key)), format!("is not known: the keys are {known}")));
                 continue;
             }
@@ -483,6 +489,7 @@ mod tests {
             drive: Some(ClothDrive { frequency: ClothMap::Uniform(4.0), damping_ratio: 0.5 }),
             inertia: None,
             blend: None,
+            warm_up: None,
             subdivision: None,
             decimation: None,
         };
@@ -529,6 +536,9 @@ mod tests {
         let blend = |value: &str| read(&format!(r#"{{"cloth": {{"blend": {value}}}}}"#));
         assert_eq!(blend("0.25").0.cloth.and_then(|cloth| cloth.blend), Some(0.25));
         assert_eq!(blend(r#""half""#).1.len(), 1);
+        let warm_up = |value: &str| read(&format!(r#"{{"cloth": {{"warm_up": {value}}}}}"#));
+        assert_eq!(warm_up("1.5").0.cloth.and_then(|cloth| cloth.warm_up), Some(1.5));
+        assert!(["-1", "true"].iter().all(|value| warm_up(value).1.len() == 1));
         let subdivision = |value: &str| read(&format!(r#"{{"cloth": {{"subdivision": {value}}}}}"#));
         assert_eq!(subdivision("0.03").0.cloth.and_then(|cloth| cloth.subdivision), Some(0.03));
         assert!(["0", "-1", "true"].iter().all(|value| subdivision(value).1.len() == 1));

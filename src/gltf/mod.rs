@@ -18,6 +18,7 @@
 //! | `cloth.drive` | Hz; or `[low, high]` over `_CLOTH_DRIVE`; or `{"frequency": …, "damping_ratio": …, "map": …}`: [`ClothDrive`] |
 //! | `cloth.inertia` | share of the motion of its character that it feels; or `"character"`, `"world"`; or `{"linear": …, "angular": …, "max_speed": …, "max_turn": …}`: [`ClothInertia`](crate::ClothInertia) |
 //! | `cloth.blend` | how much of it is simulated, 0 to 1: [`ClothBlend`] |
+//! | `cloth.warm_up` | seconds that are simulated before it is shown: [`ClothWarmUp`] |
 //! | `cloth.decimation` | metres in the space of the mesh: shorter edges are not simulated, and drawn as authored: [`ClothDecimation`] |
 //! | `cloth.subdivision` | metres in the space of the mesh: longer edges are split; for meshes of one material: [`ClothSubdivision`] |
 //! | `cloth.proxy` | name of the object that is simulated; this one is drawn in its place, and needs no other key: [`ClothRenderMesh`] |
@@ -71,7 +72,7 @@ use bevy::world_serialization::WorldAssetRoot;
 use crate::components::{
     Cloth, ClothBlend, ClothBody, ClothCollider, ClothColliderShape, ClothCollision, ClothDecimation, ClothDrive,
     ClothGlobalWind, ClothGravity, ClothMaterial, ClothMeshFit, ClothPiece, ClothPinSelect, ClothPins, ClothRenderMesh,
-    ClothSolver, ClothSubdivision,
+    ClothSolver, ClothSubdivision, ClothWarmUp,
 };
 use crate::presets::{ClothPresetHandle, PresetOverrides};
 use crate::schedule::ClothSystems;
@@ -372,6 +373,9 @@ fn make_cloth(
     }
     if let Some(weight) = extras.blend {
         entity.try_insert_if_new(ClothBlend { weight, ..default() });
+    }
+    if let Some(seconds) = extras.warm_up {
+        entity.try_insert_if_new(ClothWarmUp { seconds });
     }
 }
 

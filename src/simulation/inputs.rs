@@ -46,6 +46,10 @@ pub(crate) struct ClothInputs {
     pub evaluate: EvaluateSettings,
     pub gravity: Vec3,
     pub time_scale: f32,
+    /// How much faster than its clock it is simulated while it warms up (dimensionless).
+    pub pace: f32,
+    /// For how long it was simulated before it is shown `[s]`; none: it does not warm up.
+    pub warmed: Option<f32>,
     /// Whether it stands still for being far away, and is carried along.
     pub carried: bool,
     /// Whether it was carried anywhere in this frame.
@@ -141,6 +145,8 @@ impl ClothInputs {
             evaluate: EvaluateSettings::default(),
             gravity: Vec3::ZERO,
             time_scale: 1.0,
+            pace: 1.0,
+            warmed: None,
             carried: false,
             rode: false,
             character: None,

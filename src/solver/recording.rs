@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::anchors::Anchors;
 use super::body::Body;
+use super::detect::PartSettings;
 use super::evaluate::{EvaluateSettings, Outcome, Pose};
 use super::integrate::spring;
 use super::island::{Display, Island, Member, Stage, UntangleSettings};
@@ -20,7 +21,7 @@ use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
 use super::wind::Wind;
 
 /// What files of this form begin with: the name and the number of the form. Another number is another form.
-const MAGIC: &[u8; 8] = b"drape\0\0\x08";
+const MAGIC: &[u8; 8] = b"drape\0\0\x09";
 /// The version that wrote a file stands in it: what is recorded is private, and changes.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -91,8 +92,8 @@ pub struct RecordedCloth {
     pub carrier: Pose,
     /// From its frame of simulation to that of the island while it is stepped, and after it `[m]`.
     pub offsets: [Vec3; 2],
-    /// Layer, whether it meets itself, and thickness `[m]` after it was stepped.
-    pub tuned: (i32, bool, f32),
+    /// How it meets others after it was stepped.
+    pub settings: PartSettings,
     /// Whether the app wrote its state before the frame, which is judged then.
     pub written: bool,
     /// See [`Member`].
@@ -217,8 +218,7 @@ impl Recording {
         }
         if let Some(island) = island {
             for (part, cloth) in cloths.iter().enumerate() {
-                let (layer, self_collision, thickness) = cloth.tuned;
-                island.tune(part, layer, self_collision, thickness);
+                island.tune(part, cloth.settings);
             }
             if *carried != Vec3::ZERO {
                 island.carry(*carried);

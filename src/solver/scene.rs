@@ -67,7 +67,7 @@ pub struct SceneCloth {
     /// What is shown while it is tangled.
     pub display: Display,
     /// Order of layers: larger numbers are worn outside; set it before [`Scene::untangled`].
-    pub layer: i32,
+    pub garment_layer: i32,
 }
 
 impl SceneCloth {
@@ -93,7 +93,7 @@ impl SceneCloth {
             report: StepReport::default(),
             done: None,
             display: Display::default(),
-            layer: 0,
+            garment_layer: 0,
         };
         cloth.prepare();
         cloth
@@ -264,13 +264,13 @@ impl Scene {
         skip: EvaluateSettings,
         self_collision: bool,
     ) -> Result<Self, SurfaceError> {
-        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness, cloth.layer);
+        let part = |cloth: &'_ SceneCloth| (cloth.rest.clone(), cloth.fabric.thickness, cloth.garment_layer);
         let cloths: Vec<_> = self.cloths.iter().map(part).collect();
         let parts: Vec<(PartRef<'_>, &Arc<TreeTopology>)> = cloths
             .iter()
             .map(|(rest, thickness, layer)| {
                 let (topology, positions) = (&rest.topology, &rest.positions);
-                let part = PartRef { topology, rest: positions, layer: *layer, self_collision, thickness: *thickness };
+                let part = PartRef { topology, rest: positions, garment_layer: *layer, self_collision, thickness: *thickness };
                 (part, rest.tree_topology())
             })
             .collect();

@@ -158,7 +158,9 @@ pub(crate) fn budget(
         let distances = places.iter().map(|eye| eye.clamp(low, high).distance(*eye));
         let distance = distances.fold(f64::INFINITY, f64::min).max(NEAREST);
         let distance = if distance.is_finite() { distance } else { 1.0 };
-        let seen = if places.is_empty() || seen.is_none_or(|seen| seen.get()) { 1.0 } else { UNSEEN };
+        // What warms up is hidden by that alone.
+        let seen = places.is_empty() || inputs.warmed.is_some() || seen.is_none_or(|seen| seen.get());
+        let seen = if seen { 1.0 } else { UNSEEN };
         let worth = f64::from(priority) * seen * (f64::from(inputs.radius) / distance).powi(2);
         let island = scratch.island.map(|(island, _)| island);
         // Those alone are looked for nowhere: there may be thousands.

@@ -6,8 +6,8 @@ use super::skeleton::joint_of;
 use crate::bind::{Placement, ramp_weights};
 use crate::components::{
     Cloth, ClothBlend, ClothBuildReport, ClothCollisionLayers, ClothDrive, ClothGlobalWind, ClothGravity, ClothInertia,
-    ClothLimits, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWind,
-    ClothWindZone, ClothWindZoneShape,
+    ClothLimits, ClothLod, ClothMaterial, ClothPins, ClothReport, ClothSkipFrame, ClothSolver, ClothUntangling, ClothWarmUp,
+    ClothWind, ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
 use crate::simulation::{
@@ -62,7 +62,7 @@ pub(crate) fn settings(
             &ClothUntangling,
             &ClothSkipFrame,
             Option<&ClothLod>,
-            (Option<&ClothLimits>, Option<&ClothDrive>, Option<&ClothInertia>, Option<&ClothBlend>),
+            (Option<&ClothLimits>, Option<&ClothDrive>, Option<&ClothInertia>, Option<&ClothBlend>, Option<&ClothWarmUp>),
             Option<&ClothWind>,
             &ClothBuildReport,
             &mut ClothInputs,
@@ -81,7 +81,7 @@ pub(crate) fn settings(
         untangle,
         skip,
         lod,
-        (limits, drive, inertia, blend),
+        (limits, drive, inertia, blend, warm_up),
         own_wind,
         build,
         mut inputs,
@@ -92,7 +92,10 @@ pub(crate) fn settings(
         let checked = &mut inputs.checked;
         checked.clear();
         let fabric = material.fabric(checked);
-        inputs.time_scale = solver.time_scale(checked);
+        inputs.time_scale = solver.time_scale(checked) * inputs.pace;
+        if let Some(warm_up) = warm_up {
+            warm_up.checked(checked);
+        }
         let dt = time.delta_secs() * inputs.time_scale;
         let before = inputs.fabric.prepared();
         let tuned = inputs.ramp.advance(&mut inputs.fabric, &fabric, dt, report.worst_edge);
@@ -134,7 +137,7 @@ pub(crate) fn settings(
         }
         notices.clamped(entity, name, "cloth", checked);
         let faded = inputs.fade;
-        inputs.advance_fade(time.delta_secs());
+        inputs.advance_fade(time.delta_secs() * inputs.pace);
         inputs.tuned |= inputs.fade != faded;
         inputs.skinned.scale *= inputs.fade;
         if build.without_warp == build.faces && material.is_directed() && notices.first(entity, "warp") {

@@ -84,9 +84,8 @@ const DOMINANT: f32 = 2.0 / 3.0;
 /// threads share it: who waits for them within a task would begin with the frame of another island.
 fn each<T: Send>(mut tasks: Vec<T>, island: impl Fn(&mut T) -> &mut ClothIsland, work: impl Fn(T) + Sync) {
     tasks.iter_mut().for_each(|task| island(task).solver.share(None));
-    let time = |task: &mut T| island(task).times.iter().sum::<f32>();
-    let all: f32 = tasks.iter_mut().map(time).sum();
-    let large = tasks.iter_mut().position(|task| island(task).solver.is_worth_sharing() && time(task) > DOMINANT * all);
+    let times: Vec<f32> = tasks.iter_mut().map(|task| island(task).last_ms).collect();
+    let large = dominant(&times).filter(|number| island(&mut tasks[*number]).solver.is_worth_sharing());
     let large = large.map(|number| {
         let mut task = tasks.swap_remove(number);
         island(&mut task).solver.share(Some(compute_pool()));
@@ -103,6 +102,13 @@ fn each<T: Send>(mut tasks: Vec<T>, island: impl Fn(&mut T) -> &mut ClothIsland,
         tasks.into_iter().for_each(&work);
     }
     large.into_iter().for_each(work);
+}
+
+/// The island that takes most of the time, from those that islands took in the last frame `[ms]`; none where threads rather
+/// take islands.
+fn dominant(times: &[f32]) -> Option<usize> {
+    let all: f32 = times.iter().sum();
+    times.iter().position(|&time| times.len() == 1 || time > DOMINANT * all)
 }
 
 /// Cloth `part` of an island, as the solver sees it in a frame of `dt` `[s]`.
@@ -133,4 +139,30 @@ fn member<'a>(
         contact: member.collision.contact,
         last_resort: inputs.evaluate.last_resort,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::app::TaskPoolPlugin;
+
+    use super::*;
+
+    #[test]
+    fn threads_share_an_island_that_is_alone_or_takes_more_than_two_thirds_of_the_time() {
+        assert_eq!([dominant(&[]), dominant(&[0.0]), dominant(&[3.0])], [None, Some(0), Some(0)]);
+        assert_eq!([dominant(&[0.0, 0.0]), dominant(&[1.0, 1.9]), dominant(&[1.0, 2.1])], [None, None, Some(1)]);
+        assert_eq!(dominant(&[f32::NAN, 1.0]), None);
+    }
+
+    #[test]
+    fn an_island_that_dominates_does_its_work_last() {
+        App::new().add_plugins(TaskPoolPlugin::default());
+        let order = std::sync::Mutex::new(Vec::new());
+        let island = |last_ms: f32| ClothIsland { last_ms, ..ClothIsland::default() };
+        let mut islands = [island(9.0), island(1.0), island(2.0)];
+        let tasks: Vec<&mut ClothIsland> = islands.iter_mut().collect();
+        each(tasks, |island| island, |island| order.lock().expect("no panic").push(island.last_ms));
+        // An island without cloths is worth no sharing.
+        assert_eq!(order.into_inner().expect("no panic").len(), 3);
+    }
 }

@@ -41,7 +41,8 @@ pub(crate) fn detail(
         // Cloth that is only animated counts as a point.
         let (low, high) = scratch.bounds.filter(|_| inputs.active).unwrap_or((at, at));
         let by_lod = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
-            let seen = seen.is_none_or(|seen| seen.get());
+            // What warms up is hidden by that alone.
+            let seen = inputs.warmed.is_some() || seen.is_none_or(|seen| seen.get());
             inputs.unseen_for = if seen { 0.0 } else { inputs.unseen_for + time.delta_secs() };
             let distances = eyes.iter().map(|eye| eye.clamp(low, high).distance(*eye));
             let by_distance = at_distance(&lod, distances.fold(f64::INFINITY, f64::min), inputs.by_distance);
@@ -53,20 +54,15 @@ pub(crate) fn detail(
             ClothDetail::Full
         };
         let detail = by_lod.max(inputs.share.detail);
-        let bears = || {
-            let (layers, keep) = (layers.copied().unwrap_or_default(), inputs.fabric.thickness + NEAR);
-            let takes =
-                |body: &&WorldBody| body.entity != entity && layers.touches(body.layers) && bodies.taker(body).is_some();
-            let mut takers = bodies.bodies.iter().filter(takes);
-            inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3() - keep, high.as_vec3() + keep))
-        };
         // What a body hangs on or lies in has to hold it, whoever looks.
-        inputs.bears = detail > ClothDetail::Full && !bodies.rigids.is_empty() && bears();
+        inputs.bears = detail > ClothDetail::Full && bears(entity, (low, high), layers, inputs, &bodies);
         let detail = if inputs.bears { ClothDetail::Full } else { detail };
+        let detail = if inputs.warmed.is_some() { detail.min(ClothDetail::Quarter) } else { detail };
         let rate = &mut inputs.stepping.substep_rate;
         let all = *rate;
         *rate = (*rate * detail.share()).max(rate.min(LEAST_RATE));
-        inputs.share.taken = if detail == ClothDetail::Still { 0.0 } else { *rate / all };
+        // So that a frame of a warm-up costs no more than one that is shown.
+        inputs.share.taken = if detail == ClothDetail::Still { 0.0 } else { *rate / all * inputs.pace };
         if detail > ClothDetail::Full {
             // Nobody sees from there how it drapes.
             inputs.stepping.inner_rate = inputs.stepping.substep_rate;
@@ -88,6 +84,23 @@ pub(crate) fn detail(
             report.detail = detail;
         }
     }
+}
+
+/// Whether a body that takes what cloth gives hangs on a cloth with this box `[m]`, or is near it.
+pub(super) fn bears(
+    cloth: Entity,
+    (low, high): (DVec3, DVec3),
+    layers: Option<&ClothCollisionLayers>,
+    inputs: &ClothInputs,
+    bodies: &WorldBodies,
+) -> bool {
+    if bodies.rigids.is_empty() {
+        return false;
+    }
+    let (layers, keep) = (layers.copied().unwrap_or_default(), inputs.fabric.thickness + NEAR);
+    let takes = |body: &&WorldBody| body.entity != cloth && layers.touches(body.layers) && bodies.taker(body).is_some();
+    let mut takers = bodies.bodies.iter().filter(takes);
+    inputs.coupled.is_pinned() || takers.any(|body| is_near(body, low.as_vec3() - keep, high.as_vec3() + keep))
 }
 
 /// Where active cameras are `[m]`.

@@ -30,6 +30,7 @@ pub(crate) mod strays;
 pub(crate) mod subdivide;
 pub(crate) mod sync;
 pub(crate) mod touch;
+pub(crate) mod warm_up;
 
 use bevy::platform::time::Instant;
 

@@ -90,6 +90,8 @@ pub(crate) fn reset(mut commands: Commands, mut islands: ResMut<ClothIslands>, m
         let origin = particles.origin;
         particles.place(inputs.pose(&rest.0, origin));
         inputs.stay();
+        // It falls into place anew.
+        inputs.warmed = inputs.warmed.map(|_| 0.0);
         forget_contacts(&mut scratch, &mut islands);
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn pose(
             continue;
         }
         let Some(skin) = inputs.skin.take() else { continue };
-        let ClothInputs { crossfade, joints, joints_before, frames, body_entities, .. } = inputs;
+        let ClothInputs { crossfade, joints, joints_before, frames, pace, body_entities, .. } = inputs;
         crossfade.read(&skin, &transforms, particles.origin);
         if *frames > FIRST_FRAMES {
             let hangs = |body: &Entity, joint: u16| joint_of(&skin, *body, &parents) == Some(joint);
@@ -45,7 +45,7 @@ pub(crate) fn pose(
             crossfade.pose(&skin, joints);
         }
         joints_before.clone_from(joints);
-        crossfade.advance(dt);
+        crossfade.advance(dt * *pace);
         crossfade.pose(&skin, joints);
         if crossfade.is_active() {
             inputs.placement = skin.placement_of(joints, particles.origin).unwrap_or(inputs.placement);

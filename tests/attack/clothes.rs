@@ -149,6 +149,9 @@ pub fn skinned(stage: &mut Stage, slot: usize, other: usize, rng: &mut Rng) -> S
     if rng.bool() {
         stage.world().entity_mut(entity).insert(ClothBlend { weight: rng.f32(), ..default() });
     }
+    if once_in(rng, 4) {
+        stage.world().entity_mut(entity).insert(ClothWarmUp { seconds: 2.0 * rng.f32() });
+    }
     stage.enter(slot, entity);
     let more = more(stage, entity, other, rng);
     format!("{told}{more}")

@@ -38,5 +38,6 @@ mod reflection;
 mod sync;
 mod touch;
 mod untangle;
+mod warm_up;
 mod warnings;
 mod wiring;

@@ -217,7 +217,7 @@ fn furnish(world: &mut World) -> [Entity; 3] {
                 (
                     ClothInertia { linear: 0.5, space: Some(hand), ..default() },
                     ClothPriority(3.0),
-                    (ClothBlend { weight: 0.5, rate: 2.0 }, ClothReset),
+                    (ClothBlend { weight: 0.5, rate: 2.0 }, ClothWarmUp { seconds: 0.5 }, ClothReset),
                 ),
             ),
             ClothCollision { garment_layer: -2, contact: false, ..default() },

@@ -14,8 +14,8 @@ use glam::{Vec3, Vec4, vec3};
 
 fn assert_same(rest: &RestShape, positions: &[Vec4], what: &str) -> usize {
     let (topology, rest) = (&rest.topology, &rest.positions);
-    let surface =
-        Surface::new(&[PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 }]).expect("one cloth");
+    let surface = Surface::new(&[PartRef { topology, rest, garment_layer: 0, self_collision: true, thickness: 0.005 }])
+        .expect("one cloth");
     let mut detector = Detector::new(&surface);
     let found = detector.detect(&surface, positions).iter().filter(|c| !c.touching);
     let mut found: Vec<([u32; 2], u32)> = found.map(|c| (topology.edges[c.edge as usize], c.face)).collect();
@@ -50,7 +50,7 @@ fn cloth_from_one_end_of_infinity_to_the_other_is_left_out() {
     let n = 6;
     let (rest, _) = RestShape::build(&scenes::grid(n, n, |u, v| vec3(u, 0.0, v))).expect("a sheet");
     let (topology, shape) = (&rest.topology, &rest.positions);
-    let part = PartRef { topology, rest: shape, layer: 0, self_collision: true, thickness: 0.005 };
+    let part = PartRef { topology, rest: shape, garment_layer: 0, self_collision: true, thickness: 0.005 };
     let surface = Surface::new(&[part, part]).expect("two cloths");
     let mut detector = Detector::new(&surface);
     let sound = shape.iter().map(|p| p.extend(1.0));
@@ -90,7 +90,7 @@ fn what_comes_to_cross_by_and_by_is_seen_at_once() {
     let edge = 1.0 / (n - 1) as f32;
     let (rest, _) = RestShape::build(&scenes::grid(n, n, |u, v| vec3(u, 0.0, v))).expect("a sheet");
     let (topology, rest) = (&rest.topology, &rest.positions);
-    let part = PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 };
+    let part = PartRef { topology, rest, garment_layer: 0, self_collision: true, thickness: 0.005 };
     let sheet = |at: &dyn Fn(Vec3) -> Vec3| rest.iter().map(|&x| at(x)).collect::<Vec<Vec3>>();
     // Two sheets pass through each other, and one is rolled up until its ends meet; by a hundredth of an edge in each frame.
     let wave = |x: Vec3, time: f32| edge * (0.2 * (9.0 * x.x).sin() + 0.01 * time - 0.4);

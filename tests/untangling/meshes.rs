@@ -90,7 +90,7 @@ impl Tube {
     }
 
     pub fn cloth(self, n: u32, layer: i32) -> SceneCloth {
-        SceneCloth { layer, ..pinned_above(&self.mesh(n)) }
+        SceneCloth { garment_layer: layer, ..pinned_above(&self.mesh(n)) }
     }
 }
 

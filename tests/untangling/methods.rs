@@ -49,7 +49,7 @@ impl World {
         let parts: Vec<PartRef<'_>> = topologies
             .iter()
             .zip(&rest)
-            .map(|(topology, rest)| PartRef { topology, rest, layer: 0, self_collision, thickness: 0.002 })
+            .map(|(topology, rest)| PartRef { topology, rest, garment_layer: 0, self_collision, thickness: 0.002 })
             .collect();
         let surface = Surface::new(&parts).expect("matching parts");
         let start = rest.concat();

@@ -22,4 +22,4 @@ pub(crate) mod tree;
 
 pub use crossing::{Crossing, Detector};
 pub use proximity::{Proximity, ProximityKind};
-pub use surface::{Part, PartRef, Surface, SurfaceError};
+pub use surface::{Part, PartRef, PartSettings, Surface, SurfaceError};

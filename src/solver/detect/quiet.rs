@@ -124,7 +124,8 @@ mod tests {
         let triangles = cells.flat_map(|i| [[i, i + 1, i + N], [i + 1, i + N + 1, i + N]]).collect();
         let (rest, _) = RestShape::build(&SourceMesh { positions, triangles, ..SourceMesh::default() }).expect("a sheet");
         let (topology, rest) = (&rest.topology, &rest.positions);
-        Surface::new(&[PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.005 }]).expect("one cloth")
+        Surface::new(&[PartRef { topology, rest, garment_layer: 0, self_collision: true, thickness: 0.005 }])
+            .expect("one cloth")
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub struct PartRef<'a> {
     /// Rest positions `[m]`, one per particle; they give areas, edge lengths and the topology of the search tree.
     pub rest: &'a [Vec3],
     /// Order of layered garments: of two cloths, the one with the larger number is worn outside. Equal numbers have no order.
-    pub layer: i32,
+    pub garment_layer: i32,
     /// Whether crossings of the cloth with itself count.
     pub self_collision: bool,
     /// Thickness of the cloth `[m]`: the distance at which two of its sides touch.
@@ -42,10 +42,22 @@ pub struct Part {
     /// Its faces.
     pub faces: Range<u32>,
     /// Order of layered garments; larger is outside.
-    pub layer: i32,
+    pub garment_layer: i32,
     /// Whether crossings of the cloth with itself count.
     pub self_collision: bool,
     /// Thickness `[m]`.
+    pub thickness: f32,
+}
+
+/// What of a [`Part`] may change while it is simulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
+pub struct PartSettings {
+    /// As [`Part::garment_layer`].
+    pub garment_layer: i32,
+    /// As [`Part::self_collision`].
+    pub self_collision: bool,
+    /// As [`Part::thickness`] `[m]`.
     pub thickness: f32,
 }
 
@@ -151,7 +163,7 @@ impl Surface {
             particles: p0..p0 + of.particles,
             edges: e0..e0 + of.edges.len() as u32,
             faces: f0..f0 + of.faces.len() as u32,
-            layer: cloth.layer,
+            garment_layer: cloth.garment_layer,
             self_collision: cloth.self_collision,
             thickness: cloth.thickness,
         });

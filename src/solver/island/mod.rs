@@ -39,7 +39,7 @@ pub use stage::Stage;
 use super::body::Touch;
 use super::buffer::Buffer;
 use super::detect::tree::{Tree, TreeTopology};
-use super::detect::{Crossing, Detector, PartRef, Surface, SurfaceError};
+use super::detect::{Crossing, Detector, PartRef, PartSettings, Surface, SurfaceError};
 use super::effort::Effort;
 use super::jobs::JobSystem;
 use super::resolve::{Contour, ResolveSettings, Resolver, Untangler};
@@ -209,13 +209,14 @@ impl Island {
 
     /// Changes the settings of cloth `part`: its layer, whether it meets itself, its thickness `[m]`. What is known of it stays
     /// known, except where it may cross itself.
-    pub fn tune(&mut self, part: usize, layer: i32, self_collision: bool, thickness: f32) {
-        let Some(settings) = self.surface.parts.get_mut(part) else { return };
-        if settings.self_collision != self_collision {
+    pub fn tune(&mut self, part: usize, settings: PartSettings) {
+        let Some(part) = self.surface.parts.get_mut(part) else { return };
+        let PartSettings { garment_layer, self_collision, thickness } = settings;
+        if part.self_collision != self_collision {
             self.known = false;
             self.untangler.detector.forget();
         }
-        (settings.layer, settings.self_collision, settings.thickness) = (layer, self_collision, thickness);
+        (part.garment_layer, part.self_collision, part.thickness) = (garment_layer, self_collision, thickness);
     }
 
     /// How often pairs were looked for since [`Stage::Respond`], that look included.

@@ -166,7 +166,7 @@ mod tests {
     fn surface() -> Surface {
         let topology = Arc::new(Topology::new(3, vec![[0, 1, 2]]));
         let rest = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
+        let part = PartRef { topology: &topology, rest: &rest, garment_layer: 0, self_collision: true, thickness: 0.01 };
         Surface::new(&[part; 5]).expect("five cloths")
     }
 

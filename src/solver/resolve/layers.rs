@@ -103,8 +103,8 @@ impl Layers {
                     continue;
                 }
                 let other = surface.part_of_face(face);
-                let layer = surface.parts[usize::from(other)].layer;
-                let is_wrong = if side == 0 { layer < mine.layer } else { layer > mine.layer };
+                let layer = surface.parts[usize::from(other)].garment_layer;
+                let is_wrong = if side == 0 { layer < mine.garment_layer } else { layer > mine.garment_layer };
                 if is_wrong {
                     let pair = if side == 0 { [part, other] } else { [other, part] };
                     // Projected along the normal of the face, the way may be a little longer.
@@ -161,7 +161,7 @@ fn hit(surface: &Surface, positions: &[Vec4], from: Vec3, path: Vec3, face: u32)
 
 /// The outer and the inner one of two cloths; none if they have no order.
 pub(super) fn ordered(surface: &Surface, [a, b]: [u16; 2]) -> Option<[u16; 2]> {
-    let [x, y] = [a, b].map(|p| surface.parts[usize::from(p)].layer);
+    let [x, y] = [a, b].map(|p| surface.parts[usize::from(p)].garment_layer);
     match x.cmp(&y) {
         core::cmp::Ordering::Greater => Some([a, b]),
         core::cmp::Ordering::Less => Some([b, a]),

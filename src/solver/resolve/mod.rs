@@ -247,7 +247,8 @@ impl Resolver {
             self.displacements.apply(positions, previous);
             return true;
         }
-        let layered = settings.method == Method::ByEndType && surface.parts.windows(2).any(|p| p[0].layer != p[1].layer);
+        let layered =
+            settings.method == Method::ByEndType && surface.parts.windows(2).any(|p| p[0].garment_layer != p[1].garment_layer);
         if layered {
             self.layers.patrol(surface, detector.tree(), positions);
         } else {

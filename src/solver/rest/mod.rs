@@ -196,8 +196,13 @@ impl RestShape {
     /// multiples of the shape. Made when it is first asked for: cloth that meets no cloth has none.
     pub fn tree_topology(&self) -> &Arc<TreeTopology> {
         self.tree_topology.get_or_init(|| {
-            let part =
-                PartRef { topology: &self.topology, rest: &self.positions, layer: 0, self_collision: true, thickness: 0.0 };
+            let part = PartRef {
+                topology: &self.topology,
+                rest: &self.positions,
+                garment_layer: 0,
+                self_collision: true,
+                thickness: 0.0,
+            };
             Arc::new(Surface::new(&[part]).map_or_else(|_| TreeTopology::default(), |surface| TreeTopology::new(&surface)))
         })
     }

@@ -349,7 +349,7 @@ mod tests {
         let topology = Arc::new(Topology::new(3, vec![[0, 1, 2]]));
         let lower = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let upper = [vec3(0.2, 0.2, 0.1), vec3(0.4, 0.2, 0.3), vec3(0.2, 0.4, 0.3)];
-        let part = |rest| PartRef { topology: &topology, rest, layer: 0, self_collision: true, thickness: 0.01 };
+        let part = |rest| PartRef { topology: &topology, rest, garment_layer: 0, self_collision: true, thickness: 0.01 };
         let surface = Surface::new(&[part(&lower), part(&upper)]).expect("two cloths");
         (surface, lower.into_iter().chain(upper).map(|x| x.extend(1.0)).collect())
     }
@@ -395,7 +395,7 @@ mod tests {
             .zip([1.0, 0.5, 1.0])
             .flat_map(|(at, size)| corners.map(|x| at + size * x))
             .collect();
-        let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
+        let part = PartRef { topology: &topology, rest: &rest, garment_layer: 0, self_collision: true, thickness: 0.01 };
         let surface = Surface::new(&[part]).expect("a cloth");
         let clean: Vec<Vec4> = rest.iter().map(|x| x.extend(1.0)).collect();
         let mut rollback = Rollback::default();

@@ -31,7 +31,7 @@ fn layers_that_face_opposite_ways_are_not_driven_through_each_other() {
     let inner = Tube { radii: [0.2, 0.26], oval: 0.15, ..Tube::default() }.cloth(24, 0);
     let (mut mesh, layer) = (Tube { radii: [0.22, 0.286], ..Tube::default() }.mesh(24), 1);
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    let outer = SceneCloth { layer, ..pinned_above(&mesh) };
+    let outer = SceneCloth { garment_layer: layer, ..pinned_above(&mesh) };
     let mut scene = untangled(Scene::new(vec![inner, outer]), true);
     for frame in 0..120 {
         scene.step(FRAME);
@@ -44,7 +44,8 @@ fn layers_that_face_opposite_ways_are_not_driven_through_each_other() {
 #[test]
 fn layers_that_pins_forbid_are_let_be() {
     let straight = |r: f32| Tube { radii: [r, r], ..Tube::default() };
-    let curtain = |z: f32, layer: i32| SceneCloth { layer, ..pinned_above(&grid(24, 24, |u, v| vec3(u, -v, z))) };
+    let curtain =
+        |z: f32, layer: i32| SceneCloth { garment_layer: layer, ..pinned_above(&grid(24, 24, |u, v| vec3(u, -v, z))) };
     let scenes = [
         ("curtains", vec![curtain(0.0, 0), curtain(0.02, -1)], false),
         ("nested", vec![straight(0.2).cloth(24, 1), straight(0.22).cloth(24, 0)], false),
@@ -144,13 +145,13 @@ fn sheet(n: u32, layer: i32, height: impl Fn(f32, f32) -> f32) -> SceneCloth {
     if (b - a).cross(c - a).z < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    SceneCloth { layer, ..cloth(&mesh) }
+    SceneCloth { garment_layer: layer, ..cloth(&mesh) }
 }
 
 /// Particles that lie below the same particle of the next lower layer.
 fn disordered(scene: &Scene) -> usize {
     let mut cloths: Vec<&SceneCloth> = scene.cloths.iter().collect();
-    cloths.sort_by_key(|c| c.layer);
+    cloths.sort_by_key(|c| c.garment_layer);
     let pairs = cloths.windows(2).flat_map(|w| w[0].state.positions.iter().zip(&w[1].state.positions));
     pairs.filter(|(inner, outer)| inner.z > outer.z).count()
 }

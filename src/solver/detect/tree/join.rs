@@ -106,7 +106,7 @@ mod tests {
             let parts: Vec<_> = shapes[..n].iter().map(part).collect();
             let parts: Vec<PartRef<'_>> = parts
                 .iter()
-                .map(|(topology, rest)| PartRef { topology, rest, layer: 0, self_collision: true, thickness: 0.01 })
+                .map(|(topology, rest)| PartRef { topology, rest, garment_layer: 0, self_collision: true, thickness: 0.01 })
                 .collect();
             let whole = TreeTopology::new(&Surface::new(&parts).expect("cloths"));
             let single: Vec<_> = shapes[..n].iter().map(|rest| (rest.tree_topology(), rest.topology.particles)).collect();

@@ -90,7 +90,7 @@ impl Cloths {
         let part = |i: usize| PartRef {
             topology: &topologies[i],
             rest: &parts[i].0,
-            layer: 0,
+            garment_layer: 0,
             self_collision: self_collision(i),
             thickness: 0.01,
         };

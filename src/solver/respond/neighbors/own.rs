@@ -91,7 +91,7 @@ mod tests {
         let pages = vec![[0, 1, 3], [0, 1, 4], [0, 2, 5], [0, 2, 6], [0, 1, 2]];
         let known = |faces: &[[u32; 3]]| {
             let (topology, rest) = (Arc::new(Topology::new(7, faces.to_vec())), [Vec3::ZERO; 7]);
-            let part = PartRef { topology: &topology, rest: &rest, layer: 0, self_collision: true, thickness: 0.01 };
+            let part = PartRef { topology: &topology, rest: &rest, garment_layer: 0, self_collision: true, thickness: 0.01 };
             has_fans(&Surface::new(&[part]).expect("a cloth"))
         };
         assert!(known(&pages[..4]) && known(&[pages[0], pages[1], pages[4]]), "another edge knows the third face");

@@ -240,7 +240,13 @@ mod tests {
     fn what_faces_own_is_asked_as_its_box_is() {
         let mesh = grid(9, 8, |u, v| glam::vec3(u, 0.0, v));
         let (rest, _) = RestShape::build(&mesh).expect("a sheet");
-        let part = PartRef { topology: &rest.topology, rest: &rest.positions, layer: 0, self_collision: true, thickness: 0.01 };
+        let part = PartRef {
+            topology: &rest.topology,
+            rest: &rest.positions,
+            garment_layer: 0,
+            self_collision: true,
+            thickness: 0.01,
+        };
         let surface = Surface::new(&[part]).expect("a cloth");
         let tree = Tree::of_surface(&surface);
         let faces = &surface.topology.faces;
