@@ -143,8 +143,6 @@ fn member<'a>(
 
 #[cfg(test)]
 mod tests {
-    use bevy::app::TaskPoolPlugin;
-
     use super::*;
 
     #[test]
@@ -152,17 +150,5 @@ mod tests {
         assert_eq!([dominant(&[]), dominant(&[0.0]), dominant(&[3.0])], [None, Some(0), Some(0)]);
         assert_eq!([dominant(&[0.0, 0.0]), dominant(&[1.0, 1.9]), dominant(&[1.0, 2.1])], [None, None, Some(1)]);
         assert_eq!(dominant(&[f32::NAN, 1.0]), None);
-    }
-
-    #[test]
-    fn an_island_that_dominates_does_its_work_last() {
-        App::new().add_plugins(TaskPoolPlugin::default());
-        let order = std::sync::Mutex::new(Vec::new());
-        let island = |last_ms: f32| ClothIsland { last_ms, ..ClothIsland::default() };
-        let mut islands = [island(9.0), island(1.0), island(2.0)];
-        let tasks: Vec<&mut ClothIsland> = islands.iter_mut().collect();
-        each(tasks, |island| island, |island| order.lock().expect("no panic").push(island.last_ms));
-        // An island without cloths is worth no sharing.
-        assert_eq!(order.into_inner().expect("no panic").len(), 3);
     }
 }

@@ -94,19 +94,17 @@ mod tests {
     use crate::solver::detect::PartRef;
     use crate::solver::topology::Topology;
 
+    fn surface(topology: &Arc<Topology>, rest: &[Vec3]) -> Surface {
+        let part = PartRef { topology, rest, garment_layer: 0, self_collision: true, thickness: 0.01 };
+        Surface::new(&[part]).expect("a cloth")
+    }
+
     /// A strip of three by two pins is turned as a whole. Returns how far the corners of its first face end from where they
     /// ride.
     fn miss(axis: Vec3, degrees: f32) -> f32 {
         let topology = Arc::new(Topology::new(6, vec![[0, 1, 3], [1, 4, 3], [1, 2, 4], [2, 5, 4]]));
         let rest: Vec<Vec3> = (0u8..6).map(|i| vec3(f32::from(i % 3) * 0.5, f32::from(i / 3) * 0.4, 0.0)).collect();
-        let surface = Surface::new(&[PartRef {
-            topology: &topology,
-            rest: &rest,
-            garment_layer: 0,
-            self_collision: true,
-            thickness: 0.01,
-        }]);
-        let surface = surface.expect("a strip");
+        let surface = surface(&topology, &rest);
         let turn = Quat::from_axis_angle(axis.normalize(), degrees.to_radians());
         let clean: Vec<Vec4> = rest.iter().map(|x| x.extend(0.0)).collect();
         let positions: Vec<Vec4> = rest.iter().map(|x| (turn * *x + Vec3::X).extend(0.0)).collect();
@@ -134,14 +132,7 @@ mod tests {
             (0..n - 1).map(|i| [2 * i, 2 * i + 2, 2 * i + 1]).chain((0..n - 1).map(|i| [2 * i + 1, 2 * i + 2, 2 * i + 3]));
         let topology = Arc::new(Topology::new(2 * n, triangles.collect()));
         let rest: Vec<Vec3> = (0..2 * n).map(|i| vec3((i / 2) as f32, (i % 2) as f32, 0.0)).collect();
-        let surface = Surface::new(&[PartRef {
-            topology: &topology,
-            rest: &rest,
-            garment_layer: 0,
-            self_collision: true,
-            thickness: 0.01,
-        }]);
-        let surface = surface.expect("a rail");
+        let surface = surface(&topology, &rest);
         let clean: Vec<Vec4> = rest.iter().map(|x| x.extend(0.0)).collect();
         let mut positions = clean.clone();
         // Its far end goes up.
