@@ -170,7 +170,7 @@ fn curtains(fabric: &Fabric, finest: u32) {
 
 fn obj(scene: &Scene) -> String {
     let cloth = &scene.cloths[0];
-    let vertices = cloth.state.positions.iter().map(|x| format!("v {} {} {}\n", x.x, x.y, x.z));
+    let vertices = cloth.sim.state.positions.iter().map(|x| format!("v {} {} {}\n", x.x, x.y, x.z));
     let faces = cloth.rest.topology.faces.iter().map(|f| format!("f {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1));
     vertices.chain(faces).collect()
 }

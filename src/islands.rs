@@ -11,7 +11,7 @@ use bevy::math::{DVec3, Vec4};
 use bevy::prelude::*;
 
 use crate::components::{ClothCollision, ClothCollisionLayers};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace};
 use crate::solver::detect::tree::TreeTopology;
 use crate::solver::detect::{PartRef, PartSettings};
 use crate::solver::island::{Island, Stage, UntangleSettings};
@@ -99,8 +99,8 @@ impl Member {
     }
 
     /// Whether a cloth is as its island saw it last: of the same shape at rest, and bound no later.
-    pub(crate) fn is_as_seen(&self, rest: &ClothRest, particles: &ClothParticles, scratch: &ClothScratch) -> bool {
-        Arc::ptr_eq(&rest.0, &self.rest) && particles.len() == rest.0.positions.len() && scratch.island.is_some()
+    pub(crate) fn is_as_seen(&self, rest: &ClothRest, particles: &ClothParticles, place: &IslandPlace) -> bool {
+        Arc::ptr_eq(&rest.0, &self.rest) && particles.len() == rest.0.positions.len() && place.island.is_some()
     }
 }
 
@@ -176,7 +176,7 @@ impl ClothIslands {
     ) -> Option<(DVec3, DVec3)> {
         let (low, high) = match last_box {
             Some(last) if member.asleep => last,
-            _ => bounds(&particles.state).map(|(low, high)| (low + particles.origin, high + particles.origin))?,
+            _ => bounds(&particles.sim.state).map(|(low, high)| (low + particles.origin, high + particles.origin))?,
         };
         let motion = last_box.map_or(0.0, |(a, b)| (low - a).abs().max((high - b).abs()).max_element());
         let margin = f64::from(member.thickness + member.rest.mean_edge) + motion;

@@ -4,13 +4,14 @@ use std::fs::File;
 use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use bevy::ecs::query::QueryData;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothCollision, ClothFailed, ClothHeld, ClothRecovered};
 use crate::islands::{ClothIsland, ClothIslands};
 use crate::schedule::{self, ClothSystems};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace};
 use crate::solver::detect::PartSettings;
 use crate::solver::evaluate::Pose;
 use crate::solver::recording::{RecordedCloth, Recording, RecordingError};
@@ -117,12 +118,18 @@ impl Plugin for ClothRecorderPlugin {
     }
 }
 
-type Cloths<'w, 's, 'a> = Query<
-    'w,
-    's,
-    (Entity, Option<&'a Name>, &'a ClothRest, &'a ClothInputs, &'a ClothParticles, &'a ClothScratch),
-    With<Cloth>,
->;
+/// A cloth whose frames can be recorded.
+#[derive(QueryData)]
+struct Recordable {
+    entity: Entity,
+    name: Option<&'static Name>,
+    rest: &'static ClothRest,
+    inputs: &'static ClothInputs,
+    particles: &'static ClothParticles,
+    place: &'static IslandPlace,
+}
+
+type Cloths<'w, 's> = Query<'w, 's, Recordable, With<Cloth>>;
 
 /// Keeps what every cloth is before the frame.
 fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloths: Cloths) {
@@ -143,66 +150,57 @@ fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<Und
         // The island of a cloth whose scale changed, or that was bound anew, is still that of what it was.
         let seen = island.members.iter().zip(&members);
         if members.len() != entities.len()
-            || !seen.into_iter().all(|(seen, (.., rest, _, now, scratch))| seen.is_as_seen(rest, now, scratch))
+            || !seen.into_iter().all(|(seen, now)| seen.is_as_seen(now.rest, now.particles, now.place))
         {
             continue;
         }
         let together = island.has_contact();
-        let members = members.into_iter().map(|cloth| record(cloth, island.origin, dt)).collect();
+        let members = members.into_iter().map(|cloth| cloth.record(island.origin, dt)).collect();
         let kept = Recording { island: Some(island.solver.clone()), together, untangle: island.settings, ..recording(members) };
         frame.frames.push((entities, kept, island.origin));
     }
-    for cloth in cloths.iter().filter(|(.., inputs, _, scratch)| inputs.active && !inputs.asleep && scratch.island.is_none()) {
-        let (entity, origin) = (cloth.0, cloth.4.origin);
-        frame.frames.push((vec![entity], recording(vec![record(cloth, origin, dt)]), origin));
+    let is_alone = |cloth: &RecordableItem| cloth.inputs.active && !cloth.inputs.asleep && cloth.place.island.is_none();
+    for cloth in cloths.iter().filter(is_alone) {
+        let origin = cloth.particles.origin;
+        frame.frames.push((vec![cloth.entity], recording(vec![cloth.record(origin, dt)]), origin));
     }
 }
 
-fn record(
-    (entity, name, rest, inputs, particles, scratch): (
-        Entity,
-        Option<&Name>,
-        &ClothRest,
-        &ClothInputs,
-        &ClothParticles,
-        &ClothScratch,
-    ),
-    origin: DVec3,
-    dt: f32,
-) -> RecordedCloth {
-    let carrier = inputs.carrier();
-    let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
-    let offset = (particles.origin - origin).as_vec3();
-    RecordedCloth {
-        name: name.map_or_else(|| entity.to_string(), |name| name.as_str().to_owned()),
-        rest: rest.0.clone(),
-        fabric: inputs.fabric.clone(),
-        stepping: inputs.stepping.clone(),
-        anchors: inputs.anchors.clone(),
-        gravity: inputs.gravity,
-        bodies: inputs.bodies.clone(),
-        wind: inputs.wind.clone(),
-        skinned: Some(inputs.skinned.clone()).filter(Skinned::is_active),
-        state: particles.state.clone(),
-        scratch: scratch.solver.clone(),
-        display: particles.display.clone(),
-        evaluate: inputs.evaluate,
-        recovery: particles.recovery.clone(),
-        limits: inputs.limits,
-        pose: inputs.pose(&rest.0, particles.origin).collect(),
-        animated: inputs.skin.is_some(),
-        unprepared: inputs.stale || scratch.fresh,
-        carrier: Pose { translation, rotation: carrier.rotation },
-        offsets: [offset; 2],
-        settings: PartSettings { thickness: inputs.fabric.thickness, ..default() },
-        written: particles.written,
-        moves: inputs.moves(&particles.recovery),
-        clock: dt * inputs.time_scale,
-        fixed: false,
-        still: false,
-        contact: false,
-        at_load: false,
-        after: Vec::new(),
+impl RecordableItem<'_, '_> {
+    /// The cloth before its frame of `dt` `[s]`, `origin` where its island is, or the cloth itself, in the world `[m]`.
+    fn record(&self, origin: DVec3, dt: f32) -> RecordedCloth {
+        let &Self { entity, name, rest, inputs, particles, .. } = self;
+        let carrier = inputs.carrier();
+        let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
+        let offset = (particles.origin - origin).as_vec3();
+        RecordedCloth {
+            name: name.map_or_else(|| entity.to_string(), |name| name.as_str().to_owned()),
+            rest: rest.0.clone(),
+            fabric: inputs.fabric.clone(),
+            stepping: inputs.stepping.clone(),
+            anchors: inputs.anchors.clone(),
+            gravity: inputs.gravity,
+            bodies: inputs.bodies.clone(),
+            wind: inputs.wind.clone(),
+            skinned: Some(inputs.skinned.clone()).filter(Skinned::is_active),
+            sim: particles.sim.clone(),
+            evaluate: inputs.evaluate,
+            limits: inputs.limits,
+            pose: inputs.pose(&rest.0, particles.origin).collect(),
+            animated: inputs.skin.is_some(),
+            stale: inputs.stale,
+            carrier: Pose { translation, rotation: carrier.rotation },
+            offsets: [offset; 2],
+            settings: PartSettings { thickness: inputs.fabric.thickness, ..default() },
+            written: particles.written,
+            moves: inputs.moves(&particles.sim.recovery),
+            clock: dt * inputs.time_scale,
+            fixed: false,
+            still: false,
+            contact: false,
+            at_load: false,
+            after: Vec::new(),
+        }
     }
 }
 
@@ -220,8 +218,8 @@ fn record_islands(islands: Res<ClothIslands>, mut frame: ResMut<UnderWay>, cloth
         recording.untangle = island.settings;
         for (member, cloth) in island.members.iter().zip(&mut recording.cloths) {
             let collision = member.collision;
-            if let Ok((.., particles, _)) = cloths.get(member.entity) {
-                cloth.offsets[1] = (particles.origin - island.origin).as_vec3();
+            if let Ok(now) = cloths.get(member.entity) {
+                cloth.offsets[1] = (now.particles.origin - island.origin).as_vec3();
             }
             let ClothCollision { garment_layer, self_collision, .. } = collision;
             cloth.settings = PartSettings { garment_layer, self_collision, thickness: member.thickness };
@@ -261,7 +259,7 @@ fn end(
         }
         recording.reason = reason.to_owned();
         for (cloth, entity) in recording.cloths.iter_mut().zip(entities) {
-            cloth.after = cloths.get(entity).map_or_else(|_| Vec::new(), |particles| particles.state.positions.clone());
+            cloth.after = cloths.get(entity).map_or_else(|_| Vec::new(), |particles| particles.sim.state.positions.clone());
         }
         match write(&recording, &recorder.folder) {
             Ok(path) => {

@@ -9,7 +9,7 @@ use crate::components::grip::Grip;
 use crate::components::{ClothContacts, ClothError, ClothPins, ClothReaction, ClothReport, ClothStatus};
 use crate::islands::{ClothIsland, ClothIslands};
 use crate::simulation::{
-    Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, WaitingSince, WorldAir,
+    Binding, ClothInputs, ClothParticles, ClothRest, ClothShown, IslandPlace, Slumber, WaitingSince, WorldAir,
 };
 use crate::solver::wind::Wind;
 use crate::systems::skin::exchange;
@@ -75,7 +75,7 @@ struct SavedCloth {
     rest: ClothRest,
     particles: ClothParticles,
     inputs: ClothInputs,
-    scratch: ClothScratch,
+    place: IslandPlace,
     slumber: Slumber,
     report: ClothReport,
     contacts: ClothContacts,
@@ -118,7 +118,7 @@ impl ClothSnapshot {
             &ClothRest,
             &ClothParticles,
             &ClothInputs,
-            &ClothScratch,
+            &IslandPlace,
             &Slumber,
             &ClothReport,
             &ClothShown,
@@ -129,12 +129,12 @@ impl ClothSnapshot {
         let mut cloths: Vec<SavedCloth> = query
             .iter(world)
             .filter(|(entity, .., status, _, _)| wanted(*entity) && **status == ClothStatus::Active)
-            .map(|(entity, rest, particles, inputs, scratch, slumber, report, shown, _, binding, contacts)| SavedCloth {
+            .map(|(entity, rest, particles, inputs, place, slumber, report, shown, _, binding, contacts)| SavedCloth {
                 entity,
                 rest: rest.clone(),
                 particles: particles.clone(),
                 inputs: inputs.clone(),
-                scratch: scratch.clone(),
+                place: place.clone(),
                 slumber: slumber.clone(),
                 report: report.clone(),
                 contacts: contacts.cloned().unwrap_or_default(),
@@ -187,11 +187,11 @@ impl ClothSnapshot {
             .flat_map(|(island, list)| (0..).zip(&list.members).map(move |(part, member)| (member.entity, (island, part))))
             .collect();
         places.sort_unstable();
-        for (entity, mut scratch, mut slumber) in world.query::<(Entity, &mut ClothScratch, &mut Slumber)>().iter_mut(world) {
-            let place = places.binary_search_by_key(&entity, |(entity, _)| *entity).ok().map(|at| places[at].1);
+        for (entity, mut place, mut slumber) in world.query::<(Entity, &mut IslandPlace, &mut Slumber)>().iter_mut(world) {
+            let island = places.binary_search_by_key(&entity, |(entity, _)| *entity).ok().map(|at| places[at].1);
             // What it rested on may be gone.
-            slumber.roused |= scratch.island.is_some() && place.is_none();
-            scratch.island = place;
+            slumber.roused |= place.island.is_some() && island.is_none();
+            place.island = island;
         }
     }
 }
@@ -219,7 +219,7 @@ impl SavedCloth {
         put(&mut cloth, &ClothStatus::Active);
         put(&mut cloth, &self.particles);
         put(&mut cloth, &self.inputs);
-        put(&mut cloth, &self.scratch);
+        put(&mut cloth, &self.place);
         put(&mut cloth, &self.slumber);
         put(&mut cloth, &self.report);
         put(&mut cloth, &self.contacts);

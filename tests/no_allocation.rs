@@ -97,10 +97,10 @@ fn a_cloth_that_comes_to_rest_allocates_nothing() {
         scene.step(1.0 / 60.0);
     }
     // While it settles lists of contacts may still grow; once it is settling nothing does.
-    while !scene.cloths[0].scratch.is_settling() && scene.cloths[0].state.time < 60.0 {
+    while !scene.cloths[0].sim.memory.is_settling() && scene.cloths[0].sim.state.time < 60.0 {
         scene.step(1.0 / 60.0);
     }
-    assert!(scene.cloths[0].scratch.is_settling(), "does not settle in 60 s");
+    assert!(scene.cloths[0].sim.memory.is_settling(), "does not settle in 60 s");
     let before = COUNT.with(Cell::get);
     for _ in 0..120 {
         scene.step(1.0 / 60.0);
@@ -126,13 +126,13 @@ fn a_warm_step_that_gives_bodies_something_allocates_nothing() {
     let wind = Wind::default();
     let mut given = 0.0;
     let mut frame = |given: &mut f32| {
-        let coupling = cloth.scratch.coupling_mut();
+        let coupling = cloth.sim.memory.coupling_mut();
         coupling.clear();
         let slots = [coupling.add(rigid), coupling.add(Rigid::immovable(Vec3::ZERO, Vec3::ZERO))];
         coupling.hold(0, slots[1]);
         cloth.step(&FrameInput { dt: 1.0 / 60.0, gravity: Vec3::NEG_Y * 9.81, bodies: &bodies, wind: &wind, skinned: None });
-        *given +=
-            cloth.scratch.coupling().given(slots[0]).linear.length() * cloth.scratch.coupling().given(slots[1]).linear.length();
+        *given += cloth.sim.memory.coupling().given(slots[0]).linear.length()
+            * cloth.sim.memory.coupling().given(slots[1]).linear.length();
     };
     (0..240).for_each(|_| frame(&mut given));
     let before = COUNT.with(Cell::get);
@@ -155,7 +155,7 @@ fn a_fabric_that_changes_in_every_frame_allocates_nothing() {
             before = COUNT.with(Cell::get);
         }
         cloth.fabric.bend_stiffness *= 1.01;
-        prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+        prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.sim.state, &mut cloth.sim.memory);
         cloth.step(&input);
     }
     let allocations = COUNT.with(Cell::get) - before;

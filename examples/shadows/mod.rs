@@ -29,8 +29,13 @@ impl Shadow {
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
         let Drape { coefficient, nodes } = drape::judge(scene);
         let cloth = &scene.cloths[0];
-        let mut faces: Vec<[Vec3; 3]> =
-            cloth.rest.topology.faces.iter().map(|face| face.map(|p| cloth.state.positions[p as usize].truncate())).collect();
+        let mut faces: Vec<[Vec3; 3]> = cloth
+            .rest
+            .topology
+            .faces
+            .iter()
+            .map(|face| face.map(|p| cloth.sim.state.positions[p as usize].truncate()))
+            .collect();
         let height = |face: &[Vec3; 3]| face.iter().map(|x| x.y).sum::<f32>();
         faces.sort_by(|a, b| height(a).total_cmp(&height(b)));
         let light = |[a, b, c]: [Vec3; 3]| (b - a).cross(c - a).normalize_or_zero().dot(LIGHT.normalize()).abs();

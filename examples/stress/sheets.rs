@@ -232,12 +232,12 @@ fn clock() -> f64 {
 
 fn describe(arguments: &Arguments, scene: &Scene, run: &mut Run, crossings: Option<u32>) -> Value {
     let [integrate, detect, resolve, evaluate, respond] = &mut run.stages;
-    let particles: usize = scene.cloths.iter().map(|c| c.state.positions.len()).sum();
+    let particles: usize = scene.cloths.iter().map(|c| c.sim.state.positions.len()).sum();
     let springs: usize = scene.cloths.iter().map(|c| c.rest.constraints()).sum();
     let substeps = scene.cloths.first().map_or(0, |c| c.report.substeps);
     // Equal cloths share one rest shape.
     let shared = scene.cloths.first().map_or(0, |c| c.rest.bytes());
-    let own: usize = scene.cloths.iter().map(|c| c.scratch.bytes() + 32 * c.state.positions.len()).sum();
+    let own: usize = scene.cloths.iter().map(|c| c.sim.memory.bytes() + 32 * c.sim.state.positions.len()).sum();
     let worst = scene.cloths.iter().map(|c| c.report.worst_edge).fold(0.0, f32::max);
     let mean = scene.cloths.iter().map(|c| c.report.mean_edge).fold(0.0, f32::max);
     let lowest = scene.cloths.iter().map(SceneCloth::lowest).fold(f32::INFINITY, f32::min);

@@ -34,7 +34,7 @@ pub fn pinch(n: u32) -> Scene {
     let n = n.max(2);
     let mut cloth = SceneCloth::new(rest, fabric(), glam::Vec3::ZERO, &[0, n * n - n]);
     // Upright: the sheet lies in the plane y = 0, its pinned side at z = -0.5.
-    for x in cloth.state.positions.iter_mut().chain(&mut cloth.state.previous) {
+    for x in cloth.sim.state.positions.iter_mut().chain(&mut cloth.sim.state.previous) {
         *x = glam::vec4(x.x, -0.5 - x.z, 0.0, x.w);
     }
     for x in cloth.anchors.from.iter_mut().chain(&mut cloth.anchors.to) {

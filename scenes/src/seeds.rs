@@ -100,11 +100,11 @@ impl Seed {
             let rest = Arc::new(RestShape::build(mesh).map(|(rest, _)| rest).unwrap_or_default());
             let mut cloth = SceneCloth::new(rest.clone(), fabric(), Vec3::ZERO, &[]);
             for (at, &particle) in start.iter().zip(&rest.particle_of_vertex) {
-                if let Some(position) = cloth.state.positions.get_mut(particle as usize) {
+                if let Some(position) = cloth.sim.state.positions.get_mut(particle as usize) {
                     *position = at.extend(position.w);
                 }
             }
-            cloth.state.previous.clone_from(&cloth.state.positions);
+            cloth.sim.state.previous.clone_from(&cloth.sim.state.positions);
             cloth
         };
         Scene { gravity: Vec3::ZERO, ..Scene::new(self.cloths.iter().map(cloth).collect()) }

@@ -20,9 +20,9 @@ impl Picture {
         let mut picture = Self::default();
         for cloth in &scene.cloths {
             let first = picture.positions.len() as u32;
-            match cloth.display.held() {
+            match cloth.sim.display.held() {
                 Some(held) => picture.positions.extend_from_slice(held),
-                None => picture.positions.extend(cloth.state.positions.iter().map(|x| x.truncate())),
+                None => picture.positions.extend(cloth.sim.state.positions.iter().map(|x| x.truncate())),
             }
             picture.faces.extend(cloth.rest.topology.faces.iter().map(|t| t.map(|v| v + first)));
         }

@@ -88,7 +88,7 @@ pub fn skirt(n: u32) -> Scene {
     let (rest, _) = RestShape::build(&mesh).unwrap_or_default();
     let start = waist(0.0);
     let mut cloth = SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &held);
-    for x in cloth.state.positions.iter_mut().chain(&mut cloth.state.previous) {
+    for x in cloth.sim.state.positions.iter_mut().chain(&mut cloth.sim.state.previous) {
         *x = (start * x.truncate()).extend(x.w);
     }
     for x in cloth.anchors.from.iter_mut().chain(&mut cloth.anchors.to) {

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::{ClothDebug, ClothGizmos, place, scale};
 use crate::components::Cloth;
 use crate::islands::ClothIslands;
-use crate::simulation::{ClothParticles, ClothScratch};
+use crate::simulation::ClothParticles;
 use crate::time::ClothTime;
 
 /// What touched in the last simulated frame, in the world.
@@ -24,7 +24,7 @@ pub(super) struct Touched {
 pub(super) fn remember(
     time: Res<ClothTime>,
     islands: Res<ClothIslands>,
-    cloths: Query<(&ClothParticles, &ClothScratch), With<Cloth>>,
+    cloths: Query<&ClothParticles, With<Cloth>>,
     mut touched: ResMut<Touched>,
 ) {
     if time.delta_secs() == 0.0 {
@@ -37,9 +37,9 @@ pub(super) fn remember(
         let pairs = island.solver.touching_pairs();
         cloth.extend(pairs.map(|pair| (pair.points.map(|x| place(island.origin, x)), pair.normal, pair.force)));
     }
-    for (particles, scratch) in &cloths {
+    for particles in &cloths {
         let state = particles.state();
-        bodies.extend(scratch.solver.body_forces(state).filter_map(|(p, force)| {
+        bodies.extend(particles.sim.memory.body_forces(state).filter_map(|(p, force)| {
             let x = state.positions.get(p as usize)?.truncate();
             Some((place(particles.origin(), x), force))
         }));

@@ -13,7 +13,7 @@ use bevy::prelude::*;
 
 use super::{ClothGizmos, border, place};
 use crate::components::{Cloth, ClothDetail, ClothReport};
-use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothParticles, ClothRest};
 
 /// How a cloth is stepped: what it is at in full, and what it costs less for being far away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,27 +55,24 @@ impl Rest {
         }
     }
 
-    fn of(report: &ClothReport, scratch: &ClothScratch) -> Self {
-        let solver = &scratch.solver;
+    fn of(report: &ClothReport, particles: &ClothParticles) -> Self {
+        let memory = &particles.sim.memory;
         match report.detail {
             _ if report.asleep => Self::Asleep,
             ClothDetail::Half => Self::Half,
             ClothDetail::Quarter => Self::Quarter,
             ClothDetail::Still => Self::Still,
-            ClothDetail::Full if solver.is_strained() => Self::Strained,
-            ClothDetail::Full if solver.is_settling() => Self::Settling,
+            ClothDetail::Full if memory.is_strained() => Self::Strained,
+            ClothDetail::Full if memory.is_settling() => Self::Settling,
             ClothDetail::Full => Self::Awake,
         }
     }
 }
 
-pub(super) fn draw(
-    mut gizmos: Gizmos<ClothGizmos>,
-    cloths: Query<(&ClothRest, &ClothParticles, &ClothScratch, &ClothReport), With<Cloth>>,
-) {
-    for (rest, particles, scratch, report) in &cloths {
+pub(super) fn draw(mut gizmos: Gizmos<ClothGizmos>, cloths: Query<(&ClothRest, &ClothParticles, &ClothReport), With<Cloth>>) {
+    for (rest, particles, report) in &cloths {
         let x = &particles.state().positions;
-        let color = Rest::of(report, scratch).color();
+        let color = Rest::of(report, particles).color();
         for edge in border(rest.shape()) {
             let [Some(a), Some(b)] = edge.map(|v| x.get(v as usize).map(|x| place(particles.origin(), x.truncate()))) else {
                 continue;

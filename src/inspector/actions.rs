@@ -9,7 +9,7 @@ use super::state::{Action, ClothInspector};
 use super::tangle;
 use crate::components::{Cloth, ClothError};
 use crate::islands::ClothIslands;
-use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown};
+use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothShown};
 
 /// Length of the frame that is stepped while time stands still `[s]`.
 pub const STEP: f64 = 1.0 / 60.0;
@@ -51,14 +51,13 @@ fn reset(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
         world.get_mut::<Binding>(cloth).ok_or(NOT_BOUND)?.pending = Change::Mesh;
         return Ok(());
     }
-    let mut cloths = world.query::<(&ClothRest, &mut ClothInputs, &mut ClothParticles, &mut ClothScratch)>();
-    let (rest, mut inputs, mut particles, mut scratch) = cloths.get_mut(world, cloth).map_err(|_| NOT_BOUND)?;
+    let mut cloths = world.query::<(&ClothRest, &mut ClothInputs, &mut ClothParticles)>();
+    let (rest, mut inputs, mut particles) = cloths.get_mut(world, cloth).map_err(|_| NOT_BOUND)?;
     let pose: Vec<Vec3> = inputs.pose(&rest.0, particles.origin).collect();
     particles.place(pose.into_iter());
     inputs.stay();
     // Contacts and forces that are held over frames have seen it elsewhere.
-    scratch.solver = default();
-    scratch.fresh = true;
+    particles.sim.forget();
     forget(world, cloth);
     Ok(())
 }
@@ -106,7 +105,7 @@ fn record(world: &mut World, cloth: Entity) -> Result<(), &'static str> {
 /// Moves particles to other places, without speed.
 fn displace(world: &mut World, cloth: Entity, motion: impl FnOnce(&mut [Vec4]) -> bool) -> Result<bool, &'static str> {
     let mut particles = world.get_mut::<ClothParticles>(cloth).ok_or(NOT_BOUND)?;
-    let state = &mut particles.state;
+    let state = &mut particles.sim.state;
     let done = motion(&mut state.positions);
     if done {
         for (old, x) in state.previous.iter_mut().zip(&state.positions) {

@@ -51,13 +51,13 @@ impl Verdict {
     }
 
     fn of(particles: &ClothParticles, skip: &ClothSkipFrame) -> Self {
-        let never = particles.display.clean_shape().is_none();
+        let never = particles.sim.display.clean_shape().is_none();
         let idle = match skip.policy {
             ClothSkipPolicy::Off => true,
             ClothSkipPolicy::UntilClean { max } => max == 0,
             ClothSkipPolicy::Bounded => skip.max_held_frames == 0 || skip.max_held_time <= 0.0,
         };
-        match particles.display.outcome().shown {
+        match particles.sim.display.outcome().shown {
             Shown::Clean => Self::Clean,
             Shown::Held => Self::Held,
             Shown::Fading => Self::Fading,
@@ -108,7 +108,7 @@ impl Sample {
             contour_length: report.contour_length,
             worst_edge: report.worst_edge,
             mean_edge: report.mean_edge,
-            kinetic: kinetic_energy(&particles.state),
+            kinetic: kinetic_energy(&particles.sim.state),
             verdict: Verdict::of(particles, skip),
             held_frames: report.held_frames,
         }

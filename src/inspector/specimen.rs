@@ -107,7 +107,7 @@ fn draw(painter: &Painter, rect: Rect, scene: &Scene, view: Mat3) {
     });
     painter.add(Shape::convex_polygon(rim.collect(), Color32::from_gray(80), Stroke::NONE));
     let cloth = &scene.cloths[0];
-    let points: Vec<Vec3> = cloth.state.positions.iter().map(|x| view * x.truncate()).collect();
+    let points: Vec<Vec3> = cloth.sim.state.positions.iter().map(|x| view * x.truncate()).collect();
     let faces = &cloth.rest.topology.faces;
     let mut normals = vec![Vec3::ZERO; points.len()];
     for face in faces {

@@ -54,7 +54,7 @@ pub fn hung(fabric: &Fabric, n: u32, seed: u64) -> Scene {
     let mut scene = specimen(&mesh, fabric, &pins, rate(SIZE.1 / (n - 1) as f32));
     let mut rng = fastrand::Rng::with_seed(seed);
     let cloth = &mut scene.cloths[0];
-    for (x, rest) in cloth.state.positions.iter_mut().zip(&cloth.rest.positions) {
+    for (x, rest) in cloth.sim.state.positions.iter_mut().zip(&cloth.rest.positions) {
         let noise = if x.w > 0.0 { NOISE * (2.0 * rng.f32() - 1.0) } else { 0.0 };
         *x = vec3(GATHERED * rest.x, rest.y, noise).extend(x.w);
     }

@@ -84,7 +84,7 @@ pub fn scene(mesh: &SourceMesh, fabric: &Fabric, run: Run) -> Scene {
     let pins: Vec<u32> = (0..mesh.positions.len() as u32).filter(on_disk).collect();
     let mut scene = specimen(mesh, fabric, &pins, run.substep_rate);
     let mut rng = fastrand::Rng::with_seed(run.seed);
-    let state = &mut scene.cloths[0].state;
+    let state = &mut scene.cloths[0].sim.state;
     for (x, old) in state.positions.iter_mut().zip(&mut state.previous) {
         if x.w > 0.0 {
             x.y += NOISE * (2.0 * rng.f32() - 1.0);
@@ -112,7 +112,7 @@ pub fn test(mesh: &SourceMesh, fabric: &Fabric, run: Run) -> Drape {
 #[must_use]
 pub fn judge(scene: &Scene) -> Drape {
     let cloth = &scene.cloths[0];
-    let positions: Vec<Vec3> = cloth.state.positions.iter().map(|x| x.truncate()).collect();
+    let positions: Vec<Vec3> = cloth.sim.state.positions.iter().map(|x| x.truncate()).collect();
     Drape::of(&positions, &cloth.rest.topology.faces)
 }
 

@@ -90,8 +90,8 @@ fn elongation(fabric: &Fabric, angle: f32, kind: Mesh, load: f32) -> f32 {
     for v in row(columns) {
         let p = cloth.rest.particle_of_vertex[v as usize] as usize;
         let share = if v == row(columns).start || v + 1 == row(columns).end { 0.5 } else { 1.0 };
-        cloth.state.positions[p].w = 9.81 / (load * EDGE * share);
-        cloth.state.previous[p].w = cloth.state.positions[p].w;
+        cloth.sim.state.positions[p].w = 9.81 / (load * EDGE * share);
+        cloth.sim.state.previous[p].w = cloth.sim.state.positions[p].w;
     }
     settle(&mut scene, FRAME_RATE, 20.0);
     let mean = |i: u32| row(i).map(|v| vertex(&scene, v).x).sum::<f32>() / (ACROSS + 1) as f32;

@@ -50,7 +50,7 @@ pub fn test(fabric: &Fabric, length: f32, cells: u32, substep_rate: f32) -> f32 
         let y = radius * turn.sin() + t.min(0.0);
         (if s > 0.5 * long { -x } else { x }, y)
     };
-    for (x, rest) in cloth.state.positions.iter_mut().zip(&cloth.rest.positions) {
+    for (x, rest) in cloth.sim.state.positions.iter_mut().zip(&cloth.rest.positions) {
         let (across, up) = place(rest.x);
         *x = vec3(across, up, rest.z).extend(x.w);
     }

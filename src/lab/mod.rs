@@ -108,8 +108,8 @@ fn specimen(mesh: &SourceMesh, fabric: &Fabric, pins: &[u32], substep_rate: f32)
 
 /// Holds the pins of a cloth where its particles are now, and all of it without speed.
 fn hold(cloth: &mut SceneCloth) {
-    cloth.state.previous.clone_from(&cloth.state.positions);
-    cloth.anchors.to = cloth.anchors.particles.iter().map(|&p| cloth.state.positions[p as usize].truncate()).collect();
+    cloth.sim.state.previous.clone_from(&cloth.sim.state.positions);
+    cloth.anchors.to = cloth.anchors.particles.iter().map(|&p| cloth.sim.state.positions[p as usize].truncate()).collect();
     cloth.anchors.from.clone_from(&cloth.anchors.to);
 }
 
@@ -127,9 +127,9 @@ impl Settling {
     /// Steps a scene by a frame of `dt` `[s]`; whether it lies still.
     pub(crate) fn step(&mut self, scene: &mut Scene, dt: f32) -> bool {
         self.before.clear();
-        self.before.extend(scene.cloths[0].state.positions.iter().map(|x| x.truncate()));
+        self.before.extend(scene.cloths[0].sim.state.positions.iter().map(|x| x.truncate()));
         scene.step(dt);
-        let ways = scene.cloths[0].state.positions.iter().zip(&self.before).map(|(x, old)| x.truncate().distance(*old));
+        let ways = scene.cloths[0].sim.state.positions.iter().zip(&self.before).map(|(x, old)| x.truncate().distance(*old));
         let slow = ways.fold(0.0, f32::max) < STILL * dt;
         self.still_for = if slow { self.still_for + dt } else { 0.0 };
         self.still_for >= LULL
@@ -150,5 +150,5 @@ fn settle(scene: &mut Scene, frame_rate: f32, longest: f32) {
 /// Position `[m]` of a vertex of the mesh.
 fn vertex(scene: &Scene, vertex: u32) -> Vec3 {
     let cloth = &scene.cloths[0];
-    cloth.state.positions[cloth.rest.particle_of_vertex[vertex as usize] as usize].truncate()
+    cloth.sim.state.positions[cloth.rest.particle_of_vertex[vertex as usize] as usize].truncate()
 }

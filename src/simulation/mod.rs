@@ -1,4 +1,4 @@
-//! The data of the simulation. A cloth's entity has a component per kind (rest, state, inputs, scratch, shown). Bodies and air
+//! The data of the simulation. A cloth's entity has a component per kind (rest, state, inputs, place, shown). Bodies and air
 //! lie around all cloths.
 //!
 //! None of the components is cloned with the entity: the clone binds anew from the mesh that was authored.
@@ -10,9 +10,9 @@ mod coupling;
 mod inputs;
 mod motion;
 mod particles;
+mod place;
 mod pose;
 mod rest;
-mod scratch;
 mod share;
 mod shown;
 mod slumber;
@@ -24,9 +24,9 @@ pub(crate) use bodies::{NEAR, TELEPORT_SPEED, TELEPORT_SPIN, WorldBodies, WorldB
 pub(crate) use inputs::{ClothInputs, FIRST_FRAMES};
 pub(crate) use motion::Motion;
 pub use particles::ClothParticles;
+pub(crate) use place::IslandPlace;
 pub use pose::ClothPose;
 pub use rest::ClothRest;
-pub(crate) use scratch::ClothScratch;
 pub(crate) use shown::ClothShown;
 pub(crate) use slumber::{STILL, Seen, SeenBody, Slumber, stays};
 pub(crate) use worn::{Bones, Worn};

@@ -1,25 +1,22 @@
-//! State: where the particles are, and how they may be moved from outside.
+//! State: the particles and what is kept of them, and how they may be moved from outside.
 
 use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 
 use crate::solver::impulse;
-use crate::solver::island::Display;
-use crate::solver::recover::Recovery;
+use crate::solver::sim::ClothSim;
 use crate::solver::state::ClothState;
 
 /// State: the particles, in a frame with the axes of the world and its origin near the cloth.
 #[derive(Component, Clone, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct ClothParticles {
-    pub(crate) state: ClothState,
+    /// What the solver keeps of the cloth.
+    pub(crate) sim: ClothSim,
     /// Origin of the frame of simulation in the world `[m]`.
     pub(crate) origin: DVec3,
     /// Positions at the start of the last frame `[m]`; only kept when shown positions are interpolated.
     pub(crate) before: Vec<Vec3>,
-    pub(crate) recovery: Recovery,
-    /// What is shown instead of the live shape while it is tangled.
-    pub(crate) display: Display,
     /// Where the carrier was in the last simulated frame.
     pub(crate) carrier: Option<Isometry3d>,
     /// The space whose motion it does not feel, and where that was in the last simulated frame.
@@ -31,44 +28,57 @@ pub struct ClothParticles {
 }
 
 impl ClothParticles {
+    /// Particles in a frame of simulation with this origin in the world `[m]`.
+    pub(crate) fn new(state: ClothState, origin: DVec3) -> Self {
+        Self {
+            sim: ClothSim::new(state),
+            origin,
+            before: Vec::new(),
+            carrier: None,
+            space: None,
+            disturbed: false,
+            written: false,
+        }
+    }
+
     /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.state.positions.len()
+        self.sim.state.positions.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.state.positions.is_empty()
+        self.sim.state.positions.is_empty()
     }
 
     /// Simulated positions in the world `[m]`, one per particle. The order is not that of the mesh's vertices:
     /// [`RestShape::particle_of_vertex`](crate::solver::rest::RestShape::particle_of_vertex) has the particle of each. With a
     /// [`ClothDecimation`](crate::ClothDecimation) that may be another vertex nearby.
     pub fn world_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
-        self.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
+        self.sim.state.positions.iter().map(|x| self.origin + x.truncate().as_dvec3())
     }
 
     /// Positions to show in the world `[m]`, one per particle: the simulated ones, except where a tangled cloth is held. With a
     /// fixed clock, what is drawn lies between these and those of the frame before.
     pub fn shown_positions(&self) -> impl Iterator<Item = DVec3> + '_ {
-        let held = self.display.held().filter(|held| held.len() == self.len());
-        let live = self.state.positions.iter().enumerate();
+        let held = self.sim.display.held().filter(|held| held.len() == self.len());
+        let live = self.sim.state.positions.iter().enumerate();
         live.map(move |(i, x)| self.origin + held.map_or(x.truncate(), |held| held[i]).as_dvec3())
     }
 
     /// State of the solver, relative to [`Self::origin`].
     #[must_use]
     pub fn state(&self) -> &ClothState {
-        &self.state
+        &self.sim.state
     }
 
     /// State of the solver, to be changed at your own risk: lengths must stay, and the next frame judges the numbers.
     #[must_use]
     pub fn state_mut(&mut self) -> &mut ClothState {
         (self.disturbed, self.written) = (true, true);
-        &mut self.state
+        &mut self.sim.state
     }
 
     /// Gives an impulse `[N·s]` to the particles within `radius` `[m]` of a point in the world `[m]`, as one piece, fading
@@ -76,7 +86,7 @@ impl ClothParticles {
     /// none when a number is not finite or `radius` not above 0. Cloth that is missed sleeps on.
     pub fn apply_impulse(&mut self, point: Vec3, impulse: Vec3, radius: f32) -> u32 {
         let point = (point.as_dvec3() - self.origin).as_vec3();
-        let moved = impulse::impulse(&mut self.state, point, impulse, radius);
+        let moved = impulse::impulse(&mut self.sim.state, point, impulse, radius);
         self.note_written(moved)
     }
 
@@ -86,7 +96,7 @@ impl ClothParticles {
     /// none when a number is not finite or `radius` not above 0. Cloth that is missed sleeps on.
     pub fn apply_explosion(&mut self, center: Vec3, impulse: f32, radius: f32) -> u32 {
         let center = (center.as_dvec3() - self.origin).as_vec3();
-        let moved = impulse::explosion(&mut self.state, center, impulse, radius);
+        let moved = impulse::explosion(&mut self.sim.state, center, impulse, radius);
         self.note_written(moved)
     }
 
@@ -107,20 +117,20 @@ impl ClothParticles {
     /// Moves every position the particles remember.
     pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
         self.disturbed = true;
-        for x in self.state.positions.iter_mut().chain(&mut self.state.previous) {
+        for x in self.sim.state.positions.iter_mut().chain(&mut self.sim.state.previous) {
             *x = motion(x.truncate()).extend(x.w);
         }
         for x in &mut self.before {
             *x = motion(*x);
         }
-        self.display.carry(&motion);
-        self.recovery.carry(motion);
+        self.sim.display.carry(&motion);
+        self.sim.recovery.carry(motion);
     }
 
     /// Moves every particle with what is beneath it; one of which nothing is known stays.
     pub(crate) fn carry_each(&mut self, motion: impl Fn(usize) -> Option<Affine3A>) {
         self.disturbed = true;
-        let ClothState { positions, previous, .. } = &mut self.state;
+        let ClothState { positions, previous, .. } = &mut self.sim.state;
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate() {
             if let Some(motion) = motion(i) {
                 *x = motion.transform_point3(x.truncate()).extend(x.w);
@@ -133,14 +143,14 @@ impl ClothParticles {
     /// Puts every particle at `pose` `[m]`, without velocity.
     pub(crate) fn place(&mut self, pose: impl Iterator<Item = Vec3>) {
         self.disturbed = true;
-        let state = &mut self.state;
+        let state = &mut self.sim.state;
         for ((x, old), at) in state.positions.iter_mut().zip(&mut state.previous).zip(pose) {
             *x = at.extend(x.w);
             *old = *x;
         }
         state.folds.clear();
         self.before.clear();
-        self.display.reset();
-        self.recovery.start(&self.state);
+        self.sim.display.reset();
+        self.sim.recovery.start(&self.sim.state);
     }
 }

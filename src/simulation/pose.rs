@@ -26,7 +26,7 @@ impl ClothParticles {
     /// Positions and velocities, for a save game.
     #[must_use]
     pub fn pose(&self) -> ClothPose {
-        let velocities = (0..self.len()).map(|i| self.state.velocity(i)).collect();
+        let velocities = (0..self.len()).map(|i| self.sim.state.velocity(i)).collect();
         ClothPose { positions: self.world_positions().collect(), velocities }
     }
 }

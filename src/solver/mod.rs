@@ -8,9 +8,9 @@
 //! |---|---|
 //! | step a scene of cloths, bodies and wind | `scene`, with the feature `lab` |
 //! | make a shape at rest of triangles | [`rest`], [`topology`] |
-//! | step one cloth, or those of an island | [`step`], [`island`], with [`state`], [`anchors`], [`skinned`], [`body`], [`couple`], [`wind`], [`settings`] |
+//! | step one cloth, or those of an island | [`step`], [`island`], with [`sim`], [`state`], [`anchors`], [`skinned`], [`body`], [`couple`], [`wind`], [`settings`] |
 //! | find crossings and take them apart | [`detect`], [`resolve`], [`verdict`] |
-//! | decide what to show, and take back what blew up | [`evaluate`], [`recover`] |
+//! | decide what to show, and take back what blew up | [`evaluate`], [`display`], [`recover`] |
 //! | lend threads to an island | [`jobs`] |
 //! | step a recorded frame again | `recording` (feature `record`) |
 
@@ -34,9 +34,11 @@ pub mod jobs;
 pub mod verdict;
 pub mod resolve;
 pub mod evaluate;
+pub mod display;
 pub(crate) mod respond;
 pub(crate) mod rigid;
 pub(crate) mod rollback;
+pub mod sim;
 pub mod island;
 #[cfg(feature = "record")]
 pub mod recording;

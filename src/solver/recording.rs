@@ -11,17 +11,17 @@ use super::body::Body;
 use super::detect::PartSettings;
 use super::evaluate::{EvaluateSettings, Outcome, Pose};
 use super::integrate::spring;
-use super::island::{Display, Island, Member, Stage, UntangleSettings};
-use super::recover::{Level, Limits, Recovery, diagnose};
+use super::island::{Island, Member, Stage, UntangleSettings};
+use super::recover::{Level, Limits, diagnose};
 use super::rest::RestShape;
 use super::settings::{Fabric, Stepping};
+use super::sim::ClothSim;
 use super::skinned::Skinned;
-use super::state::ClothState;
-use super::step::{FrameInput, Scratch, StepReport, Stepped, prepare, step};
+use super::step::{FrameInput, Stepped, prepare, step};
 use super::wind::Wind;
 
 /// What files of this form begin with: the name and the number of the form. Another number is another form.
-const MAGIC: &[u8; 8] = b"drape\0\0\x09";
+const MAGIC: &[u8; 8] = b"drape\0\0\x0a";
 /// The version that wrote a file stands in it: what is recorded is private, and changes.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -70,24 +70,18 @@ pub struct RecordedCloth {
     pub wind: Wind,
     /// What its skin asks of it.
     pub skinned: Option<Skinned>,
-    /// Particles.
-    pub state: ClothState,
-    /// What the solver remembers.
-    pub scratch: Scratch,
-    /// What was shown.
-    pub display: Display,
+    /// See [`ClothSim`].
+    pub sim: ClothSim,
     /// What is to be shown while it is tangled.
     pub evaluate: EvaluateSettings,
-    /// Blow-ups so far, and what counts as one.
-    pub recovery: Recovery,
-    /// See [`Recovery`].
+    /// What counts as a blow-up.
     pub limits: Limits,
     /// The animated pose, or the shape at rest where its carrier is `[m]`.
     pub pose: Vec<Vec3>,
     /// Whether that is an animated one.
     pub animated: bool,
-    /// Whether the solver is to be prepared first.
-    pub unprepared: bool,
+    /// Whether its fabric or its pins changed since it was prepared.
+    pub stale: bool,
     /// Where what carries it is.
     pub carrier: Pose,
     /// From its frame of simulation to that of the island while it is stepped, and after it `[m]`.
@@ -191,28 +185,30 @@ impl Recording {
         let Self { cloths, island, together, untangle, carried, dt, .. } = self;
         let mut replay = Replay::default();
         for cloth in cloths.iter_mut().filter(|cloth| cloth.moves && cloth.written) {
-            let worst_edge = spring::strain(&cloth.rest.springs, &cloth.state.positions).0;
+            let worst_edge = spring::strain(&cloth.rest.springs, &cloth.sim.state.positions).0;
             let limits = Limits { speed: f32::INFINITY, ..cloth.limits };
-            if diagnose(&cloth.state, worst_edge, &limits).is_some() {
+            if diagnose(&cloth.sim.state, worst_edge, &limits).is_some() {
                 cloth.take_back(worst_edge, &limits);
-                (cloth.unprepared, replay.recovered) = (true, true);
+                replay.recovered = true;
             }
         }
-        for cloth in cloths.iter_mut().filter(|cloth| cloth.moves && cloth.unprepared) {
-            prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+        for cloth in cloths.iter_mut().filter(|cloth| cloth.moves) {
+            let ClothSim { state, memory, .. } = &mut cloth.sim;
+            if cloth.stale || !memory.is_prepared_for(&cloth.rest) {
+                prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, state, memory);
+            }
         }
-        let mut done = vec![None; cloths.len()];
         match island {
-            Some(island) if *together => island.run(Stage::Integrate, *dt, untangle, &mut members(cloths, &mut done, 0)),
+            Some(island) if *together => island.run(Stage::Integrate, *dt, untangle, &mut members(cloths, 0)),
             _ => {
-                for (cloth, report) in cloths.iter_mut().zip(&mut done).filter(|(cloth, _)| cloth.moves) {
-                    let Member { cloth, stepping, state, scratch, .. } = cloth.member(report, 0);
-                    *report = Some(step(cloth.rest, cloth.fabric, stepping, cloth.anchors, &cloth.input, state, scratch));
+                for cloth in cloths.iter_mut().filter(|cloth| cloth.moves) {
+                    let Member { cloth, stepping, sim: ClothSim { state, memory, report, .. }, .. } = cloth.member(0);
+                    *report = Some(step(cloth.rest, cloth.fabric, stepping, cloth.anchors, &cloth.input, state, memory));
                 }
             }
         }
-        for (cloth, report) in cloths.iter_mut().zip(&done) {
-            let Some(report) = report else { continue };
+        for cloth in &mut *cloths {
+            let Some(report) = cloth.sim.report.take() else { continue };
             let limits = cloth.limits;
             replay.recovered |= cloth.take_back(report.worst_edge, &limits);
         }
@@ -223,14 +219,14 @@ impl Recording {
             if *carried != Vec3::ZERO {
                 island.carry(*carried);
             }
-            let mut members = members(cloths, &mut done, 1);
+            let mut members = members(cloths, 1);
             for stage in Stage::AFTER_INTEGRATE {
                 island.run(stage, *dt, untangle, &mut members);
             }
             replay.crossings = island.total().crossings;
         }
         for (part, cloth) in cloths.iter_mut().enumerate() {
-            let RecordedCloth { rest, state, display, evaluate, carrier, after, .. } = cloth;
+            let RecordedCloth { rest, sim: ClothSim { state, display, .. }, evaluate, carrier, after, .. } = cloth;
             let (verdict, weights) = match island {
                 Some(island) => (island.verdict(part), island.weights(part)),
                 None => Default::default(),
@@ -250,32 +246,30 @@ impl Recording {
 }
 
 /// The cloths as their island sees them before they are stepped, 0, or after, 1.
-fn members<'a>(cloths: &'a mut [RecordedCloth], reports: &'a mut [Option<StepReport>], when: usize) -> Vec<Member<'a>> {
-    cloths.iter_mut().zip(reports).map(|(cloth, report)| cloth.member(report, when)).collect()
+fn members(cloths: &mut [RecordedCloth], when: usize) -> Vec<Member<'_>> {
+    cloths.iter_mut().map(|cloth| cloth.member(when)).collect()
 }
 
 impl RecordedCloth {
     /// Judges its state, and takes it back if it is bad; whether it was.
     fn take_back(&mut self, worst_edge: f32, limits: &Limits) -> bool {
-        let Self { state, scratch, display, recovery, pose, .. } = self;
+        let Self { sim: ClothSim { state, memory, display, recovery, .. }, pose, .. } = self;
         let Some((level, _)) = recovery.judge(state, worst_edge, limits, |to| to.clone_from(pose)) else { return false };
-        scratch.forget();
+        memory.forget();
         if level != Level::LastGood {
             display.reset();
         }
         true
     }
 
-    fn member<'a>(&'a mut self, report: &'a mut Option<StepReport>, when: usize) -> Member<'a> {
+    fn member(&mut self, when: usize) -> Member<'_> {
         let dt = if self.moves { self.clock } else { 0.0 };
-        let Self { rest, fabric, stepping, anchors, gravity, bodies, wind, skinned, state, scratch, .. } = self;
+        let Self { rest, fabric, stepping, anchors, gravity, bodies, wind, skinned, sim, .. } = self;
         let input = FrameInput { dt, gravity: *gravity, bodies, wind, skinned: skinned.as_ref() };
         Member {
             cloth: Stepped { rest, fabric, anchors, input },
             stepping,
-            state,
-            scratch,
-            report,
+            sim,
             animation: if self.animated { Some(&self.pose) } else { None },
             offset: self.offsets[when],
             moves: self.moves,
@@ -283,8 +277,7 @@ impl RecordedCloth {
             fixed: self.fixed,
             still: self.still,
             contact: self.contact,
-            at_load: self.at_load && self.display.is_new(),
-            outcome: self.display.outcome(),
+            at_load: self.at_load,
             last_resort: self.evaluate.last_resort,
         }
     }

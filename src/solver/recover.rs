@@ -77,6 +77,8 @@ pub struct Recovery {
     weary: f32,
     resets: VecDeque<f64>,
     frozen: bool,
+    /// How far [`Self::judge`] took the state back in this frame, and why.
+    taken_back: Option<(Level, Cause)>,
 }
 
 impl Recovery {
@@ -85,7 +87,7 @@ impl Recovery {
         self.remember(state);
         (self.restores, self.weary) = (0, 0.0);
         self.resets.clear();
-        self.frozen = false;
+        (self.frozen, self.taken_back) = (false, None);
     }
 
     /// Whether the cloth was stopped.
@@ -107,9 +109,22 @@ impl Recovery {
         }
     }
 
-    /// Judges the state after a frame and takes it back if it is bad. `pose` writes the pose at rest `[m]` into its argument.
+    /// How far [`Self::judge`] took the state back in this frame, and why; the last time if twice.
+    #[must_use]
+    pub fn taken_back(&self) -> Option<(Level, Cause)> {
+        self.taken_back
+    }
+
+    /// Ends the frame: forgets what [`Self::judge`] did in it.
+    pub fn end_frame(&mut self) {
+        self.taken_back = None;
+    }
+
+    /// Judges a state before or after it was stepped, and takes it back if it is bad. `pose` writes the pose at rest `[m]` into
+    /// its argument.
     ///
-    /// `worst_edge` is the largest edge length over rest length, as `StepReport` tells it.
+    /// `worst_edge` is the largest edge length over rest length, as `StepReport` tells it. From a bad state until
+    /// [`Self::end_frame`], a good one is neither remembered nor forgives.
     pub fn judge(
         &mut self,
         state: &mut ClothState,
@@ -118,16 +133,27 @@ impl Recovery {
         pose: impl FnOnce(&mut Vec<Vec3>),
     ) -> Option<(Level, Cause)> {
         let Some(cause) = diagnose(state, worst_edge, limits) else {
+            if self.taken_back.is_some() {
+                // One that was taken back before the step forgives nothing for being good after it.
+                return None;
+            }
             self.remember(state);
             self.restores = 0;
             self.weary = (self.weary - FORGIVEN).max(0.0);
             return None;
         };
+        let level = self.take_back(state, pose);
+        self.taken_back = Some((level, cause));
+        self.taken_back
+    }
+
+    /// Takes a bad state back.
+    fn take_back(&mut self, state: &mut ClothState, pose: impl FnOnce(&mut Vec<Vec3>)) -> Level {
         if self.restores < RESTORES && self.weary < WEARY && self.good.len() == state.positions.len() {
             self.restores += 1;
             self.weary += 1.0;
             self.put_back(state);
-            return Some((Level::LastGood, cause));
+            return Level::LastGood;
         }
         (self.restores, self.weary) = (0, 0.0);
         self.folds.clear();
@@ -137,10 +163,10 @@ impl Recovery {
         pose(&mut self.good);
         self.put_back(state);
         if self.resets.len() < RESETS {
-            return Some((Level::Rest, cause));
+            return Level::Rest;
         }
         self.frozen = true;
-        Some((Level::Frozen, cause))
+        Level::Frozen
     }
 
     fn remember(&mut self, state: &ClothState) {
@@ -227,6 +253,7 @@ mod tests {
             now.positions[0] = Vec4::NAN;
             now.time += 0.1;
             levels.extend(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest).map(|(level, _)| level));
+            recovery.end_frame();
             assert!(now.positions.iter().all(|x| x.truncate().is_finite()), "{:?}", now.positions);
         }
         let count = |level| levels.iter().filter(|l| **l == level).count();
@@ -247,9 +274,25 @@ mod tests {
             if recovery.is_frozen() {
                 break;
             }
+            recovery.end_frame();
             assert_eq!(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest), None);
         }
         assert_eq!(levels[..30], [Level::LastGood; 30]);
         assert_eq!(levels.last(), Some(&Level::Frozen));
+    }
+
+    #[test]
+    fn a_state_that_was_taken_back_before_the_step_forgives_nothing_after_it() {
+        let mut recovery = Recovery::default();
+        let mut now = state(3.0);
+        recovery.start(&now);
+        for _ in 0..RESTORES {
+            now.positions[0] = Vec4::NAN;
+            assert_eq!(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest), Some((Level::LastGood, Cause::NotFinite)));
+            assert_eq!(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest), None);
+            recovery.end_frame();
+        }
+        now.positions[0] = Vec4::NAN;
+        assert_eq!(recovery.judge(&mut now, 1.0, &Limits::default(), at_rest), Some((Level::Rest, Cause::NotFinite)));
     }
 }

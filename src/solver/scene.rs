@@ -10,12 +10,12 @@ use super::body::Body;
 use super::detect::tree::TreeTopology;
 use super::detect::{PartRef, SurfaceError};
 use super::evaluate::{EvaluateSettings, Outcome, Pose, Shown};
-use super::island::{Display, Island, LoadReport, Member, Stage, UntangleSettings};
+use super::island::{Island, LoadReport, Member, Stage, UntangleSettings};
 use super::resolve::Contour;
 use super::rest::{RestShape, SourceMesh};
 use super::settings::{Fabric, Stepping};
-use super::state::ClothState;
-use super::step::{self, FrameInput, Scratch, StepReport, Stepped};
+use super::sim::ClothSim;
+use super::step::{self, FrameInput, StepReport, Stepped};
 use super::verdict::Verdict;
 use super::wind::Wind;
 
@@ -56,16 +56,10 @@ pub struct SceneCloth {
     pub stepping: Stepping,
     /// Pins.
     pub anchors: Anchors,
-    /// Particles.
-    pub state: ClothState,
-    /// Buffers of the solver.
-    pub scratch: Scratch,
+    /// See [`ClothSim`].
+    pub sim: ClothSim,
     /// The last frame.
     pub report: StepReport,
-    /// The frame under way, where it is stepped with others.
-    pub done: Option<StepReport>,
-    /// What is shown while it is tangled.
-    pub display: Display,
     /// Order of layers: larger numbers are worn outside; set it before [`Scene::untangled`].
     pub garment_layer: i32,
 }
@@ -80,45 +74,34 @@ impl SceneCloth {
         let targets: Vec<Vec3> = particles.iter().map(|&p| rest.positions[p as usize] + at).collect();
         let weights = vec![1.0; particles.len()];
         let anchors = Anchors { particles, weights, from: targets.clone(), to: targets };
-        let mut state = ClothState::default();
-        state.positions.extend(rest.positions.iter().map(|p| (*p + at).extend(0.0)));
-        state.previous.clone_from(&state.positions);
-        let mut cloth = Self {
-            rest,
-            fabric,
-            stepping: Stepping::default(),
-            anchors,
-            state,
-            scratch: Scratch::default(),
-            report: StepReport::default(),
-            done: None,
-            display: Display::default(),
-            garment_layer: 0,
-        };
+        let mut sim = ClothSim::default();
+        sim.state.positions.extend(rest.positions.iter().map(|p| (*p + at).extend(0.0)));
+        sim.state.previous.clone_from(&sim.state.positions);
+        let mut cloth =
+            Self { rest, fabric, stepping: Stepping::default(), anchors, sim, report: StepReport::default(), garment_layer: 0 };
         cloth.prepare();
         cloth
     }
 
     /// Must follow a change of `fabric` or of the set of pins.
     pub fn prepare(&mut self) {
-        step::prepare(&self.rest, &self.fabric, &self.anchors, &mut self.state, &mut self.scratch);
+        let ClothSim { state, memory, .. } = &mut self.sim;
+        step::prepare(&self.rest, &self.fabric, &self.anchors, state, memory);
     }
 
     /// Advances by one frame.
     pub fn step(&mut self, input: &FrameInput<'_>) {
-        self.report =
-            step::step(&self.rest, &self.fabric, &self.stepping, &self.anchors, input, &mut self.state, &mut self.scratch);
+        let ClothSim { state, memory, .. } = &mut self.sim;
+        self.report = step::step(&self.rest, &self.fabric, &self.stepping, &self.anchors, input, state, memory);
         self.anchors.from.clone_from(&self.anchors.to);
     }
 
     fn member<'a>(&'a mut self, input: FrameInput<'a>, contact: bool, last_resort: f32) -> Member<'a> {
-        let Self { rest, fabric, stepping, anchors, state, scratch, display, done, .. } = self;
+        let Self { rest, fabric, stepping, anchors, sim, .. } = self;
         Member {
             cloth: Stepped { rest, fabric, anchors, input },
             stepping,
-            state,
-            scratch,
-            report: done,
+            sim,
             animation: None,
             offset: Vec3::ZERO,
             moves: true,
@@ -127,7 +110,6 @@ impl SceneCloth {
             still: false,
             contact,
             at_load: false,
-            outcome: display.outcome(),
             last_resort,
         }
     }
@@ -138,8 +120,8 @@ impl SceneCloth {
         let mut energy = 0.0;
         for (i, area) in self.rest.areas.iter().enumerate() {
             let mass = f64::from(self.fabric.density * area);
-            let x = self.state.positions[i].truncate();
-            energy += mass * (0.5 * f64::from(self.state.velocity(i).length_squared()) - f64::from(gravity.dot(x)));
+            let x = self.sim.state.positions[i].truncate();
+            energy += mass * (0.5 * f64::from(self.sim.state.velocity(i).length_squared()) - f64::from(gravity.dot(x)));
         }
         energy
     }
@@ -147,7 +129,7 @@ impl SceneCloth {
     /// Lowest particle `[m]`.
     #[must_use]
     pub fn lowest(&self) -> f32 {
-        self.state.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min)
+        self.sim.state.positions.iter().map(|x| x.y).fold(f32::INFINITY, f32::min)
     }
 }
 
@@ -327,7 +309,7 @@ impl Scene {
     #[must_use]
     pub fn jittered(mut self, seed: u64) -> Self {
         let mut rng = fastrand::Rng::with_seed(seed);
-        for SceneCloth { rest, state, .. } in &mut self.cloths {
+        for SceneCloth { rest, sim: ClothSim { state, .. }, .. } in &mut self.cloths {
             let size = 1.0e-3 * rest.mean_edge;
             let mut one = || size * (2.0 * rng.f32() - 1.0);
             for (x, old) in state.positions.iter_mut().zip(&mut state.previous) {
@@ -356,8 +338,8 @@ impl Scene {
         self.times = StageTimes::default();
         if self.untangle.as_ref().is_some_and(|untangling| untangling.contact) {
             self.run(&Stage::FRAME, dt);
-            for SceneCloth { anchors, report, done, .. } in &mut self.cloths {
-                if let Some(done) = done.take() {
+            for SceneCloth { anchors, report, sim, .. } in &mut self.cloths {
+                if let Some(done) = sim.report.take() {
                     *report = done;
                     anchors.from.clone_from(&anchors.to);
                 }
@@ -383,7 +365,7 @@ impl Scene {
     fn decide(&mut self, dt: f32) {
         let Self { cloths, untangle: Some(Untangling { island, skip, .. }), clock, times, .. } = self else { return };
         let start = clock();
-        for (part, SceneCloth { display, state, .. }) in cloths.iter_mut().enumerate() {
+        for (part, SceneCloth { sim: ClothSim { display, state, .. }, .. }) in cloths.iter_mut().enumerate() {
             display.decide(&island.verdict(part), state, island.weights(part), Pose::default(), dt, skip);
         }
         times.evaluate += 1.0e3 * (clock() - start);
@@ -412,6 +394,6 @@ impl Scene {
     /// Whether a cloth is shown in its last clean shape.
     #[must_use]
     pub fn is_held(&self) -> bool {
-        self.cloths.iter().map(|c| c.display.outcome()).any(|Outcome { shown, .. }| shown == Shown::Held)
+        self.cloths.iter().map(|c| c.sim.display.outcome()).any(|Outcome { shown, .. }| shown == Shown::Held)
     }
 }

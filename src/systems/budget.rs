@@ -13,7 +13,7 @@ use super::lod::{LEAST_RATE, eyes};
 use crate::components::checked::Checked;
 use crate::components::{Cloth, ClothBudget, ClothDetail, ClothPriority, ClothReport};
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothScratch};
+use crate::simulation::{ClothInputs, IslandPlace};
 use crate::time::ClothTime;
 
 /// Share of the budget that is filled (dimensionless): what costs somewhat more in the next frame still fits, and what was
@@ -104,7 +104,7 @@ fn govern(groups: &mut [Group], ms: f32) {
 #[derive(Default)]
 pub(crate) struct Buffers {
     checked: Checked,
-    places: Vec<DVec3>,
+    watched_from: Vec<DVec3>,
     groups: Vec<Group>,
     /// The group of each cloth.
     of: Vec<usize>,
@@ -122,7 +122,7 @@ pub(crate) fn budget(
             Option<&Name>,
             Option<&ViewVisibility>,
             Option<&ClothPriority>,
-            &ClothScratch,
+            &IslandPlace,
             &mut ClothInputs,
             &mut ClothReport,
         ),
@@ -140,29 +140,29 @@ pub(crate) fn budget(
         }
         return;
     };
-    let Buffers { checked, places, groups, of } = &mut *buffers;
+    let Buffers { checked, watched_from, groups, of } = &mut *buffers;
     checked.clear();
     let ms = budget.checked(checked);
     notices.clamped_in::<ClothBudget>(checked);
-    eyes(&cameras, places);
+    eyes(&cameras, watched_from);
     groups.clear();
     of.clear();
-    for (entity, name, seen, priority, scratch, mut inputs, report) in &mut cloths {
+    for (entity, name, seen, priority, place, mut inputs, report) in &mut cloths {
         let inputs = &mut *inputs;
         inputs.share.measure(&report, time.delta_secs());
         checked.clear();
         let priority = priority.map_or(1.0, |priority| priority.checked(checked));
         notices.clamped(entity, name, "cloth", checked);
         let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
-        let (low, high) = scratch.bounds.unwrap_or((at, at));
-        let distances = places.iter().map(|eye| eye.clamp(low, high).distance(*eye));
+        let (low, high) = place.bounds.unwrap_or((at, at));
+        let distances = watched_from.iter().map(|eye| eye.clamp(low, high).distance(*eye));
         let distance = distances.fold(f64::INFINITY, f64::min).max(NEAREST);
         let distance = if distance.is_finite() { distance } else { 1.0 };
         // What warms up is hidden by that alone.
-        let seen = places.is_empty() || inputs.warmed.is_some() || seen.is_none_or(|seen| seen.get());
+        let seen = watched_from.is_empty() || inputs.warmed.is_some() || seen.is_none_or(|seen| seen.get());
         let seen = if seen { 1.0 } else { UNSEEN };
         let worth = f64::from(priority) * seen * (f64::from(inputs.radius) / distance).powi(2);
-        let island = scratch.island.map(|(island, _)| island);
+        let island = place.island.map(|(island, _)| island);
         // Those alone are looked for nowhere: there may be thousands.
         let known = island.and_then(|_| groups.iter().position(|group| group.island == island));
         let number = known.unwrap_or(groups.len());

@@ -18,7 +18,7 @@ use crate::components::{
 use crate::islands::ClothIslands;
 use crate::schedule::ClothClock;
 use crate::simulation::{
-    ClothInputs, ClothParticles, ClothRest, ClothScratch, FIRST_FRAMES, Motion, TELEPORT_SPEED, TELEPORT_SPIN,
+    ClothInputs, ClothParticles, ClothRest, FIRST_FRAMES, IslandPlace, Motion, TELEPORT_SPEED, TELEPORT_SPIN,
 };
 use crate::time::ClothTime;
 
@@ -125,7 +125,7 @@ pub(crate) fn inertia(
     time: Res<ClothTime>,
     transforms: Transforms,
     islands: Res<ClothIslands>,
-    mut cloths: Query<(Entity, &ClothScratch, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
+    mut cloths: Query<(Entity, &IslandPlace, &mut ClothInputs, &mut ClothParticles), With<Cloth>>,
     mut shared: Local<Vec<(Entity, Mean)>>,
     mut apart: Local<Vec<bool>>,
 ) {
@@ -152,10 +152,10 @@ pub(crate) fn inertia(
         let first = island.members.first().map(|member| key(member.entity));
         apart[index] = island.members.iter().any(|member| Some(key(member.entity)) != first);
     }
-    for (_, scratch, mut inputs, mut particles) in &mut cloths {
+    for (_, place, mut inputs, mut particles) in &mut cloths {
         let inputs = &mut *inputs;
         let Some(journey) = inputs.journey.filter(|_| is_carried(inputs)) else { continue };
-        let meets_others = scratch.island.is_some_and(|(island, _)| apart.get(island as usize).is_some_and(|apart| *apart));
+        let meets_others = place.island.is_some_and(|(island, _)| apart.get(island as usize).is_some_and(|apart| *apart));
         if meets_others || inputs.coupled.is_pinned() {
             continue;
         }
@@ -312,7 +312,7 @@ fn ride(inputs: &mut ClothInputs, particles: &mut ClothParticles, interpolates: 
     before.clear();
     if let Some(from) = from {
         if interpolates {
-            before.extend(particles.state.positions.iter().map(|x| x.truncate()));
+            before.extend(particles.sim.state.positions.iter().map(|x| x.truncate()));
         }
         let motion = Motion { from, to, center: Vec3::ZERO };
         carry(&motion, inputs, particles);
@@ -338,7 +338,7 @@ fn carry(jump: &Motion, inputs: &mut ClothInputs, particles: &mut ClothParticles
 
 /// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
 fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
-    let Some(first) = particles.state.positions.first().map(|x| x.truncate()) else { return };
+    let Some(first) = particles.sim.state.positions.first().map(|x| x.truncate()) else { return };
     if first.length() <= REBASE.max(2.0 * inputs.radius) || !first.is_finite() {
         return;
     }

@@ -7,7 +7,7 @@ use super::release::forget;
 use crate::components::fitted::{ColliderBody, CoupledBody};
 use crate::components::{Cloth, ClothCoupling, ClothReaction, ClothRigidBody};
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, WorldBodies, WorldRigid, jumped};
+use crate::simulation::{ClothInputs, ClothParticles, WorldBodies, WorldRigid, jumped};
 use crate::solver::couple::{Reaction, Rigid};
 use crate::time::ClothTime;
 
@@ -101,11 +101,12 @@ fn index_of(rigids: &[WorldRigid], entity: Entity) -> Option<u32> {
 pub(crate) fn couple(
     world: Res<WorldBodies>,
     takers: Takers,
-    mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &mut ClothScratch), With<Cloth>>,
+    mut cloths: Query<(Entity, &mut ClothParticles, &mut ClothInputs), With<Cloth>>,
 ) {
-    for (entity, particles, mut inputs, mut scratch) in &mut cloths {
+    for (entity, mut particles, mut inputs) in &mut cloths {
         let ClothInputs { asleep, carried, bodies, sets, skin, coupled, stale, .. } = &mut *inputs;
-        let coupling = scratch.solver.coupling_mut();
+        let origin = particles.origin;
+        let coupling = particles.sim.memory.coupling_mut();
         coupling.clear();
         coupled.begin();
         for body in bodies.iter_mut() {
@@ -127,7 +128,7 @@ pub(crate) fn couple(
             let others = body.givers.saturating_sub(u32::from(coupled.gave.contains(&body.entity)));
             let share = (others + 1) as f32;
             coupled.shares.push(share);
-            let seen = |at: Vec3| (at.as_dvec3() - particles.origin).as_vec3();
+            let seen = |at: Vec3| (at.as_dvec3() - origin).as_vec3();
             let rigid = Rigid {
                 inverse_mass: body.inverse_mass * share,
                 inverse_inertia: body.inverse_inertia * share,
@@ -155,7 +156,7 @@ pub(crate) fn give(
     time: Res<ClothTime>,
     mut world: ResMut<WorldBodies>,
     mut order: Local<Vec<Entity>>,
-    mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs, &ClothScratch), With<Cloth>>,
+    mut cloths: Query<(Entity, &ClothParticles, &mut ClothInputs), With<Cloth>>,
     mut takers: Query<(&mut ClothReaction, &mut CoupledBody)>,
     mut colliders: Query<&mut ColliderBody>,
 ) {
@@ -167,10 +168,10 @@ pub(crate) fn give(
     order.extend(cloths.iter().map(|(entity, ..)| entity));
     order.sort_unstable();
     for &entity in &*order {
-        let Ok((_, _, mut inputs, scratch)) = cloths.get_mut(entity) else { continue };
+        let Ok((_, particles, mut inputs)) = cloths.get_mut(entity) else { continue };
         let coupled = &mut inputs.coupled;
         for (slot, (&index, &share)) in (0..).zip(coupled.rigids.iter().zip(&coupled.shares)) {
-            let given = scratch.solver.coupling().given(slot);
+            let given = particles.sim.memory.coupling().given(slot);
             let finite = given.linear.is_finite() && given.angular.is_finite() && given.shift.is_finite();
             let Some(body) = rigids.get_mut(index as usize).filter(|_| finite && given != Reaction::default()) else {
                 continue;
@@ -198,7 +199,7 @@ pub(crate) fn give(
             collider.pose = collider.pose.map(|pose| rigid.moved(pose));
         }
     }
-    for (_, particles, mut inputs, _) in &mut cloths {
+    for (_, particles, mut inputs) in &mut cloths {
         let origin = particles.origin;
         let ClothInputs { coupled, anchors, sets, .. } = &mut *inputs;
         for &(set, slot) in &coupled.pinned {

@@ -5,20 +5,17 @@ use bevy::prelude::*;
 use super::islands::{Cloths, is_awake, run};
 use crate::components::{Cloth, ClothCollision, ClothCollisionLayers, ClothUntangling, ClothUntanglingDisabled};
 use crate::islands::{ClothIslands, Member};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, Slumber};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace, Slumber};
 use crate::solver::island::Stage;
 use crate::time::ClothTime;
 
 /// Takes cloths out of their islands from which a component was removed that meeting others takes.
 pub(crate) fn leave(
-    mut cloths: Query<
-        (&mut ClothScratch, Has<ClothRest>, Has<ClothCollision>, Has<ClothUntangling>, Has<Slumber>),
-        With<Cloth>,
-    >,
+    mut cloths: Query<(&mut IslandPlace, Has<ClothRest>, Has<ClothCollision>, Has<ClothUntangling>, Has<Slumber>), With<Cloth>>,
 ) {
-    for (mut scratch, rest, collision, untangle, slumber) in &mut cloths {
-        if scratch.island.is_some() && !(rest && collision && untangle && slumber) {
-            (scratch.island, scratch.bounds) = (None, None);
+    for (mut place, rest, collision, untangle, slumber) in &mut cloths {
+        if place.island.is_some() && !(rest && collision && untangle && slumber) {
+            (place.island, place.bounds) = (None, None);
         }
     }
 }
@@ -36,7 +33,7 @@ pub(crate) fn form_islands(
             &ClothUntangling,
             Has<ClothUntanglingDisabled>,
             Option<&ClothCollisionLayers>,
-            &mut ClothScratch,
+            &mut IslandPlace,
             &mut Slumber,
         ),
         With<Cloth>,
@@ -44,24 +41,24 @@ pub(crate) fn form_islands(
 ) {
     let _span = debug_span!("cloth/detect").entered();
     islands.begin();
-    for (entity, rest, inputs, particles, collision, untangle, not_untangled, layers, mut scratch, _) in &mut cloths {
-        let last = scratch.island.take().map(|(island, _)| island);
-        let last_box = scratch.bounds.take();
-        if !inputs.active || particles.state.positions.len() != rest.0.positions.len() {
+    for (entity, rest, inputs, particles, collision, untangle, not_untangled, layers, mut place, _) in &mut cloths {
+        let last = place.island.take().map(|(island, _)| island);
+        let last_box = place.bounds.take();
+        if !inputs.active || particles.sim.state.positions.len() != rest.0.positions.len() {
             continue;
         }
-        let still = particles.recovery.is_frozen() || inputs.time_scale == 0.0;
+        let still = particles.sim.recovery.is_frozen() || inputs.time_scale == 0.0;
         let fixed = still || not_untangled;
         let (asleep, thickness) = (inputs.asleep, inputs.fabric.thickness);
         let at_load = !not_untangled && untangle.at_load;
         let (rest, rode) = (rest.0.clone(), inputs.rode);
         let member = Member { entity, rest, collision: *collision, thickness, fixed, still, rode, asleep, at_load };
         let layers = layers.copied().unwrap_or_default();
-        scratch.bounds = islands.add(member, inputs, particles, layers, last_box, last);
+        place.bounds = islands.add(member, inputs, particles, layers, last_box, last);
     }
     islands.form(|entity, island, part, roused| {
-        if let Ok((.., mut scratch, mut slumber)) = cloths.get_mut(entity) {
-            scratch.island = Some((island, part));
+        if let Ok((.., mut place, mut slumber)) = cloths.get_mut(entity) {
+            place.island = Some((island, part));
             slumber.roused |= roused;
         }
     });

@@ -6,14 +6,15 @@ use bevy::prelude::*;
 use super::islands::run_without_cloths;
 use super::stopwatch;
 use crate::components::{
-    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothRecoveryLevel, ClothReport, ClothStatus,
-    ClothTangled, ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated,
+    Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothRecoveryCause, ClothRecoveryLevel,
+    ClothReport, ClothStatus, ClothTangled, ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated,
 };
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, IslandPlace};
 use crate::solver::evaluate::{Pose, Shown};
 use crate::solver::island::Stage;
+use crate::solver::recover::{Cause, Level};
 use crate::solver::verdict::Verdict;
 use crate::time::ClothTime;
 
@@ -27,24 +28,24 @@ pub(crate) fn look(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>) {
 pub(crate) fn judge(
     time: Res<ClothTime>,
     islands: Res<ClothIslands>,
-    mut cloths: Query<(&ClothInputs, &ClothScratch, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
+    mut cloths: Query<(&ClothInputs, &IslandPlace, &mut ClothParticles, &mut ClothReport), With<Cloth>>,
 ) {
     let _span = debug_span!("cloth/evaluate").entered();
     let dt = time.delta_secs();
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
-        |(inputs, scratch, mut particles, mut report)| {
+        |(inputs, place, mut particles, mut report)| {
             if !inputs.active || inputs.asleep || inputs.carried {
                 return;
             }
             let clock = stopwatch();
-            let at = scratch.island.and_then(|(g, part)| islands.list.get(g as usize).map(|island| (island, part as usize)));
+            let at = place.island.and_then(|(g, part)| islands.list.get(g as usize).map(|island| (island, part as usize)));
             let (verdict, weights) = match at {
                 Some((island, part)) => (island.solver.verdict(part), island.solver.weights(part)),
                 None => (Verdict::default(), [].as_slice()),
             };
             let particles = &mut *particles;
-            if matches!(scratch.recovered, Some((ClothRecoveryLevel::Rest | ClothRecoveryLevel::Frozen, _))) {
-                particles.display.reset();
+            if matches!(particles.sim.recovery.taken_back(), Some((Level::Rest | Level::Frozen, _))) {
+                particles.sim.display.reset();
             }
             let carrier = inputs.carrier();
             let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
@@ -52,9 +53,9 @@ pub(crate) fn judge(
             if let Some(skin) = inputs.skin.as_ref().filter(|_| !verdict.is_clean()) {
                 // Held shapes stay on a character that moves.
                 let moves = [inputs.joints_before.as_slice(), inputs.joints.as_slice()];
-                particles.display.follow(pose, |i, x| skin.motion(moves, i).map(|motion| motion.transform_point3(x)));
+                particles.sim.display.follow(pose, |i, x| skin.motion(moves, i).map(|motion| motion.transform_point3(x)));
             }
-            let outcome = particles.display.decide(&verdict, &particles.state, weights, pose, dt, &inputs.evaluate);
+            let outcome = particles.sim.display.decide(&verdict, &particles.sim.state, weights, pose, dt, &inputs.evaluate);
 
             report.crossings = verdict.all_crossings();
             report.authored = at.map_or(0, |(island, part)| island.solver.authored(part));
@@ -83,7 +84,7 @@ pub(crate) fn tell(
         if !inputs.active || inputs.asleep || inputs.carried {
             continue;
         }
-        let outcome = particles.display.outcome();
+        let outcome = particles.sim.display.outcome();
         if outcome.became_tangled {
             let ClothReport { crossings, contour_length, .. } = *report;
             commands.trigger(ClothTangled { entity, crossings, contour_length });
@@ -123,11 +124,12 @@ pub(crate) fn overruled_layers(mut notices: ResMut<Notices>, islands: Res<ClothI
 pub(crate) fn recoveries(
     mut commands: Commands,
     mut notices: ResMut<Notices>,
-    mut cloths: Query<(Entity, Option<&Name>, &mut ClothScratch, &mut ClothStatus), With<Cloth>>,
+    mut cloths: Query<(Entity, Option<&Name>, &mut ClothParticles, &mut ClothStatus), With<Cloth>>,
 ) {
-    for (entity, name, mut scratch, mut status) in &mut cloths {
-        let Some((level, cause)) = scratch.recovered else { continue };
-        scratch.recovered = None;
+    for (entity, name, mut particles, mut status) in &mut cloths {
+        let Some((level, cause)) = particles.sim.recovery.taken_back() else { continue };
+        particles.sim.recovery.end_frame();
+        let (level, cause) = (ClothRecoveryLevel::from(level), ClothRecoveryCause::from(cause));
         commands.trigger(ClothRecovered { entity, level, cause });
         if level != ClothRecoveryLevel::Frozen {
             if notices.first(entity, "recovered") {
@@ -153,5 +155,25 @@ pub(crate) fn recoveries(
         }
         commands.entity(entity).try_insert(error.clone());
         commands.trigger(ClothFailed { entity, error });
+    }
+}
+
+impl From<Level> for ClothRecoveryLevel {
+    fn from(level: Level) -> Self {
+        match level {
+            Level::LastGood => Self::LastGood,
+            Level::Rest => Self::Rest,
+            Level::Frozen => Self::Frozen,
+        }
+    }
+}
+
+impl From<Cause> for ClothRecoveryCause {
+    fn from(cause: Cause) -> Self {
+        match cause {
+            Cause::NotFinite => Self::NotFinite,
+            Cause::TooFast => Self::TooFast,
+            Cause::Overstretched => Self::Overstretched,
+        }
     }
 }

@@ -6,7 +6,7 @@ use crate::components::checked::Checked;
 use crate::components::grip::Grip;
 use crate::components::{Cloth, ClothGrab};
 use crate::notices::Notices;
-use crate::simulation::{ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothParticles, ClothRest};
 use crate::solver::integrate::pull::Pull;
 
 /// Largest force over the mass of the free particles `[m/s²]`, twenty times the weight of the cloth. Beyond it, springs that
@@ -17,13 +17,11 @@ const MOST_ACCELERATION: f32 = 20.0 * 9.81;
 pub(crate) fn grabs(
     mut notices: ResMut<Notices>,
     mut grabs: Query<(Entity, Option<&Name>, &ClothGrab, &mut Grip)>,
-    mut cloths: Query<(&ClothRest, &mut ClothParticles, &mut ClothScratch), With<Cloth>>,
+    mut cloths: Query<(&ClothRest, &mut ClothParticles), With<Cloth>>,
     mut checked: Local<Checked>,
 ) {
-    for (_, _, mut scratch) in &mut cloths {
-        if !scratch.solver.pulls_mut().is_empty() {
-            scratch.solver.pulls_mut().clear();
-        }
+    for (_, mut particles) in &mut cloths {
+        particles.sim.memory.pulls_mut().clear();
     }
     for (entity, name, grab, mut grip) in grabs.iter_mut().sort::<Entity>() {
         checked.clear();
@@ -32,7 +30,7 @@ pub(crate) fn grabs(
             checked.refuse("grab.target");
         }
         notices.clamped(entity, name, "grab", &checked);
-        let Ok((rest, mut particles, mut scratch)) = cloths.get_mut(grab.cloth) else { continue };
+        let Ok((rest, mut particles)) = cloths.get_mut(grab.cloth) else { continue };
         let of = (grab.cloth, grab.particles, grab.weights, radius, particles.len());
         if grip.of != Some(of) {
             grip.of = Some(of);
@@ -43,10 +41,10 @@ pub(crate) fn grabs(
         }
         let from = grip.target.replace(grab.target).unwrap_or(grab.target);
         let [from, to] = [from, grab.target].map(|p| (p.as_dvec3() - particles.origin).as_vec3());
-        let mass: f32 = particles.state.positions.iter().filter(|x| x.w > 0.0).map(|x| 1.0 / x.w).sum();
+        let mass: f32 = particles.sim.state.positions.iter().filter(|x| x.w > 0.0).map(|x| 1.0 / x.w).sum();
         let force = force.min(MOST_ACCELERATION * mass);
         let pull = Pull { from, to, compliance, force };
-        scratch.solver.pulls_mut().add(pull, grip.shares.iter().copied());
+        particles.sim.memory.pulls_mut().add(pull, grip.shares.iter().copied());
         particles.disturbed = true;
     }
 }

@@ -10,9 +10,7 @@ use crate::components::{
     ClothWind, ClothWindZone, ClothWindZoneShape,
 };
 use crate::notices::{Notices, label};
-use crate::simulation::{
-    Bones, ClothInputs, ClothParticles, ClothRest, ClothScratch, WorldAir, WorldBodies, WorldBody, is_near, reaches,
-};
+use crate::simulation::{Bones, ClothInputs, ClothParticles, ClothRest, WorldAir, WorldBodies, WorldBody, is_near, reaches};
 use crate::solver::body::{Body, Pose};
 use crate::solver::skinned::{AvoidBuffers, Surroundings};
 use crate::solver::state::ClothState;
@@ -173,7 +171,7 @@ fn scaled(zone: ClothWindZone, scale: Vec3) -> ClothWindZone {
 /// Box in the world `[m]` that a cloth may be in during a frame of `dt` `[s]`, from its speed, its anchors and its skin. Its
 /// own radius is to spare for wind and bodies. None when the cloth is nowhere.
 fn room(inputs: &ClothInputs, particles: &ClothParticles, dt: f32) -> Option<(Vec3, Vec3)> {
-    let ClothState { positions, previous, substep, .. } = &particles.state;
+    let ClothState { positions, previous, substep, .. } = &particles.sim.state;
     let substeps = if *substep > 0.0 { dt / substep } else { 0.0 };
     let ends = positions.iter().zip(previous).map(|(x, old)| (*x + (*x - *old) * substeps).truncate());
     let targets = inputs.anchors.to.iter().chain(&inputs.skinned.to).copied();
@@ -194,10 +192,9 @@ pub(crate) fn surroundings(
         (
             Entity,
             &ClothRest,
-            &ClothParticles,
+            &mut ClothParticles,
             Option<&ClothCollisionLayers>,
             &mut ClothInputs,
-            &mut ClothScratch,
             // Without one a cloth meets the bodies of this frame all the same.
             Option<&mut ClothReport>,
         ),
@@ -209,7 +206,7 @@ pub(crate) fn surroundings(
 ) {
     // Of characters there are crowds, and none meets the bones of all.
     let crowded = world.bodies.iter().any(|body| body.character.is_some());
-    for (entity, rest, particles, layers, mut inputs, mut scratch, report) in &mut cloths {
+    for (entity, rest, mut particles, layers, mut inputs, report) in &mut cloths {
         if inputs.asleep || inputs.carried {
             continue;
         }
@@ -227,7 +224,7 @@ pub(crate) fn surroundings(
             Pose::from_parts(translation, at.rotation)
         };
         let dt = time.delta_secs() * inputs.time_scale;
-        let room = if crowded || !air.zones.is_empty() { room(inputs, particles, dt) } else { None };
+        let room = if crowded || !air.zones.is_empty() { room(inputs, &particles, dt) } else { None };
         let (character, carried, jumped) = (inputs.character, inputs.carried_by, inputs.jumped);
         let reaches_it = |body: &WorldBody| {
             let own = body.character.is_none() || body.character == character;
@@ -244,7 +241,7 @@ pub(crate) fn surroundings(
                 let now = near.binary_search_by_key(entity, |&index| world.bodies[index].entity).ok()?;
                 u32::try_from(now).ok()
             };
-            scratch.solver.renumber_bodies(number);
+            particles.sim.memory.renumber_bodies(number);
             inputs.body_entities.clear();
             inputs.body_entities.extend(listed().map(|body| body.entity));
             inputs.worn.keep(&inputs.body_entities);
@@ -285,7 +282,7 @@ pub(crate) fn surroundings(
         }));
         if inputs.avoids_bodies && inputs.skinned.is_active() {
             let ClothInputs { bodies, fabric, skinned, fade, .. } = inputs;
-            let positions = &particles.state.positions;
+            let positions = &particles.sim.state.positions;
             let around = Surroundings { bodies, rest: &rest.0, fabric, positions, share: *fade };
             skinned.avoid(&around, dt, &mut buffers);
         }
@@ -320,8 +317,6 @@ mod tests {
     use super::*;
     use crate::bind::AnchorSets;
     use crate::solver::anchors::Anchors;
-    use crate::solver::island::Display;
-    use crate::solver::recover::Recovery;
     use crate::solver::rest::RestShape;
 
     /// Numbers of the zones that reach a particle at `at` with the velocity `velocity` `[m/s]` in a frame of 0.1 s.
@@ -341,19 +336,8 @@ mod tests {
         let positions: Vec<Vec4> = vec![at.extend(1.0)];
         let previous = vec![(at - velocity * 0.01).extend(1.0)];
         let state = ClothState { positions, previous, substep: 0.01, ..ClothState::default() };
-        let particles = ClothParticles {
-            state,
-            origin: DVec3::new(100.0, 0.0, 0.0),
-            before: Vec::new(),
-            recovery: Recovery::default(),
-            display: Display::default(),
-            carrier: None,
-            space: None,
-            disturbed: false,
-            written: false,
-        };
-        let scratch = ClothScratch::default();
-        let cloth = world.spawn((Cloth, ClothRest(Arc::new(RestShape::default())), inputs, particles, scratch)).id();
+        let particles = ClothParticles::new(state, DVec3::new(100.0, 0.0, 0.0));
+        let cloth = world.spawn((Cloth, ClothRest(Arc::new(RestShape::default())), inputs, particles)).id();
         world.run_system_once(surroundings).expect("a system");
         let seen = &world.get::<ClothInputs>(cloth).expect("inputs").wind.zones;
         seen.iter().filter_map(|seen| zones.iter().position(|(_, radius)| *radius == seen.velocity.y)).collect()

@@ -6,14 +6,15 @@ use bevy::prelude::*;
 
 use super::islands::{Cloths, run};
 use super::stopwatch;
-use crate::components::{Cloth, ClothRecoveryCause, ClothRecoveryLevel, ClothReport};
+use crate::components::{Cloth, ClothReport};
 use crate::islands::{ClothIsland, ClothIslands, Member};
 use crate::schedule::ClothClock;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace};
 use crate::solver::integrate::spring;
 use crate::solver::island::Stage;
-use crate::solver::recover::{Cause, Level, Limits, diagnose};
+use crate::solver::recover::{Level, Limits, diagnose};
 use crate::solver::settings::drape_rate;
+use crate::solver::sim::ClothSim;
 use crate::solver::state::ClothState;
 use crate::solver::step::{StepReport, prepare, step};
 use crate::time::ClothTime;
@@ -21,7 +22,7 @@ use crate::time::ClothTime;
 type StepQuery<'w, 's, 'a> = Query<
     'w,
     's,
-    (&'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch, &'a mut ClothReport),
+    (&'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a IslandPlace, &'a mut ClothReport),
     With<Cloth>,
 >;
 
@@ -33,21 +34,19 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
         island.together = steps_together(island, &cloths);
     }
     let list = &islands.list;
-    cloths.par_iter_mut().batching_strategy(batches()).for_each(
-        |(rest, mut inputs, mut particles, mut scratch, mut report)| {
-            let clock = stopwatch();
-            if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut scratch, &mut report) {
-                return;
-            }
-            if !scratch.island.is_some_and(|(island, _)| list.get(island as usize).is_some_and(|island| island.together)) {
-                let ClothParticles { state, .. } = &mut *particles;
-                let input = inputs.frame(dt);
-                let done = step(&rest.0, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, &mut scratch.solver);
-                finish(rest, done, &inputs, &mut particles, &mut scratch, &mut report);
-                report.integrate_ms = clock();
-            }
-        },
-    );
+    cloths.par_iter_mut().batching_strategy(batches()).for_each(|(rest, mut inputs, mut particles, place, mut report)| {
+        let clock = stopwatch();
+        if !begin(rest, dt * inputs.time_scale, interpolates, &mut inputs, &mut particles, &mut report) {
+            return;
+        }
+        if !place.island.is_some_and(|(island, _)| list.get(island as usize).is_some_and(|island| island.together)) {
+            let ClothSim { state, memory, .. } = &mut particles.sim;
+            let input = inputs.frame(dt);
+            let done = step(&rest.0, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, memory);
+            finish(rest, done, &inputs, &mut particles, &mut report);
+            report.integrate_ms = clock();
+        }
+    });
 }
 
 /// Steps the islands whose members touch.
@@ -70,9 +69,9 @@ pub(crate) fn judge(islands: Res<ClothIslands>, mut cloths: StepQuery) {
             }
         }
     }
-    cloths.par_iter_mut().batching_strategy(batches()).for_each(|(rest, inputs, mut particles, mut scratch, mut report)| {
-        if let Some(done) = scratch.done.take() {
-            finish(rest, done, &inputs, &mut particles, &mut scratch, &mut report);
+    cloths.par_iter_mut().batching_strategy(batches()).for_each(|(rest, inputs, mut particles, _, mut report)| {
+        if let Some(done) = particles.sim.report.take() {
+            finish(rest, done, &inputs, &mut particles, &mut report);
         }
     });
 }
@@ -86,7 +85,7 @@ fn batches() -> BatchingStrategy {
 /// Whether the members of an island are stepped side by side: they touch, and all are as they were when it was looked at.
 fn steps_together(island: &ClothIsland, cloths: &StepQuery) -> bool {
     let fits = |member: &Member| {
-        cloths.get(member.entity).is_ok_and(|(rest, _, particles, scratch, _)| member.is_as_seen(rest, particles, scratch))
+        cloths.get(member.entity).is_ok_and(|(rest, _, particles, place, _)| member.is_as_seen(rest, particles, place))
     };
     !island.asleep && island.has_contact() && island.members.iter().all(fits)
 }
@@ -98,50 +97,44 @@ fn begin(
     interpolates: bool,
     inputs: &mut ClothInputs,
     particles: &mut ClothParticles,
-    scratch: &mut ClothScratch,
     report: &mut ClothReport,
 ) -> bool {
-    let fits = [&particles.state.positions, &particles.state.previous].iter().all(|all| all.len() == rest.0.positions.len());
-    if !(inputs.moves(&particles.recovery) && fits && dt > 0.0) {
+    let fits =
+        [&particles.sim.state.positions, &particles.sim.state.previous].iter().all(|all| all.len() == rest.0.positions.len());
+    if !(inputs.moves(&particles.sim.recovery) && fits && dt > 0.0) {
         // Nothing moved, unless it was carried: there is nothing to interpolate.
         if !inputs.carried {
             particles.before.clear();
         }
         return false;
     }
-    judge_written(rest, inputs, particles, scratch, report);
+    judge_written(rest, inputs, particles, report);
     if interpolates {
         particles.before.clear();
-        match particles.display.held() {
+        match particles.sim.display.held() {
             Some(held) => particles.before.extend_from_slice(held),
-            None => particles.before.extend(particles.state.positions.iter().map(|x| x.truncate())),
+            None => particles.before.extend(particles.sim.state.positions.iter().map(|x| x.truncate())),
         }
     }
-    if inputs.stale || scratch.fresh {
-        prepare(&rest.0, &inputs.fabric, &inputs.anchors, &mut particles.state, &mut scratch.solver);
+    let ClothSim { state, memory, .. } = &mut particles.sim;
+    if inputs.stale || !memory.is_prepared_for(&rest.0) {
+        prepare(&rest.0, &inputs.fabric, &inputs.anchors, state, memory);
         inputs.stale = false;
-        scratch.fresh = false;
     }
     true
 }
 
 /// Takes a cloth back whose state the app wrote, if it is no longer physical: before others meet it there.
-fn judge_written(
-    rest: &ClothRest,
-    inputs: &ClothInputs,
-    particles: &mut ClothParticles,
-    scratch: &mut ClothScratch,
-    report: &mut ClothReport,
-) {
+fn judge_written(rest: &ClothRest, inputs: &ClothInputs, particles: &mut ClothParticles, report: &mut ClothReport) {
     if core::mem::take(&mut particles.written) {
         // What an app writes may have another, or none; kernels take it from either.
-        let ClothState { positions, previous, .. } = &mut particles.state;
+        let ClothState { positions, previous, .. } = &mut particles.sim.state;
         positions.iter().zip(previous).for_each(|(x, old)| old.w = x.w);
-        let edges = spring::strain(&rest.0.springs, &particles.state.positions);
+        let edges = spring::strain(&rest.0.springs, &particles.sim.state.positions);
         // How fast it is shows when it was stepped.
         let limits = Limits { speed: f32::INFINITY, ..inputs.limits };
-        if diagnose(&particles.state, edges.0, &limits).is_some() {
-            take_back(rest, edges, &limits, inputs, particles, scratch, report);
+        if diagnose(&particles.sim.state, edges.0, &limits).is_some() {
+            take_back(rest, edges, &limits, inputs, particles, report);
         }
     }
 }
@@ -153,40 +146,27 @@ fn take_back(
     limits: &Limits,
     inputs: &ClothInputs,
     particles: &mut ClothParticles,
-    scratch: &mut ClothScratch,
     report: &mut ClothReport,
 ) -> (f32, f32) {
-    let (origin, state) = (particles.origin, &mut particles.state);
-    if scratch.recovered.is_some() && diagnose(state, edges.0, limits).is_none() {
-        // One that was taken back before the step forgives nothing for being good after it.
-        return edges;
-    }
-    let recovered = particles.recovery.judge(state, edges.0, limits, |pose| {
+    let origin = particles.origin;
+    let ClothSim { state, memory, recovery, .. } = &mut particles.sim;
+    let recovered = recovery.judge(state, edges.0, limits, |pose| {
         pose.clear();
         pose.extend(inputs.pose(&rest.0, origin));
     });
-    let Some((level, cause)) = recovered else { return edges };
-    scratch.recovered = Some((level.into(), cause.into()));
+    let Some((level, _)) = recovered else { return edges };
     // Forces and contacts that are held over frames may have seen the bad state.
-    scratch.solver.forget();
-    scratch.fresh = true;
+    memory.forget();
     match level {
         Level::LastGood => report.restores += 1,
         Level::Rest | Level::Frozen => report.resets += 1,
     }
-    spring::strain(&rest.0.springs, &particles.state.positions)
+    spring::strain(&rest.0.springs, &state.positions)
 }
 
 /// Judges and records what a frame did.
-fn finish(
-    rest: &ClothRest,
-    done: StepReport,
-    inputs: &ClothInputs,
-    particles: &mut ClothParticles,
-    scratch: &mut ClothScratch,
-    report: &mut ClothReport,
-) {
-    let edges = take_back(rest, (done.worst_edge, done.mean_edge), &inputs.limits, inputs, particles, scratch, report);
+fn finish(rest: &ClothRest, done: StepReport, inputs: &ClothInputs, particles: &mut ClothParticles, report: &mut ClothReport) {
+    let edges = take_back(rest, (done.worst_edge, done.mean_edge), &inputs.limits, inputs, particles, report);
     report.substeps = done.substeps;
     report.inner_steps = done.inner_steps;
     report.drape_rate = drape_rate(rest.0.mean_edge);
@@ -194,25 +174,5 @@ fn finish(
     (report.worst_edge, report.mean_edge) = edges;
     report.body_contacts = done.body_contacts;
     report.lost_time += done.lost_time;
-    report.time = particles.state.time as f32;
-}
-
-impl From<Level> for ClothRecoveryLevel {
-    fn from(level: Level) -> Self {
-        match level {
-            Level::LastGood => Self::LastGood,
-            Level::Rest => Self::Rest,
-            Level::Frozen => Self::Frozen,
-        }
-    }
-}
-
-impl From<Cause> for ClothRecoveryCause {
-    fn from(cause: Cause) -> Self {
-        match cause {
-            Cause::NotFinite => Self::NotFinite,
-            Cause::TooFast => Self::TooFast,
-            Cause::Overstretched => Self::Overstretched,
-        }
-    }
+    report.time = particles.sim.state.time as f32;
 }

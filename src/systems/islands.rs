@@ -9,13 +9,13 @@ use super::jobs::compute_pool;
 use super::stopwatch;
 use crate::components::Cloth;
 use crate::islands::{ClothIsland, ClothIslands};
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace};
 use crate::solver::island::{self, Stage};
 use crate::solver::step::{FrameInput, Stepped};
 
 /// What islands read and write of their cloths.
 pub(super) type Cloths<'w, 's, 'a> =
-    Query<'w, 's, (&'a ClothRest, &'a ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch), With<Cloth>>;
+    Query<'w, 's, (&'a ClothRest, &'a ClothInputs, &'a mut ClothParticles, &'a IslandPlace), With<Cloth>>;
 
 /// Runs a `stage` of a frame of `dt` `[s]` of the islands that are `wanted`, and notes the time it took. An island that lost a
 /// cloth since it was formed waits until it is formed anew.
@@ -28,13 +28,13 @@ pub(super) fn run(
 ) {
     let mut placed: Vec<_> = cloths
         .iter_mut()
-        .filter_map(|(rest, inputs, particles, scratch)| {
-            let (number, part) = scratch.island?;
+        .filter_map(|(rest, inputs, particles, place)| {
+            let (number, part) = place.island?;
             let island = islands.list.get(number as usize).filter(|island| wanted(island))?;
-            Some(((number, part), member(island, part, dt, (rest, inputs, particles.into_inner(), scratch.into_inner()))?))
+            Some(((number, part), member(island, part, dt, rest, inputs, particles.into_inner())?))
         })
         .collect();
-    placed.sort_unstable_by_key(|(place, _)| *place);
+    placed.sort_unstable_by_key(|(at, _)| *at);
     let (places, mut members): (Vec<_>, Vec<_>) = placed.into_iter().unzip();
     let mut tasks = Vec::new();
     let (mut places, mut members) = (places.as_slice(), members.as_mut_slice());
@@ -116,21 +116,20 @@ fn member<'a>(
     island: &ClothIsland,
     part: u32,
     dt: f32,
-    (rest, inputs, particles, scratch): (&'a ClothRest, &'a ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
+    rest: &'a ClothRest,
+    inputs: &'a ClothInputs,
+    particles: &'a mut ClothParticles,
 ) -> Option<island::Member<'a>> {
     let member = island.members.get(part as usize)?;
-    let moves = inputs.moves(&particles.recovery);
+    let moves = inputs.moves(&particles.sim.recovery);
     let input = inputs.frame(dt);
     let input = FrameInput { dt: if moves { input.dt } else { 0.0 }, ..input };
     Some(island::Member {
         cloth: Stepped { rest: &rest.0, fabric: &inputs.fabric, anchors: &inputs.anchors, input },
         stepping: &inputs.stepping,
         offset: (particles.origin - island.origin).as_vec3(),
-        at_load: member.at_load && particles.display.is_new(),
-        outcome: particles.display.outcome(),
-        state: &mut particles.state,
-        scratch: &mut scratch.solver,
-        report: &mut scratch.done,
+        at_load: member.at_load,
+        sim: &mut particles.sim,
         animation: if inputs.skin.is_some() { Some(inputs) } else { None },
         moves,
         clock: dt * inputs.time_scale,

@@ -5,7 +5,7 @@ use bevy::math::DVec3;
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothCollisionLayers, ClothDetail, ClothLod, ClothReport};
-use crate::simulation::{ClothInputs, ClothParticles, ClothScratch, NEAR, WorldBodies, WorldBody, is_near};
+use crate::simulation::{ClothInputs, ClothParticles, IslandPlace, NEAR, WorldBodies, WorldBody, is_near};
 use crate::time::ClothTime;
 
 /// Share of a distance at which the next finer level begins, so that nothing flickers at the border.
@@ -25,7 +25,7 @@ pub(crate) fn detail(
             Entity,
             Option<&ViewVisibility>,
             Option<&ClothCollisionLayers>,
-            &ClothScratch,
+            &IslandPlace,
             &mut ClothInputs,
             &mut ClothParticles,
             &mut ClothReport,
@@ -35,11 +35,11 @@ pub(crate) fn detail(
     mut eyes: Local<Vec<DVec3>>,
 ) {
     self::eyes(&cameras, &mut eyes);
-    for (entity, seen, layers, scratch, mut inputs, mut particles, mut report) in &mut cloths {
+    for (entity, seen, layers, place, mut inputs, mut particles, mut report) in &mut cloths {
         let inputs = &mut *inputs;
         let at = DVec3::from(Vec3::from(inputs.placement.isometry().translation));
         // Cloth that is only animated counts as a point.
-        let (low, high) = scratch.bounds.filter(|_| inputs.active).unwrap_or((at, at));
+        let (low, high) = place.bounds.filter(|_| inputs.active).unwrap_or((at, at));
         let by_lod = if let Some(lod) = inputs.lod.filter(|_| !eyes.is_empty()) {
             // What warms up is hidden by that alone.
             let seen = inputs.warmed.is_some() || seen.is_none_or(|seen| seen.get());
@@ -75,7 +75,7 @@ pub(crate) fn detail(
             report.idle();
             if !was {
                 // It goes on without the speed it had.
-                let state = &mut particles.state;
+                let state = &mut particles.sim.state;
                 state.previous.clone_from(&state.positions);
             }
         }

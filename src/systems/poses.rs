@@ -6,9 +6,8 @@ use bevy::prelude::*;
 use crate::components::{Cloth, ClothReset};
 use crate::islands::ClothIslands;
 use crate::notices::{Notices, label};
-use crate::simulation::{ClothInputs, ClothParticles, ClothPose, ClothRest, ClothScratch, FIRST_FRAMES};
+use crate::simulation::{ClothInputs, ClothParticles, ClothPose, ClothRest, FIRST_FRAMES, IslandPlace};
 use crate::solver::impulse::{FASTEST, first_substep};
-use crate::solver::step::Scratch;
 
 /// Farthest from the origin of its frame that a particle is put `[m]`: farther, a coordinate of 32 bits is not within 0.1 mm.
 const FARTHEST: f64 = 1000.0;
@@ -16,15 +15,15 @@ const FARTHEST: f64 = 1000.0;
 type Posed<'w, 's, 'a> = Query<
     'w,
     's,
-    (Entity, Option<&'a Name>, &'a ClothPose, &'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
+    (Entity, Option<&'a Name>, &'a ClothPose, &'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut IslandPlace),
     With<Cloth>,
 >;
 
 /// Puts every cloth that has a pose into it, once what carries the cloth is where it is in this frame.
 pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut islands: ResMut<ClothIslands>, mut cloths: Posed) {
-    for (entity, name, pose, rest, mut inputs, mut particles, mut scratch) in &mut cloths {
+    for (entity, name, pose, rest, mut inputs, mut particles, mut place) in &mut cloths {
         let comes = inputs.skin.is_some() && inputs.frames <= FIRST_FRAMES;
-        if !inputs.active || comes || particles.recovery.is_frozen() {
+        if !inputs.active || comes || particles.sim.recovery.is_frozen() {
             continue;
         }
         if inputs.skin.is_some() && inputs.fade < inputs.wanted() {
@@ -46,14 +45,14 @@ pub(crate) fn take(mut commands: Commands, mut notices: ResMut<Notices>, mut isl
             inputs.snap_to_targets(&rest.0, particles.origin);
         }
         put(pose, &mut particles);
-        forget_contacts(&mut scratch, &mut islands);
+        forget_contacts(&mut particles, &mut place, &mut islands);
     }
 }
 
 /// What touched a cloth touches it no more.
-fn forget_contacts(scratch: &mut ClothScratch, islands: &mut ClothIslands) {
-    (scratch.solver, scratch.fresh) = (Scratch::default(), true);
-    if let Some((island, _)) = scratch.island.take() {
+fn forget_contacts(particles: &mut ClothParticles, place: &mut IslandPlace, islands: &mut ClothIslands) {
+    particles.sim.forget();
+    if let Some((island, _)) = place.island.take() {
         islands.forget(island);
     }
 }
@@ -76,13 +75,13 @@ pub(crate) fn hand_down(
 type Reset<'w, 's, 'a> = Query<
     'w,
     's,
-    (Entity, &'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut ClothScratch),
+    (Entity, &'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a mut IslandPlace),
     (With<Cloth>, With<ClothReset>),
 >;
 
 /// Puts cloths to where they begin, once what carries them is where it is in this frame.
 pub(crate) fn reset(mut commands: Commands, mut islands: ResMut<ClothIslands>, mut cloths: Reset) {
-    for (entity, rest, mut inputs, mut particles, mut scratch) in &mut cloths {
+    for (entity, rest, mut inputs, mut particles, mut place) in &mut cloths {
         if !inputs.active {
             continue;
         }
@@ -92,7 +91,7 @@ pub(crate) fn reset(mut commands: Commands, mut islands: ResMut<ClothIslands>, m
         inputs.stay();
         // It falls into place anew.
         inputs.warmed = inputs.warmed.map(|_| 0.0);
-        forget_contacts(&mut scratch, &mut islands);
+        forget_contacts(&mut particles, &mut place, &mut islands);
     }
 }
 
@@ -127,5 +126,5 @@ fn put(ClothPose { positions, velocities }: &ClothPose, particles: &mut ClothPar
     }
     state.folds.clear();
     particles.before.clear();
-    particles.display.reset();
+    particles.sim.display.reset();
 }

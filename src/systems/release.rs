@@ -14,7 +14,7 @@ use crate::components::{
 };
 use crate::notices::Notices;
 use crate::simulation::{
-    Binding, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, Slumber, TakenSkin, WaitingSince,
+    Binding, ClothInputs, ClothParticles, ClothRest, ClothShown, IslandPlace, Slumber, TakenSkin, WaitingSince,
 };
 
 /// A cloth that stops being one, disabled or not.
@@ -54,7 +54,7 @@ pub(crate) fn on_remove_cloth(
 
 /// Removes what the simulation put on the entity and gives its skin and bounds back.
 pub(crate) fn take_apart(entity: &mut EntityCommands, binding: &Binding, taken: Option<&TakenSkin>) {
-    entity.try_remove::<(ClothRest, ClothParticles, ClothInputs, ClothScratch, ClothShown, Slumber)>();
+    entity.try_remove::<(ClothRest, ClothParticles, ClothInputs, IslandPlace, ClothShown, Slumber)>();
     if binding.instance.is_none() {
         return;
     }
@@ -87,13 +87,13 @@ pub(crate) fn on_remove_collider(removed: On<Remove, ClothCollider>, mut command
 pub(crate) fn on_disable(
     disabled: On<Add, Disabled>,
     mut bodies: Query<&mut ColliderBody, Allow<Disabled>>,
-    mut cloths: Query<&mut ClothScratch, Allow<Disabled>>,
+    mut cloths: Query<&mut IslandPlace, Allow<Disabled>>,
 ) {
     if let Ok(mut body) = bodies.get_mut(disabled.entity) {
         body.pose = None;
     }
-    if let Ok(mut scratch) = cloths.get_mut(disabled.entity) {
-        (scratch.island, scratch.bounds) = (None, None);
+    if let Ok(mut place) = cloths.get_mut(disabled.entity) {
+        (place.island, place.bounds) = (None, None);
     }
 }
 

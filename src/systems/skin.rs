@@ -6,17 +6,17 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothReport};
-use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothScratch, ClothShown, TakenSkin};
+use crate::simulation::{Binding, ClothInputs, ClothParticles, ClothShown, IslandPlace, TakenSkin};
 
 /// Gives skins back to cloths that have faded into them, and takes those of cloths that are to be simulated.
 pub(crate) fn change(
     mut commands: Commands,
     mut cloths: Query<
-        (Entity, &Binding, (&mut ClothInputs, &mut ClothParticles, &mut ClothScratch, &mut ClothShown), &mut ClothReport),
+        (Entity, &Binding, (&mut ClothInputs, &mut ClothParticles, &mut IslandPlace, &mut ClothShown), &mut ClothReport),
         (With<Cloth>, With<TakenSkin>),
     >,
 ) {
-    for (entity, binding, (mut inputs, mut particles, mut scratch, mut shown), mut report) in &mut cloths {
+    for (entity, binding, (mut inputs, mut particles, mut place, mut shown), mut report) in &mut cloths {
         let on_skin = inputs.is_animated();
         if on_skin == binding.on_skin || inputs.skin.is_none() || binding.instance.is_none() {
             continue;
@@ -28,7 +28,8 @@ pub(crate) fn change(
             // It begins as a new one does, and knows of nothing before.
             (inputs.frames, inputs.on_skin, inputs.stale, shown.forced) = (0, false, true, true);
             (inputs.fade, inputs.skinned.scale) = (0.0, 0.0);
-            (particles.carrier, *scratch) = (None, ClothScratch::default());
+            particles.sim.forget();
+            (particles.carrier, *place) = (None, IslandPlace::default());
         }
         inputs.active = !on_skin;
     }

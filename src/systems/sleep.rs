@@ -19,9 +19,10 @@ use crate::components::{
 use crate::islands::{ClothIslands, Member};
 use crate::notices::Notices;
 use crate::simulation::{
-    ClothInputs, ClothParticles, ClothScratch, NEAR, STILL, Seen, SeenBody, Slumber, WorldAir, WorldBodies, WorldBody, is_near,
-    reaches, stays,
+    ClothInputs, ClothParticles, ClothRest, IslandPlace, NEAR, STILL, Seen, SeenBody, Slumber, WorldAir, WorldBodies,
+    WorldBody, is_near, reaches, stays,
 };
+use crate::solver::sim::ClothSim;
 use crate::time::ClothTime;
 
 /// What there is in the world that may wake a cloth.
@@ -44,9 +45,10 @@ pub(crate) struct Sleeper {
     kept_awake: Has<ClothSleepDisabled>,
     not_untangled: Has<ClothUntanglingDisabled>,
     layers: Option<&'static ClothCollisionLayers>,
+    rest: &'static ClothRest,
     inputs: &'static mut ClothInputs,
     particles: &'static mut ClothParticles,
-    scratch: &'static ClothScratch,
+    place: &'static IslandPlace,
     slumber: &'static mut Slumber,
     report: &'static mut ClothReport,
 }
@@ -55,7 +57,7 @@ impl SleeperReadOnlyItem<'_, '_> {
     /// Whether it is paused, was stopped, or stands still for being far away; not while it is carried from one place to
     /// another.
     fn is_still(&self) -> bool {
-        (self.inputs.time_scale == 0.0 && !self.inputs.rode) || self.particles.recovery.is_frozen()
+        (self.inputs.time_scale == 0.0 && !self.inputs.rode) || self.particles.sim.recovery.is_frozen()
     }
 }
 
@@ -83,13 +85,13 @@ pub(crate) fn watch(
             || cloth.inputs.stale
             || cloth.inputs.tuned
             || !cloth.inputs.active
-            || cloth.scratch.fresh
+            || !cloth.particles.sim.memory.is_prepared_for(&cloth.rest.0)
             || core::mem::take(&mut cloth.particles.disturbed)
             || core::mem::take(&mut slumber.roused);
         let layers = cloth.layers.copied().unwrap_or_default();
         // What is carried along and awake does not rest: what is new around it is seen when it is simulated again.
         let looks = slumber.asleep || !(cloth.inputs.carried || cloth.inputs.is_animated());
-        let news = looks && slumber.seen.update(cloth.entity, &cloth.inputs, layers, cloth.scratch.bounds, &around);
+        let news = looks && slumber.seen.update(cloth.entity, &cloth.inputs, layers, cloth.place.bounds, &around);
         if changed || news {
             slumber.quiet_for = 0.0;
             slumber.marks.clear();
@@ -198,7 +200,7 @@ pub(crate) fn doze(
         }
     }
     for mut cloth in &mut cloths {
-        if cloth.slumber.ready && cloth.scratch.island.is_none() {
+        if cloth.slumber.ready && cloth.place.island.is_none() {
             fall_asleep(&mut commands, &mut cloth);
         }
     }
@@ -214,9 +216,13 @@ fn rest(cloth: &mut SleeperItem, dt: f32) {
         slumber.ready = false;
         return;
     }
-    let positions = &cloth.particles.state.positions;
-    let whole = cloth.report.crossings == 0 && cloth.particles.display.held().is_none();
-    let free = cloth.inputs.active && whole && !cloth.scratch.fresh && slumber.threshold > 0.0 && !cloth.inputs.coupled.gives();
+    let positions = &cloth.particles.sim.state.positions;
+    let whole = cloth.report.crossings == 0 && cloth.particles.sim.display.held().is_none();
+    let free = cloth.inputs.active
+        && whole
+        && cloth.particles.sim.memory.is_prepared_for(&cloth.rest.0)
+        && slumber.threshold > 0.0
+        && !cloth.inputs.coupled.gives();
     let limit = slumber.threshold * slumber.delay;
     let near = |(x, mark): (&Vec4, &Vec3)| x.truncate().distance_squared(*mark) <= limit * limit;
     let rests = free && slumber.marks.len() == positions.len() && positions.iter().zip(&slumber.marks).all(near);
@@ -237,7 +243,7 @@ fn fall_asleep(commands: &mut Commands, cloth: &mut SleeperItem) {
     }
     cloth.inputs.asleep = true;
     // It wakes without the speed it had.
-    let ClothParticles { state, before, .. } = &mut *cloth.particles;
+    let ClothParticles { sim: ClothSim { state, .. }, before, .. } = &mut *cloth.particles;
     state.previous.clone_from(&state.positions);
     before.clear();
     cloth.report.asleep = true;

@@ -34,7 +34,7 @@ pub(crate) fn shape(
             let clock = stopwatch();
             let affine = global.affine();
             let lies = is_near(&affine) && affine.matrix3.determinant() != 0.0;
-            if !(inputs.active && lies && particles.state.positions.len() == rest.0.positions.len()) {
+            if !(inputs.active && lies && particles.sim.state.positions.len() == rest.0.positions.len()) {
                 return;
             }
             let shown = &mut *shown;
@@ -61,9 +61,9 @@ pub(crate) fn shape(
 
 /// Positions between the last two frames, on the skin as it is. Whether any moved.
 fn show_particles(particles: &ClothParticles, inputs: &ClothInputs, overstep: f32, shown: &mut Vec<Vec3>) -> bool {
-    let state = &particles.state.positions;
+    let state = &particles.sim.state.positions;
     let interpolates = particles.before.len() == state.len();
-    let held = particles.display.held().filter(|held| held.len() == state.len());
+    let held = particles.sim.display.held().filter(|held| held.len() == state.len());
     let skin = inputs.skin.as_ref().filter(|_| inputs.crossfade.is_active());
     let onto_skin = |joints: &[Affine3A], i: usize, x: Vec3| {
         let motion = skin.and_then(|skin| skin.motion([joints, inputs.crossfade.live()], i));

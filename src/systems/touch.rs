@@ -10,7 +10,7 @@ use crate::components::{
 };
 use crate::islands::ClothIslands;
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace};
 use crate::time::ClothTime;
 
 /// Compares what touches with what did.
@@ -26,7 +26,7 @@ pub(crate) fn touches(
             &ClothRest,
             &ClothInputs,
             &ClothParticles,
-            &ClothScratch,
+            &IslandPlace,
             &ClothReport,
             &ClothContactEvents,
             &mut ClothContacts,
@@ -36,7 +36,7 @@ pub(crate) fn touches(
     mut now: Local<Vec<ClothTouch>>,
     mut checked: Local<Checked>,
 ) {
-    for (entity, name, rest, inputs, particles, scratch, report, events, mut contacts) in &mut cloths {
+    for (entity, name, rest, inputs, particles, place, report, events, mut contacts) in &mut cloths {
         // Nothing begins or ends while it sleeps or is carried along.
         if inputs.active && (inputs.asleep || inputs.carried) {
             continue;
@@ -51,11 +51,11 @@ pub(crate) fn touches(
         let patience = events.patience(&mut checked);
         notices.clamped(entity, name, "cloth", &checked);
         now.clear();
-        if particles.state.substep > 0.0 {
+        if particles.sim.state.substep > 0.0 {
             // Of one substep, times their number, over its length: the impulse of the frame.
-            let scale = report.substeps as f32 / particles.state.substep;
-            with_bodies(rest.0.mean_edge, inputs, particles, scratch, scale, &mut now);
-            with_cloths(entity, &islands, scratch, scale, &mut now);
+            let scale = report.substeps as f32 / particles.sim.state.substep;
+            with_bodies(rest.0.mean_edge, inputs, particles, scale, &mut now);
+            with_cloths(entity, &islands, place, scale, &mut now);
         }
         now.sort_unstable_by_key(|touch| touch.other);
         let touching = now.len();
@@ -116,16 +116,10 @@ fn entry(now: &mut Vec<ClothTouch>, other: Entity) -> &mut ClothTouch {
 }
 
 /// `edge`: how far a particle may be from the point of its face that touches `[m]`.
-fn with_bodies(
-    edge: f32,
-    inputs: &ClothInputs,
-    particles: &ClothParticles,
-    scratch: &ClothScratch,
-    scale: f32,
-    now: &mut Vec<ClothTouch>,
-) {
-    for (body, particle, load) in scratch.solver.touches() {
-        let (Some(&other), Some(x)) = (inputs.body_entities.get(body), particles.state.positions.get(particle as usize)) else {
+fn with_bodies(edge: f32, inputs: &ClothInputs, particles: &ClothParticles, scale: f32, now: &mut Vec<ClothTouch>) {
+    for (body, particle, load) in particles.sim.memory.touches() {
+        let (Some(&other), Some(x)) = (inputs.body_entities.get(body), particles.sim.state.positions.get(particle as usize))
+        else {
             continue;
         };
         let touch = entry(now, other);
@@ -150,9 +144,9 @@ fn with_bodies(
     }
 }
 
-fn with_cloths(entity: Entity, islands: &ClothIslands, scratch: &ClothScratch, scale: f32, now: &mut Vec<ClothTouch>) {
+fn with_cloths(entity: Entity, islands: &ClothIslands, place: &IslandPlace, scale: f32, now: &mut Vec<ClothTouch>) {
     let Some((island, part)) =
-        scratch.island.and_then(|(island, part)| Some((islands.list.get(island as usize)?, part as usize)))
+        place.island.and_then(|(island, part)| Some((islands.list.get(island as usize)?, part as usize)))
     else {
         return;
     };

@@ -8,7 +8,7 @@ use crate::components::checked::Checked;
 use crate::components::{
     Cloth, ClothCollisionLayers, ClothDisabled, ClothPiece, ClothRenderMesh, ClothReport, ClothSolver, ClothStatus, ClothWarmUp,
 };
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, ClothScratch, WorldBodies};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace, WorldBodies};
 use crate::solver::settings::{Stepping, drape_rate};
 use crate::time::ClothTime;
 
@@ -24,7 +24,7 @@ pub(crate) struct Warming {
     layers: Option<&'static ClothCollisionLayers>,
     rest: &'static ClothRest,
     particles: &'static ClothParticles,
-    scratch: &'static ClothScratch,
+    place: &'static IslandPlace,
     report: &'static ClothReport,
     inputs: &'static mut ClothInputs,
 }
@@ -37,7 +37,7 @@ impl WarmingItem<'_, '_> {
 
     /// Whether it was warmed up for as long as it is to be, or there is nothing to simulate.
     fn is_done(&self) -> bool {
-        let stands = self.inputs.asleep || self.inputs.is_animated() || self.particles.recovery.is_frozen();
+        let stands = self.inputs.asleep || self.inputs.is_animated() || self.particles.sim.recovery.is_frozen();
         stands || self.left() <= 0.0
     }
 
@@ -55,7 +55,7 @@ impl WarmingItem<'_, '_> {
     }
 
     fn island(&self) -> Option<usize> {
-        self.scratch.island.map(|(island, _)| island as usize)
+        self.place.island.map(|(island, _)| island as usize)
     }
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn pace(
     }
     let keeps_time = |cloth: &WarmingItem| {
         let beside = cloth.island().is_some_and(|island| is_shown.get(island).copied().unwrap_or(false));
-        let bounds = cloth.scratch.bounds;
+        let bounds = cloth.place.bounds;
         let bears = || bounds.is_none_or(|bounds| bears(cloth.entity, bounds, cloth.layers, &cloth.inputs, &bodies));
         cloth.report.substeps == 0 || beside || bears()
     };

@@ -6,6 +6,7 @@ use bevy_drape::solver::body::{Body, Pose, SharedShape};
 use bevy_drape::solver::couple::{Reaction, Rigid};
 use bevy_drape::solver::rest::RestShape;
 use bevy_drape::solver::settings::Fabric;
+use bevy_drape::solver::sim::ClothSim;
 use bevy_drape::solver::step::{FrameInput, prepare, step};
 use bevy_drape::solver::wind::Wind;
 use drape_scenes::{SceneCloth, fabric, grid};
@@ -83,7 +84,7 @@ fn frame(
     masts: &[(Vec3, &[u32])],
     gravity: Vec3,
 ) -> Vec<Reaction> {
-    let coupling = cloth.scratch.coupling_mut();
+    let coupling = cloth.sim.memory.coupling_mut();
     coupling.clear();
     for (at, pins) in masts {
         let slot = coupling.add(Rigid::immovable(*at, *at));
@@ -110,22 +111,22 @@ fn frame(
     }
     let wind = Wind { density: if gravity == Vec3::ZERO { 0.0 } else { Wind::default().density }, ..Wind::default() };
     let input = FrameInput { dt: DT, gravity, bodies: &bodies, wind: &wind, skinned: None };
-    if cloth.state.substeps == 0 {
-        prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+    if cloth.sim.state.substeps == 0 {
+        prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.sim.state, &mut cloth.sim.memory);
     }
-    let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = cloth;
-    let done = step(rest, fabric, stepping, anchors, &input, state, scratch);
+    let SceneCloth { rest, fabric, stepping, anchors, sim: ClothSim { state, memory, .. }, .. } = cloth;
+    let done = step(rest, fabric, stepping, anchors, &input, state, memory);
     assert!(done.worst_edge.is_finite(), "the cloth blew up");
     cloth.report = done;
     if let Some((ball, slot)) = movable {
-        let given = cloth.scratch.coupling().given(slot);
+        let given = cloth.sim.memory.coupling().given(slot);
         ball.take(given);
         for &pin in hold {
             let to = &mut cloth.anchors.to[pin as usize];
             *to = ball.at + given.turn * (*to - (ball.at - given.shift));
         }
     }
-    (0..masts.len() as u32).map(|slot| cloth.scratch.coupling().given(slot)).collect()
+    (0..masts.len() as u32).map(|slot| cloth.sim.memory.coupling().given(slot)).collect()
 }
 
 /// A sheet of `size` [m] with n by n vertices in xz, its middle at `at`.
@@ -142,7 +143,7 @@ fn net(n: u32, size: f32, fabric: Fabric) -> SceneCloth {
     for x in net.anchors.from.iter_mut().chain(&mut net.anchors.to) {
         *x *= 0.9;
     }
-    for x in net.state.positions.iter_mut().chain(&mut net.state.previous) {
+    for x in net.sim.state.positions.iter_mut().chain(&mut net.sim.state.previous) {
         *x = (x.truncate() * 0.9).extend(x.w);
     }
     net
@@ -155,8 +156,8 @@ fn border(n: u32) -> impl Fn(u32, u32) -> bool {
 /// Mass [kg], momentum [kg m/s] and angular momentum about the origin [kg m²/s] of the free particles.
 fn momentum(cloth: &SceneCloth) -> (f32, Vec3, Vec3) {
     let mut sum = (0.0, Vec3::ZERO, Vec3::ZERO);
-    for (i, x) in cloth.state.positions.iter().enumerate().filter(|(_, x)| x.w > 0.0) {
-        let p = cloth.state.velocity(i) / x.w;
+    for (i, x) in cloth.sim.state.positions.iter().enumerate().filter(|(_, x)| x.w > 0.0) {
+        let p = cloth.sim.state.velocity(i) / x.w;
         sum = (sum.0 + 1.0 / x.w, sum.1 + p, sum.2 + x.truncate().cross(p));
     }
     sum
@@ -165,7 +166,7 @@ fn momentum(cloth: &SceneCloth) -> (f32, Vec3, Vec3) {
 /// Faces straight above a point.
 fn faces_over(cloth: &SceneCloth, p: Vec3) -> usize {
     let above = |face: &&[u32; 3]| {
-        let x = face.map(|v| (cloth.state.positions[v as usize].truncate() - p).as_dvec3());
+        let x = face.map(|v| (cloth.sim.state.positions[v as usize].truncate() - p).as_dvec3());
         // Twice the areas, seen from above, of the triangles that the point makes with the sides.
         let area = |i: usize, j: usize| x[i].x * x[j].z - x[i].z * x[j].x;
         let areas = [area(1, 2), area(2, 0), area(0, 1)];
@@ -334,7 +335,7 @@ fn a_fast_body_far_away_costs_nothing() {
     let mut cloth = sheet(16, 1.0, Vec3::Y * 0.01, fabric(), |_, _| false);
     let floor = Body::at_rest(SharedShape::halfspace(Vec3::Y), Pose::IDENTITY);
     let pose = |x: f32| Pose::from_parts(Vec3::new(x, 1.0, 0.0), Quat::IDENTITY);
-    let coupling = cloth.scratch.coupling_mut();
+    let coupling = cloth.sim.memory.coupling_mut();
     let (from, to) = (pose(100.0), pose(100.5));
     let rigid = Rigid {
         inverse_mass: Vec3::splat(0.001),
@@ -344,7 +345,7 @@ fn a_fast_body_far_away_costs_nothing() {
         velocity: None,
     };
     let heavy = Some(coupling.add(rigid));
-    prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+    prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.sim.state, &mut cloth.sim.memory);
     // The third passes by at 30 m/s, 0.3 m above.
     let cases = [(None, 100.0, 0.0), (heavy, 100.0, 0.0), (None, 0.0, 0.5), (None, 0.0, 0.9), (heavy, 0.0, 0.9)];
     for (rigid, from, rise) in cases {
@@ -352,11 +353,11 @@ fn a_fast_body_far_away_costs_nothing() {
         let bodies = [floor.clone(), body];
         let wind = Wind::default();
         let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind, skinned: None };
-        let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
+        let SceneCloth { rest, fabric, stepping, anchors, sim: ClothSim { state, memory, .. }, .. } = &mut cloth;
         let near = rise > 0.8;
         // Once the floor is known to be near; what is high above comes down on it.
         state.positions.iter_mut().chain(&mut state.previous).for_each(|x| x.y += rise);
-        let done = (0..3).map(|_| step(rest, fabric, stepping, anchors, &input, state, scratch)).last().expect("a report");
+        let done = (0..3).map(|_| step(rest, fabric, stepping, anchors, &input, state, memory)).last().expect("a report");
         state.positions.iter_mut().chain(&mut state.previous).for_each(|x| x.y -= rise);
         assert_eq!(done.substeps > 6, near, "{} substeps with a body at {from} m, {rigid:?}", done.substeps);
     }
@@ -368,18 +369,18 @@ fn a_fast_body_costs_no_more_once_it_has_gone_though_another_lies_on_the_cloth()
     let (at, far) = (Vec3::Y * 0.12, Pose::from_translation(Vec3::X * 100.0));
     let rigid =
         Rigid { inverse_mass: Vec3::splat(3.0), inverse_inertia: Mat3::IDENTITY, from: at, to: at, velocity: Some(Vec3::ZERO) };
-    let slot = cloth.scratch.coupling_mut().add(rigid);
+    let slot = cloth.sim.memory.coupling_mut().add(rigid);
     let lies = Pose::from_translation(at);
     let heavier = Body { rigid: Some(slot), ..Body::new(SharedShape::ball(0.2), lies, lies) };
-    prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.state, &mut cloth.scratch);
+    prepare(&cloth.rest, &cloth.fabric, &cloth.anchors, &mut cloth.sim.state, &mut cloth.sim.memory);
     let passes = Pose::from_parts(Vec3::new(-0.6, 0.04, 0.4), Quat::IDENTITY);
     let steps = [(far, far), (far, far), (passes, Pose::from_translation(passes.translation + Vec3::X)), (far, far)];
     let [_, before, during, after] = steps.map(|(from, to)| {
         let bodies = [heavier.clone(), Body::new(SharedShape::ball(0.05), from, to)];
         let wind = Wind::default();
         let input = FrameInput { dt: DT, gravity: Vec3::NEG_Y * G, bodies: &bodies, wind: &wind, skinned: None };
-        let SceneCloth { rest, fabric, stepping, anchors, state, scratch, .. } = &mut cloth;
-        let frames = (0..10).map(|_| step(rest, fabric, stepping, anchors, &input, state, scratch).substeps);
+        let SceneCloth { rest, fabric, stepping, anchors, sim: ClothSim { state, memory, .. }, .. } = &mut cloth;
+        let frames = (0..10).map(|_| step(rest, fabric, stepping, anchors, &input, state, memory).substeps);
         frames.take(if from == to { 10 } else { 1 }).last().expect("a frame")
     });
     assert_eq!([before, during, after], [12, 48, 12]);
@@ -442,8 +443,8 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
     let run = |share: f32| {
         let mut sheets = [0, 1].map(|_| sheet(12, 0.6, Vec3::Y * 0.25, Fabric { density: 1.0, ..fabric() }, |_, _| false));
         for sheet in &mut sheets {
-            sheet.state.substep = 1.0 / 360.0;
-            sheet.state.previous.iter_mut().for_each(|x| x.y += SPEED / 360.0);
+            sheet.sim.state.substep = 1.0 / 360.0;
+            sheet.sim.state.previous.iter_mut().for_each(|x| x.y += SPEED / 360.0);
         }
         let mut ball = Ball { gravity: 0.0, ..Ball::new(0.005, 0.15, Vec3::ZERO) };
         let mut fastest = 0.0_f32;
@@ -451,7 +452,7 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
             let (rigid, body) = ball.advance();
             let mut sum = Reaction::default();
             for cloth in &mut sheets {
-                let coupling = cloth.scratch.coupling_mut();
+                let coupling = cloth.sim.memory.coupling_mut();
                 coupling.clear();
                 let slot = coupling.add(Rigid {
                     inverse_mass: rigid.inverse_mass * share,
@@ -461,7 +462,7 @@ fn two_sheets_on_one_light_ball_do_not_push_it_twice() {
                 let bodies = [Body { rigid: Some(slot), ..body.clone() }];
                 let wind = Wind { density: 0.0, ..Wind::default() };
                 cloth.step(&FrameInput { dt: DT, gravity: Vec3::ZERO, bodies: &bodies, wind: &wind, skinned: None });
-                let given = cloth.scratch.coupling().given(slot);
+                let given = cloth.sim.memory.coupling().given(slot);
                 sum.linear += given.linear;
                 sum.shift += given.shift / share;
             }

@@ -22,8 +22,8 @@ fn sheet(n: u32, at: Vec3, held: bool) -> SceneCloth {
 /// What is shown of the first cloth [m], and its faces.
 fn shown(scene: &Scene) -> (Vec<DVec3>, &[[u32; 3]]) {
     let cloth = &scene.cloths[0];
-    let live = || cloth.state.positions.iter().map(|x| x.truncate().as_dvec3()).collect();
-    let positions = cloth.display.held().map_or_else(live, |held| held.iter().map(|x| x.as_dvec3()).collect());
+    let live = || cloth.sim.state.positions.iter().map(|x| x.truncate().as_dvec3()).collect();
+    let positions = cloth.sim.display.held().map_or_else(live, |held| held.iter().map(|x| x.as_dvec3()).collect());
     (positions, &cloth.rest.topology.faces)
 }
 
@@ -239,7 +239,7 @@ fn a_ball_that_goes_through_the_middle_of_a_curtain_takes_it_along_whole() {
             worst = worst.max(scene.cloths[0].report.worst_edge);
         }
         assert!(worst < longest, "{n} x {n} at {speed} m/s: {worst}");
-        let farthest = scene.cloths[0].state.positions.iter().map(|x| x.z).fold(f32::MIN, f32::max);
+        let farthest = scene.cloths[0].sim.state.positions.iter().map(|x| x.z).fold(f32::MIN, f32::max);
         assert!(farthest > z, "the curtain is left behind: {farthest} m, the ball is at {z} m");
     }
 }

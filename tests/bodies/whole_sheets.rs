@@ -53,8 +53,8 @@ fn sheet(turn: Quat, center: Vec3, velocity: Vec3, pins: &[u32]) -> Scene {
     let mesh = grid(N, N, |u, v| turn * (vec3(u - 0.5, 0.0, v - 0.5) * SIZE));
     let rest = Arc::new(RestShape::build(&mesh).expect("a valid mesh").0);
     let mut cloth = SceneCloth::new(rest, fabric(), center, pins);
-    cloth.state.substep = SHORT;
-    for (x, old) in cloth.state.positions.iter().zip(&mut cloth.state.previous) {
+    cloth.sim.state.substep = SHORT;
+    for (x, old) in cloth.sim.state.positions.iter().zip(&mut cloth.sim.state.previous) {
         if x.w > 0.0 {
             *old = *x - (velocity * SHORT).extend(0.0);
         }
@@ -83,11 +83,11 @@ fn passes(shape: &SharedShape, a: Vec3, b: Vec3) -> bool {
 
 /// Steps and counts ways that go through the body.
 fn frame(scene: &mut Scene, body: Body, dt: f32) -> usize {
-    let before: Vec<Vec4> = scene.cloths[0].state.positions.clone();
+    let before: Vec<Vec4> = scene.cloths[0].sim.state.positions.clone();
     scene.bodies = vec![body.clone()];
     scene.step(dt);
     let local = |pose: &Pose, x: &Vec4| pose.inverse_transform_point(x.truncate());
-    let ways = before.iter().zip(&scene.cloths[0].state.positions);
+    let ways = before.iter().zip(&scene.cloths[0].sim.state.positions);
     // Pins go where they are put.
     ways.filter(|(a, b)| b.w > 0.0 && passes(&body.shape, local(&body.from, a), local(&body.to, b))).count()
 }
@@ -140,7 +140,7 @@ fn at_rest_on_every_shape_no_vertex_is_inside() {
         for n in 0..300 {
             scene.step(1.0 / 60.0);
             if n >= 240 {
-                let gaps = scene.cloths[0].state.positions.iter().map(|x| distance(&shape, x.truncate()));
+                let gaps = scene.cloths[0].sim.state.positions.iter().map(|x| distance(&shape, x.truncate()));
                 nearest = gaps.fold(nearest, f32::min);
             }
         }

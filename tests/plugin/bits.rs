@@ -11,10 +11,9 @@ use bevy::prelude::*;
 use bevy_drape::ClothParticles;
 use bevy_drape::prelude::*;
 use bevy_drape::solver::evaluate::EvaluateSettings;
-use bevy_drape::solver::island::{Display, Island, UntangleSettings};
+use bevy_drape::solver::island::{Island, UntangleSettings};
 use bevy_drape::solver::resolve::{Method, ResolveSettings};
-use bevy_drape::solver::state::ClothState;
-use bevy_drape::solver::step::Scratch;
+use bevy_drape::solver::sim::ClothSim;
 use drape_scenes::{self as scenes, Scene, Tangle};
 
 use crate::common::*;
@@ -64,7 +63,7 @@ struct OfSolver {
 
 /// Every position of a scene as it is now, in this order.
 fn positions(scene: &Scene) -> impl Iterator<Item = f32> + '_ {
-    scene.cloths.iter().flat_map(|cloth| &cloth.state.positions).flat_map(Vec4::to_array)
+    scene.cloths.iter().flat_map(|cloth| &cloth.sim.state.positions).flat_map(Vec4::to_array)
 }
 
 impl OfSolver {
@@ -224,10 +223,10 @@ fn all() -> Vec<(String, u64)> {
 fn heap() -> OfSolver {
     let mut scene = scenes::tangle(Tangle::FullCut, 20);
     for (k, cloth) in scene.cloths.iter_mut().enumerate() {
-        for (i, x) in cloth.state.positions.iter_mut().enumerate() {
+        for (i, x) in cloth.sim.state.positions.iter_mut().enumerate() {
             x.y += 0.03 * ((i * (k + 3)) as f32).sin();
         }
-        cloth.state.previous.clone_from(&cloth.state.positions);
+        cloth.sim.state.previous.clone_from(&cloth.sim.state.positions);
     }
     let settings = UntangleSettings { effort: 16, ..default() };
     let scene = scene.untangled(settings, EvaluateSettings::default(), true).expect("a scene");
@@ -236,7 +235,7 @@ fn heap() -> OfSolver {
 
 /// What decides the next frame of a scene of the solver, as bytes.
 fn written(scene: &Scene) -> Vec<u8> {
-    let cloths: Vec<_> = scene.cloths.iter().map(|cloth| (&cloth.state, &cloth.scratch, &cloth.display)).collect();
+    let cloths: Vec<_> = scene.cloths.iter().map(|cloth| &cloth.sim).collect();
     let mut bytes = Vec::new();
     ciborium::into_writer(&(cloths, scene.untangle.as_ref().map(|u| &u.island)), &mut bytes).expect("memory");
     bytes
@@ -244,10 +243,9 @@ fn written(scene: &Scene) -> Vec<u8> {
 
 /// Puts what was [written] into a scene.
 fn read(bytes: &[u8], scene: &mut Scene) {
-    type Cloths = Vec<(ClothState, Scratch, Display)>;
-    let (cloths, island): (Cloths, Option<Island>) = ciborium::from_reader(bytes).expect("what was written");
-    for (cloth, (state, scratch, display)) in scene.cloths.iter_mut().zip(cloths) {
-        (cloth.state, cloth.scratch, cloth.display) = (state, scratch, display);
+    let (cloths, island): (Vec<ClothSim>, Option<Island>) = ciborium::from_reader(bytes).expect("what was written");
+    for (cloth, sim) in scene.cloths.iter_mut().zip(cloths) {
+        cloth.sim = sim;
     }
     if let Some((untangling, island)) = scene.untangle.as_mut().zip(island) {
         untangling.island = island;
@@ -287,7 +285,7 @@ fn a_scene_that_was_copied_or_written_at_ten_frames_goes_on_with_the_same_bits()
             if k % 2 == 1 {
                 // Another program has what drives the cloths, and reads the rest.
                 for cloth in &mut copy.cloths {
-                    (cloth.state, cloth.scratch, cloth.display) = Default::default();
+                    cloth.sim = ClothSim::default();
                 }
                 copy.untangle.iter_mut().for_each(|u| u.island = Island::default());
                 read(&bytes, &mut copy);
@@ -307,7 +305,7 @@ fn a_scene_that_was_copied_or_written_at_ten_frames_goes_on_with_the_same_bits()
 fn two_runs_of_a_scene_are_equal_in_all_that_is_kept() {
     for (mut first, mut second) in of_solver().into_iter().zip(of_solver()) {
         let same = |a: &Scene, b: &Scene| {
-            a.cloths.iter().zip(&b.cloths).all(|(a, b)| a.state == b.state && a.scratch == b.scratch)
+            a.cloths.iter().zip(&b.cloths).all(|(a, b)| a.sim == b.sim)
                 && a.untangle.as_ref().map(|u| &u.island) == b.untangle.as_ref().map(|u| &u.island)
         };
         for _ in 0..20 {
@@ -322,7 +320,7 @@ fn two_runs_of_a_scene_are_equal_in_all_that_is_kept() {
 
 fn shifted(mut scene: Scene, by: Vec3) -> Scene {
     for cloth in &mut scene.cloths {
-        for x in cloth.state.positions.iter_mut().chain(&mut cloth.state.previous) {
+        for x in cloth.sim.state.positions.iter_mut().chain(&mut cloth.sim.state.previous) {
             *x += by.extend(0.0);
         }
     }

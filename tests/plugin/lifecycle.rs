@@ -1,8 +1,10 @@
 //! Entities and components come and go at the worst moments.
 
 use bevy::camera::visibility::NoAutoAabb;
+use bevy::math::vec3;
 use bevy::prelude::*;
 use bevy_drape::prelude::*;
+use bevy_drape::solver::scene::grid;
 use bevy_drape::{ClothParticles, ClothRest};
 
 use crate::common::*;
@@ -300,4 +302,23 @@ fn settings_that_are_removed_are_the_defaults() {
     app.world_mut().entity_mut(cloth).remove_with_requires::<Cloth>();
     run(&mut app, 2);
     assert!(!app.world().entity(cloth).contains::<ClothPins>());
+}
+
+#[test]
+fn cloths_that_get_each_others_particles_go_on() {
+    let mut app = app();
+    app.world_mut().spawn(ClothCollider::ground());
+    let strip = grid(2, 18, |u, v| vec3(0.1 * u, 0.05, v));
+    let cloths = [sheet(6), mesh_of(&strip)].map(|mesh| spawn(&mut app, mesh, ClothSleepDisabled));
+    // Both have as many particles, and other springs.
+    run(&mut app, 30);
+    let [a, b] = cloths.map(|cloth| app.world_mut().entity_mut(cloth).take::<ClothParticles>().expect("a cloth"));
+    assert_eq!(a.len(), b.len());
+    app.world_mut().entity_mut(cloths[0]).insert(b);
+    app.world_mut().entity_mut(cloths[1]).insert(a);
+    run(&mut app, 120);
+    for cloth in cloths {
+        assert!(finite(&app, cloth) && status(&app, cloth) == ClothStatus::Active);
+        assert!(report(&app, cloth).worst_edge < 2.0, "{:?}", report(&app, cloth));
+    }
 }

@@ -11,14 +11,14 @@ use glam::{Quat, Vec3};
 fn unrest(scene: &mut Scene, from: usize, to: usize) -> (f32, f32) {
     let (mut energy, mut way) = (0.0_f32, 0.0_f32);
     for second in 0..to {
-        let start: Vec<_> = scene.cloths.iter().map(|cloth| cloth.state.positions.clone()).collect();
+        let start: Vec<_> = scene.cloths.iter().map(|cloth| cloth.sim.state.positions.clone()).collect();
         for _ in 0..60 {
             scene.step(1.0 / 60.0);
             if second < from {
                 continue;
             }
             for (cloth, start) in scene.cloths.iter().zip(&start) {
-                let (state, areas) = (&cloth.state, &cloth.rest.areas);
+                let (state, areas) = (&cloth.sim.state, &cloth.rest.areas);
                 let sum: f32 = areas.iter().enumerate().map(|(i, area)| 0.5 * area * state.velocity(i).length_squared()).sum();
                 energy = energy.max(sum / areas.iter().sum::<f32>());
                 let ways = start.iter().zip(&state.positions).map(|(a, b)| a.distance(*b));
@@ -109,7 +109,7 @@ fn cloth_comes_to_rest_with_the_same_bits_on_any_number_of_threads() {
                 scope.spawn(async {
                     let mut scene = self_colliding(scenes::ball(20));
                     (0..300).for_each(|_| scene.step(1.0 / 60.0));
-                    scene.cloths.remove(0).state
+                    scene.cloths.remove(0).sim.state
                 });
             }
         });

@@ -20,21 +20,21 @@ fn sheet(n: u32, side: f32, turn: Quat, at: Vec3, held: bool) -> SceneCloth {
 /// Gives a cloth a velocity [m/s], over a substep of the length that it will have.
 fn throw(cloth: &mut SceneCloth, velocity: Vec3) {
     let h = FRAME / 6.0;
-    cloth.state.substep = h;
-    for (x, old) in cloth.state.positions.iter().zip(&mut cloth.state.previous) {
+    cloth.sim.state.substep = h;
+    for (x, old) in cloth.sim.state.positions.iter().zip(&mut cloth.sim.state.previous) {
         *old = *x - (velocity * h).extend(0.0);
     }
 }
 
 /// Root mean square of the speeds of particles [m/s].
 fn mean_speed(cloth: &SceneCloth) -> f32 {
-    let count = cloth.state.positions.len();
-    let square: f32 = (0..count).map(|i| cloth.state.velocity(i).length_squared()).sum();
+    let count = cloth.sim.state.positions.len();
+    let square: f32 = (0..count).map(|i| cloth.sim.state.velocity(i).length_squared()).sum();
     (square / count as f32).sqrt()
 }
 
 fn middle(cloth: &SceneCloth) -> Vec3 {
-    let positions = &cloth.state.positions;
+    let positions = &cloth.sim.state.positions;
     positions.iter().map(|x| x.truncate()).sum::<Vec3>() / positions.len() as f32
 }
 
@@ -60,7 +60,7 @@ fn slides_by(scene: &mut Scene, frames: u32) -> Vec<f32> {
 fn momentum(scene: &Scene) -> DVec3 {
     let of = |cloth: &SceneCloth| {
         let masses = cloth.rest.areas.iter().map(|a| f64::from(cloth.fabric.density * a));
-        masses.enumerate().map(|(i, m)| m * cloth.state.velocity(i).as_dvec3()).sum::<DVec3>()
+        masses.enumerate().map(|(i, m)| m * cloth.sim.state.velocity(i).as_dvec3()).sum::<DVec3>()
     };
     scene.cloths.iter().map(of).sum()
 }
@@ -97,7 +97,7 @@ fn shot((n, radius, speed): (u32, f32, f32), start: u64) -> f32 {
         scene.step(FRAME);
         let centre = scene.bodies[0].to.translation;
         // What lies under the ball must be under it: the middle of the cloth.
-        let over = scene.cloths[0].state.positions.iter().map(|x| x.truncate()).filter(|x| {
+        let over = scene.cloths[0].sim.state.positions.iter().map(|x| x.truncate()).filter(|x| {
             let flat = vec3(x.x - centre.x, 0.0, x.z - centre.z).length();
             flat < 0.5 * radius && x.y > centre.y
         });
@@ -135,7 +135,8 @@ fn a_cloth_at_30_m_per_s_does_not_pass_a_wall_or_another_cloth() {
             let shown = crate::Picture::of(&scene).crossings();
             assert_eq!(shown, 0, "turned by {turn}, frame {frame}: shown crossings");
         }
-        let [held, thrown] = [0, 1].map(|k| scene.cloths[k].state.positions.iter().map(|x| x.truncate()).collect::<Vec<_>>());
+        let [held, thrown] =
+            [0, 1].map(|k| scene.cloths[k].sim.state.positions.iter().map(|x| x.truncate()).collect::<Vec<_>>());
         let across = |a: &Vec3, b: &Vec3| vec3(a.x - b.x, 0.0, a.z - b.z).length();
         let under = thrown.iter().filter(|x| {
             let below = held.iter().min_by(|a, b| across(a, x).total_cmp(&across(b, x)));
@@ -156,13 +157,14 @@ fn slides(degrees: f32, friction: f32) -> f32 {
     let lower = &mut scene.cloths[0];
     lower.fabric.static_friction = friction;
     lower.fabric.dynamic_friction = friction;
-    let to: Vec<Vec3> = lower.state.positions.iter().map(|x| x.truncate()).collect();
+    let to: Vec<Vec3> = lower.sim.state.positions.iter().map(|x| x.truncate()).collect();
     lower.anchors.particles = (0..to.len() as u32).collect();
     lower.anchors.weights = vec![1.0; to.len()];
     (lower.anchors.from, lower.anchors.to) = (to.clone(), to);
     scene.cloths.iter_mut().for_each(SceneCloth::prepare);
     let along = turn * Vec3::X;
-    let middle = |scene: &Scene| scene.cloths[1].state.positions.iter().map(|x| along.dot(x.truncate())).sum::<f32>() / 144.0;
+    let middle =
+        |scene: &Scene| scene.cloths[1].sim.state.positions.iter().map(|x| along.dot(x.truncate())).sum::<f32>() / 144.0;
     let mut scene = untangled(scene, true);
     let start = middle(&scene);
     (0..60).for_each(|_| scene.step(FRAME));
@@ -218,7 +220,7 @@ fn borne() -> (f32, f32) {
         scene.step(FRAME);
         let island = &scene.untangle.as_ref().expect("untangled").island;
         island.touches(|parts, _, normal, drive| {
-            let h = scene.cloths[0].state.substep;
+            let h = scene.cloths[0].sim.state.substep;
             sum += if parts[0] == 1 { normal.y } else { -normal.y } * drive / (h * h * 60.0);
         });
     }
@@ -248,7 +250,7 @@ fn part(n: u32, turn: f32, masses: [f32; 2], restitution: [f32; 2]) -> (f64, f32
     let mut scene = untangled(scene, true);
     let mean = |cloth: &SceneCloth| {
         let sum: DVec3 =
-            cloth.rest.areas.iter().enumerate().map(|(i, a)| f64::from(*a) * cloth.state.velocity(i).as_dvec3()).sum();
+            cloth.rest.areas.iter().enumerate().map(|(i, a)| f64::from(*a) * cloth.sim.state.velocity(i).as_dvec3()).sum();
         sum.y / f64::from(cloth.rest.areas.iter().sum::<f32>())
     };
     let mut worst = 0.0_f32;
@@ -285,15 +287,15 @@ fn settling_cloths_part_as_their_restitution_says() {
         }
         let mut scene = untangled(scene, true);
         (0..60).for_each(|_| scene.step(FRAME));
-        assert!(scene.cloths.iter().all(|c| c.scratch.is_settling()));
+        assert!(scene.cloths.iter().all(|c| c.sim.memory.is_settling()));
         let above = &mut scene.cloths[1];
         let gap = above.fabric.thickness + 0.4 * FRAME;
-        above.state.positions.iter_mut().for_each(|x| x.y = gap);
+        above.sim.state.positions.iter_mut().for_each(|x| x.y = gap);
         throw(above, vec3(0.0, -1.0, 0.0));
         scene.step(FRAME);
         let speed = |cloth: &SceneCloth| {
-            let n = cloth.state.positions.len();
-            (0..n).map(|i| cloth.state.velocity(i).y).sum::<f32>() / n as f32
+            let n = cloth.sim.state.positions.len();
+            (0..n).map(|i| cloth.sim.state.velocity(i).y).sum::<f32>() / n as f32
         };
         let apart = speed(&scene.cloths[1]) - speed(&scene.cloths[0]);
         assert!((apart - restitution).abs() < 0.1, "{restitution}: {apart} m/s");
@@ -334,7 +336,7 @@ fn a_cloth_that_is_drawn_over_a_ball_does_not_bounce() {
             let worst = scene.cloths[0].report.worst_edge;
             assert!(worst < 1.1, "restitution {restitution}, frame {frame}: worst edge {worst}");
         }
-        let state = &scene.cloths[0].state;
+        let state = &scene.cloths[0].sim.state;
         let fastest = (0..state.positions.len()).map(|i| state.velocity(i).length()).fold(0.0, f32::max);
         assert!(fastest < 0.01, "restitution {restitution}: {fastest} m/s");
     }
@@ -357,7 +359,7 @@ fn cloth_on_a_body_that_touches_no_cloth_keeps_every_bit() {
         alone.step(FRAME);
         together.step(FRAME);
         for (a, b) in alone.cloths.iter().zip(&together.cloths) {
-            assert!(a.state == b.state, "frame {frame}");
+            assert!(a.sim.state == b.sim.state, "frame {frame}");
         }
         let contacts = together.untangle.as_ref().map(|u| u.island.pairs());
         pairs = pairs.max(contacts.map_or(0, |(pairs, touching)| if touching == 0 { pairs } else { 0 }));
@@ -374,7 +376,7 @@ fn a_sheet_that_lies_on_a_sheet_on_a_ball_is_at_rest() {
         (0..300).for_each(|_| scene.step(FRAME));
         for cloth in &scene.cloths {
             let speed = mean_speed(cloth);
-            assert!(speed < 0.015 && cloth.scratch.is_settling(), "{n}²: {speed} m/s");
+            assert!(speed < 0.015 && cloth.sim.memory.is_settling(), "{n}²: {speed} m/s");
         }
     }
 }
@@ -425,9 +427,9 @@ fn a_fold_on_a_slope_stays() {
     let (rest, _) = RestShape::build(&flat).expect("a sheet");
     let mut cloth = SceneCloth::new(Arc::new(rest), fabric(), Vec3::ZERO, &[]);
     for (i, x) in mesh.positions.iter().enumerate() {
-        cloth.state.positions[i] = x.extend(cloth.state.positions[i].w);
+        cloth.sim.state.positions[i] = x.extend(cloth.sim.state.positions[i].w);
     }
-    cloth.state.previous.clone_from(&cloth.state.positions);
+    cloth.sim.state.previous.clone_from(&cloth.sim.state.positions);
     let mut scene = untangled(Scene::new(vec![cloth]), true);
     scene.bodies.push(Body::at_rest(shape::half_space(Vec3::Y).expect("a plane"), Pose::IDENTITY));
     (0..300).for_each(|_| scene.step(FRAME));
@@ -462,7 +464,7 @@ fn curtains_whose_folds_touch_come_to_rest() {
     assert!(touching > 20 && scene.crossings() == 0, "{touching} touch");
     for cloth in &scene.cloths {
         let speed = mean_speed(cloth);
-        assert!(speed < 0.01 && cloth.scratch.is_settling(), "{speed} m/s");
+        assert!(speed < 0.01 && cloth.sim.memory.is_settling(), "{speed} m/s");
     }
 }
 
@@ -480,7 +482,7 @@ fn a_curtain_that_leans_on_a_wall_hangs_as_long_as_it_is() {
         let wall = Pose::from_translation(-0.004 * normal);
         scene.bodies.push(Body::at_rest(shape::half_space(normal).expect("a wall"), wall));
         (0..300).for_each(|_| scene.step(FRAME));
-        let ends = scene.cloths[0].state.positions.iter().map(|x| x.truncate().length()).fold(0.0, f32::max);
+        let ends = scene.cloths[0].sim.state.positions.iter().map(|x| x.truncate().length()).fold(0.0, f32::max);
         let longest = vec3(0.5, 1.0, 0.0).length();
         assert!(scene.cloths[0].report.body_contacts > 100 && ends < 1.01 * longest, "{degrees}°: {ends} m of {longest}");
     }

@@ -108,7 +108,7 @@ fn a_sheet_that_is_let_go_falls_in_a_heap_at_any_frame_rate() {
 fn the_checker_counts_what_is_shown_of_every_cloth_also_of_one_that_is_pinned() {
     let mut scene = scenes::tangle(scenes::Tangle::FullCut, 12);
     scene.cloths[0].anchors = {
-        let to: Vec<glam::Vec3> = scene.cloths[0].state.positions.iter().map(|x| x.truncate()).collect();
+        let to: Vec<glam::Vec3> = scene.cloths[0].sim.state.positions.iter().map(|x| x.truncate()).collect();
         let particles = (0..to.len() as u32).collect();
         bevy_drape::solver::anchors::Anchors { particles, weights: vec![1.0; to.len()], from: to.clone(), to }
     };

@@ -45,7 +45,7 @@ fn has_the_same_bits(name: &str, counts: &[usize], frames: u32, scene: &Scene) -
             alone.step(FRAME);
             shared.step(FRAME);
             for (a, b) in alone.cloths.iter().zip(&shared.cloths) {
-                assert!(a.state == b.state, "{name}, {count} threads, frame {frame}: another state");
+                assert!(a.sim.state == b.sim.state, "{name}, {count} threads, frame {frame}: another state");
             }
             let [a, b] = [&alone, &shared].map(|scene| scene.untangle.as_ref().map(|untangling| &untangling.island));
             assert!(a == b, "{name}, {count} threads, frame {frame}: another island");
@@ -68,8 +68,8 @@ fn cloth_that_comes_to_cross_has_the_same_bits_with_any_number_of_threads() {
     let mut scene = scenes::layers(3, 32);
     for (i, cloth) in (0..).zip(&mut scene.cloths) {
         let fall = glam::Vec3::NEG_Y * (4.0 * i as f32 + 4.0) * FRAME / 6.0;
-        cloth.state.previous.iter_mut().zip(&cloth.state.positions).for_each(|(old, x)| *old = *x - fall.extend(0.0));
-        cloth.state.substep = FRAME / 6.0;
+        cloth.sim.state.previous.iter_mut().zip(&cloth.sim.state.positions).for_each(|(old, x)| *old = *x - fall.extend(0.0));
+        cloth.sim.state.substep = FRAME / 6.0;
     }
     let (asked, again) = has_the_same_bits("layers that hit each other", &[2, 3], 40, &untangled(scene, true));
     assert!(asked > 10 && again > 0, "threads were asked for {asked} times, {again} frames were looked at again");
@@ -80,7 +80,7 @@ fn two_flags_on_a_pole() -> Scene {
     let mut scene = scenes::flags(2, 40);
     let [first, second] = &mut scene.cloths[..] else { unreachable!("two flags") };
     let turn = Quat::from_rotation_y(0.3);
-    let (mine, theirs) = (&mut second.state, &first.state);
+    let (mine, theirs) = (&mut second.sim.state, &first.sim.state);
     for (x, other) in mine.positions.iter_mut().zip(&theirs.positions) {
         let at = if other.w == 0.0 { other.truncate() } else { turn * other.truncate() };
         *x = at.extend(other.w);

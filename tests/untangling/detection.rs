@@ -37,7 +37,7 @@ fn every_crossing_of_crumpled_sheets_is_found() {
             scene.step(1.0 / 60.0);
             if frame % 10 == 0 {
                 let cloth = &scene.cloths[0];
-                crossings += assert_same(&cloth.rest, &cloth.state.positions, &format!("{name}, frame {frame}"));
+                crossings += assert_same(&cloth.rest, &cloth.sim.state.positions, &format!("{name}, frame {frame}"));
                 looks += 1;
             }
         }
@@ -247,7 +247,7 @@ fn faces_that_cross_beside_the_end_of_a_slit_are_seen() {
 /// Crossings that are found in the same walk as what may touch.
 fn seen_with_contacts(rest: &RestShape, positions: &[Vec4]) -> usize {
     let mut cloth = SceneCloth::new(Arc::new(rest.clone()), Fabric { thickness: 0.005, ..Fabric::default() }, Vec3::ZERO, &[]);
-    cloth.state =
+    cloth.sim.state =
         ClothState { positions: positions.to_vec(), previous: positions.to_vec(), substep: 0.01, ..ClothState::default() };
     let settings = UntangleSettings { iterations: 0, ..UntangleSettings::default() };
     let scene = Scene::new(vec![cloth]).untangled(settings, EvaluateSettings::default(), true);

@@ -505,7 +505,7 @@ fn a_clean_scene_has_the_same_bits_with_and_without_untangling() {
         for _ in 0..120 {
             scene.step(1.0 / 60.0);
         }
-        scene.cloths[0].state.clone()
+        scene.cloths[0].sim.state.clone()
     };
     assert!(run(true) == run(false), "a sheet that hangs clean was moved");
 }

@@ -46,13 +46,13 @@ impl Peer for Ours {
     fn positions(&self) -> Vec<[f32; 3]> {
         let cloths = self.scene.cloths.iter();
         cloths
-            .flat_map(|c| c.rest.particle_of_vertex.iter().map(|&p| c.state.positions[p as usize].truncate().to_array()))
+            .flat_map(|c| c.rest.particle_of_vertex.iter().map(|&p| c.sim.state.positions[p as usize].truncate().to_array()))
             .collect()
     }
 
     fn springs(&self) -> Vec<[u32; 2]> {
         let Some(cloth) = self.scene.cloths.first() else { return Vec::new() };
-        let mut vertex = vec![0; cloth.state.positions.len()];
+        let mut vertex = vec![0; cloth.sim.state.positions.len()];
         for (v, &particle) in cloth.rest.particle_of_vertex.iter().enumerate() {
             vertex[particle as usize] = v as u32;
         }
@@ -63,5 +63,5 @@ impl Peer for Ours {
 /// Tethers to pins of which no two touch.
 fn tethers(cloth: &SceneCloth) -> u64 {
     let pins = cloth.anchors.particles.len() as u64;
-    (cloth.state.positions.len() as u64 - pins) * pins.min(TETHERS)
+    (cloth.sim.state.positions.len() as u64 - pins) * pins.min(TETHERS)
 }

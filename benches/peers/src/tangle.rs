@@ -83,7 +83,7 @@ impl Judge {
     fn crossings(&mut self, pair: &dyn Pair) -> u32 {
         for (sheet, cloth) in self.0.cloths.iter_mut().enumerate() {
             for (&particle, [x, y, z]) in cloth.rest.particle_of_vertex.iter().zip(pair.positions(sheet)) {
-                let to = &mut cloth.state.positions[particle as usize];
+                let to = &mut cloth.sim.state.positions[particle as usize];
                 (to.x, to.y, to.z) = (x, y, z);
             }
         }
@@ -108,7 +108,7 @@ impl Pair for Ours {
 
     fn positions(&self, sheet: usize) -> Vec<[f32; 3]> {
         let cloth = &self.0.cloths[sheet];
-        cloth.rest.particle_of_vertex.iter().map(|&p| cloth.state.positions[p as usize].truncate().to_array()).collect()
+        cloth.rest.particle_of_vertex.iter().map(|&p| cloth.sim.state.positions[p as usize].truncate().to_array()).collect()
     }
 }
 

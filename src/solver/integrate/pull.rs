@@ -39,12 +39,6 @@ impl Pulls {
         self.grips.clear();
     }
 
-    /// Whether nothing is grabbed.
-    #[must_use]
-    pub(crate) fn is_empty(&self) -> bool {
-        self.pulls.is_empty()
-    }
-
     /// Adds a grip on particles with shares that add up to one.
     pub(crate) fn add(&mut self, pull: Pull, grip: impl IntoIterator<Item = (u32, f32)>) {
         self.grips.extend(grip);

@@ -132,7 +132,7 @@ mod tests {
         let run = || {
             let mut scene = heap(80, 64);
             let (deferred, _) = frames(&mut scene, 10);
-            (deferred, scene.cloths.remove(0).state)
+            (deferred, scene.cloths.remove(0).sim.state)
         };
         assert!(run() == run(), "other bits");
     }

@@ -32,7 +32,7 @@ impl Island {
         let is_at = |x: Vec3A, there: Vec3A| x.distance_squared(there) <= limit * limit;
         // Each particle, where the last frame left it, and where it is; and whether it is stepped.
         let now = |m: &Member<'_>, x: &Vec4| (Vec3A::from_vec4(*x) + Vec3A::from(m.offset), m.moves);
-        let now = cloths.iter().flat_map(|m| m.state.positions.iter().map(move |x| now(m, x)));
+        let now = cloths.iter().flat_map(|m| m.sim.state.positions.iter().map(move |x| now(m, x)));
         let all = || self.neighbors.before().iter().copied().zip(now.clone());
         if all().all(|(before, (x, moves))| !moves || is_at(x, before)) {
             return;
@@ -66,6 +66,7 @@ mod tests {
     use crate::solver::rest::RestShape;
     use crate::solver::scene::{Scene, SceneCloth, Untangling, grid};
     use crate::solver::settings::Fabric;
+    use crate::solver::sim::ClothSim;
 
     const FRAME: f32 = 1.0 / 60.0;
     /// How far rounding may take particles in a few frames `[m]`.
@@ -85,7 +86,7 @@ mod tests {
 
     /// Carries a cloth, without a frame.
     fn carry(cloth: &mut SceneCloth, by: Affine3A) {
-        let SceneCloth { state, anchors, .. } = cloth;
+        let SceneCloth { sim: ClothSim { state, .. }, anchors, .. } = cloth;
         let points = state.positions.iter_mut().chain(&mut state.previous);
         points.for_each(|x| *x = by.transform_point3(x.truncate()).extend(x.w));
         anchors.from.iter_mut().chain(&mut anchors.to).for_each(|x| *x = by.transform_point3(*x));
@@ -105,7 +106,7 @@ mod tests {
             let (Untangling { island, settings, .. }, mut members) = scene.together(FRAME).expect("an island");
             members.iter_mut().for_each(|m| m.offset = offset);
             let begun: Vec<Vec3> =
-                members.iter().flat_map(|m| m.state.positions.iter().map(|x| x.truncate() + m.offset)).collect();
+                members.iter().flat_map(|m| m.sim.state.positions.iter().map(|x| x.truncate() + m.offset)).collect();
             island.run(Stage::Integrate, FRAME, settings, &mut members);
             knows &= island.rollback.knows_as_clean(&begun, FARTHEST);
             // The frame of the island goes along, as it does with inertia.
@@ -114,7 +115,7 @@ mod tests {
             Stage::AFTER_INTEGRATE.into_iter().for_each(|stage| island.run(stage, FRAME, settings, &mut members));
         }
         let all = |scene: &Scene| -> Vec<Vec3> {
-            scene.cloths.iter().flat_map(|cloth| &cloth.state.positions).map(|x| x.truncate()).collect()
+            scene.cloths.iter().flat_map(|cloth| &cloth.sim.state.positions).map(|x| x.truncate()).collect()
         };
         let off = all(&scene).into_iter().zip(all(&still)).map(|(x, y)| x.distance(sum.transform_point3(y)));
         let touching = |scene: &Scene| scene.untangle.as_ref().map_or(0, |u| u.island.pairs().1);

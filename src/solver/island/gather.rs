@@ -8,13 +8,13 @@ use crate::solver::state::ClothState;
 
 impl Island {
     pub(super) fn gather_member(&mut self, part: usize, m: &Member<'_>) {
-        self.gather(part, m.state, m.offset, m.fixed);
+        self.gather(part, &m.sim.state, m.offset, m.fixed);
         let range = self.range(part);
         match m.cloth.input.skinned.filter(|skinned| skinned.limits(range.len())) {
             Some(skinned) => {
                 let thickness = self.surface.parts[part].thickness;
                 for (i, held) in self.held[range].iter_mut().enumerate() {
-                    *held = m.scratch.tangled_limits.distance(skinned, i) < thickness;
+                    *held = m.sim.memory.tangled_limits.distance(skinned, i) < thickness;
                 }
             }
             None => self.held[range].fill(false),
@@ -40,7 +40,7 @@ impl Island {
 
     /// Takes over a cloth that is being stepped.
     pub(super) fn gather_stepped(&mut self, part: usize, m: &Member<'_>) {
-        self.substep[part] = m.state.substep;
+        self.substep[part] = m.sim.state.substep;
         self.fixed[part] = false;
         self.untangler.detector.set_moving(part, false);
         let Self { surface, particles, positions, previous, pinned, .. } = self;

@@ -73,7 +73,7 @@ impl Island {
         let way = |(now, start): (&Vec4, &Vec3)| now.truncate().distance(*start);
         report.farthest = self.positions.iter().zip(&start).map(way).fold(0.0, f32::max);
         for (part, m) in cloths.iter_mut().enumerate() {
-            self.scatter(part, m.state, m.offset);
+            self.scatter(part, &mut m.sim.state, m.offset);
         }
         report
     }
@@ -81,7 +81,7 @@ impl Island {
     /// Begins to take apart the tangles that are to be taken apart at load, or goes on with it. It stops where the work of a
     /// frame is spent.
     pub(super) fn load_in_frame(&mut self, settings: &UntangleSettings, cloths: &[Member<'_>]) {
-        let begins = cloths.iter().any(|m| m.at_load);
+        let begins = cloths.iter().any(|m| m.at_load && m.sim.display.is_new());
         let known = self.loading.take().or_else(|| begins.then(LoadReport::default));
         if let Some(mut report) = known.filter(|_| !self.total.is_clean()) {
             self.loading = self.load(settings, AT_LOAD, &mut report, cloths).then_some(report);

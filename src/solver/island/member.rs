@@ -3,11 +3,10 @@
 use glam::Vec3;
 
 use crate::solver::detect::Part;
-use crate::solver::evaluate::Outcome;
 use crate::solver::fit::fit;
 use crate::solver::settings::Stepping;
-use crate::solver::state::ClothState;
-use crate::solver::step::{Scratch, StepReport, Stepped};
+use crate::solver::sim::ClothSim;
+use crate::solver::step::Stepped;
 
 /// A cloth of an island, in a frame.
 #[derive(Debug)]
@@ -16,12 +15,8 @@ pub struct Member<'a> {
     pub cloth: Stepped<'a>,
     /// Its substeps; all take as many as the one that needs most.
     pub stepping: &'a Stepping,
-    /// Its particles.
-    pub state: &'a mut ClothState,
-    /// Its memory beside the state, and buffers.
-    pub scratch: &'a mut Scratch,
-    /// What [`Integrate`](super::Stage::Integrate) did with it.
-    pub report: &'a mut Option<StepReport>,
+    /// See [`ClothSim`].
+    pub sim: &'a mut ClothSim,
     /// Where its animation puts its particles. Without one, the cloth is drawn to its shape at rest when nothing else takes it
     /// out of a tangle.
     pub animation: Option<&'a dyn Animation>,
@@ -37,10 +32,8 @@ pub struct Member<'a> {
     pub still: bool,
     /// Whether it rests on others and itself, or passes through.
     pub contact: bool,
-    /// Whether it is to be taken apart at once if it crosses now.
+    /// Whether it is to be taken apart at once if it crosses in its first frame.
     pub at_load: bool,
-    /// What was decided about it in the last frame.
-    pub outcome: Outcome,
     /// Time for which it is tangled before it is drawn to its pose `[s]`.
     pub last_resort: f32,
 }
@@ -48,7 +41,7 @@ pub struct Member<'a> {
 impl Member<'_> {
     /// Whether it has as many particles as its part of the island.
     pub(super) fn fits(&self, part: &Part) -> bool {
-        [&self.state.positions, &self.state.previous].iter().all(|all| all.len() == part.particles.len())
+        [&self.sim.state.positions, &self.sim.state.previous].iter().all(|all| all.len() == part.particles.len())
     }
 
     /// Whether it fits, and is stepped.
@@ -61,8 +54,8 @@ impl Member<'_> {
     pub(super) fn pose(&self, pose: &mut Vec<Vec3>) {
         pose.clear();
         match self.animation {
-            Some(animation) => pose.extend((0..self.state.positions.len()).map(|i| animation.position(i))),
-            None => fit(self.cloth.rest, &self.state.positions, pose),
+            Some(animation) => pose.extend((0..self.sim.state.positions.len()).map(|i| animation.position(i))),
+            None => fit(self.cloth.rest, &self.sim.state.positions, pose),
         }
     }
 }

@@ -10,7 +10,6 @@
 //! clean cloth has the same bits with and without an island.
 
 mod detect;
-mod display;
 mod follow;
 mod gather;
 pub mod load;
@@ -31,7 +30,6 @@ use std::sync::Arc;
 use glam::{Vec3, Vec4};
 
 pub use deferred::Deferred;
-pub use display::Display;
 pub use load::LoadReport;
 pub use member::{Animation, Member};
 pub use stage::Stage;

@@ -8,7 +8,7 @@ use glam::Vec4;
 use super::Member;
 use crate::solver::detect::{Part, Surface};
 use crate::solver::state::StateMut;
-use crate::solver::step::{Scratch, Stepped};
+use crate::solver::step::{Memory, Stepped};
 
 /// All particles of an island, those of a cloth in a row.
 #[derive(Debug, Default)]
@@ -27,11 +27,11 @@ impl StepParticles {
         previous.clear();
         for (part, m) in surface.parts.iter().zip(cloths) {
             if m.is_stepped(part) {
-                positions.extend_from_slice(&m.state.positions);
-                previous.extend_from_slice(&m.state.previous);
+                positions.extend_from_slice(&m.sim.state.positions);
+                previous.extend_from_slice(&m.sim.state.previous);
             } else if m.fits(part) {
-                positions.extend(m.state.positions.iter().map(|x| x.with_w(0.0)));
-                previous.extend_from_slice(&m.state.positions);
+                positions.extend(m.sim.state.positions.iter().map(|x| x.with_w(0.0)));
+                previous.extend_from_slice(&m.sim.state.positions);
             } else {
                 let n = positions.len() + part.particles.len();
                 [&mut *positions, previous].into_iter().for_each(|all| all.resize(n, Vec4::NAN));
@@ -48,8 +48,8 @@ impl StepParticles {
     pub(super) fn publish(&self, surface: &Surface, cloths: &mut [Member<'_>]) {
         for (part, m) in surface.parts.iter().zip(cloths).filter(|(part, m)| m.is_stepped(part)) {
             let [positions, previous] = self.of(part);
-            m.state.positions.copy_from_slice(positions);
-            m.state.previous.copy_from_slice(previous);
+            m.sim.state.positions.copy_from_slice(positions);
+            m.sim.state.previous.copy_from_slice(previous);
         }
     }
 
@@ -58,11 +58,11 @@ impl StepParticles {
         &mut self,
         part: &Part,
         m: &mut Member<'_>,
-        act: impl FnOnce(&Stepped<'_>, &mut StateMut<'_>, &mut Scratch) -> T,
+        act: impl FnOnce(&Stepped<'_>, &mut StateMut<'_>, &mut Memory) -> T,
     ) -> Option<T> {
         m.is_stepped(part).then(|| {
             let (positions, previous) = (&mut self.positions[part.range()], &mut self.previous[part.range()]);
-            act(&m.cloth, &mut m.state.with_particles(positions, previous), m.scratch)
+            act(&m.cloth, &mut m.sim.state.with_particles(positions, previous), &mut m.sim.memory)
         })
     }
 
@@ -98,7 +98,7 @@ mod tests {
             Stage::FRAME.into_iter().for_each(|stage| island.run(stage, 1.0 / 60.0, settings, &mut members));
         }
         let touching = scene.untangle.as_ref().map_or(0, |untangling| untangling.island.pairs().1);
-        (scene.cloths[1].state.positions.iter().map(|x| x.truncate() + origin).collect(), touching)
+        (scene.cloths[1].sim.state.positions.iter().map(|x| x.truncate() + origin).collect(), touching)
     }
 
     #[test]

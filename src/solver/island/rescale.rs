@@ -51,7 +51,7 @@ mod tests {
         let mut expected = scene(&large);
         for frame in 0..40 {
             [&mut rescaled, &mut expected].into_iter().for_each(|scene| scene.step(1.0 / 60.0));
-            let equal = rescaled.cloths.iter().zip(&expected.cloths).all(|(a, b)| a.state == b.state);
+            let equal = rescaled.cloths.iter().zip(&expected.cloths).all(|(a, b)| a.sim.state == b.sim.state);
             assert!(equal, "frame {frame}");
         }
         let touching = |scene: &Scene| scene.untangle.as_ref().map_or(0, |u| u.island.contacts().len());

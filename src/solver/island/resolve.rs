@@ -26,13 +26,13 @@ impl Island {
         self.bound(settings.effort);
         self.untangler.resolver.effort = self.most;
         self.load_in_frame(settings, cloths);
-        let escalation = cloths.iter().map(|m| m.outcome.escalation).max().unwrap_or_default();
+        let escalation = cloths.iter().map(|m| m.sim.display.outcome().escalation).max().unwrap_or_default();
         self.escalate(escalation);
         // What goes on at load is not done with until then.
         if self.loading.is_none() {
             self.take_apart(settings, |part, positions| {
                 if let Some(m) = cloths.get_mut(part) {
-                    relax(m.cloth.rest, m.cloth.fabric, m.scratch, positions);
+                    relax(m.cloth.rest, m.cloth.fabric, &m.sim.memory, positions);
                 }
             });
         }
@@ -49,7 +49,7 @@ impl Island {
         for (part, m) in cloths.iter().enumerate() {
             m.pose(&mut pose);
             // First around the tangle, then more and more of the cloth.
-            let whole = (m.outcome.tangled_for / m.last_resort - AROUND).clamp(0.0, 1.0);
+            let whole = (m.sim.display.outcome().tangled_for / m.last_resort - AROUND).clamp(0.0, 1.0);
             self.blend(part, &pose, m.offset, dt / RESPONSE_TIME, whole);
         }
         self.pose = pose;
@@ -62,13 +62,13 @@ impl Island {
         }
         for (part, m) in cloths.iter_mut().enumerate() {
             let (fabric, bodies, offset) = (m.cloth.fabric, m.cloth.input.bodies, m.offset);
-            if displace(fabric, bodies, m.state, m.scratch, |state| self.scatter(part, state, offset)) {
-                self.regather(part, m.state, offset);
+            if displace(fabric, bodies, &mut m.sim.state, &mut m.sim.memory, |state| self.scatter(part, state, offset)) {
+                self.regather(part, &m.sim.state, offset);
             }
         }
         if self.stay() {
             for (part, m) in cloths.iter_mut().enumerate() {
-                self.scatter(part, m.state, m.offset);
+                self.scatter(part, &mut m.sim.state, m.offset);
             }
         }
     }
@@ -315,8 +315,8 @@ mod tests {
         let scene = scene.untangled(UntangleSettings::default(), EvaluateSettings::default(), true);
         let mut scene = scene.expect("two sheets");
         scene.step(FRAME);
-        let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);
-        let clean: Vec<_> = scene.cloths.iter().map(|c| c.state.clone()).collect();
+        let upper = usize::from(scene.cloths[0].sim.state.positions[0].y < scene.cloths[1].sim.state.positions[0].y);
+        let clean: Vec<_> = scene.cloths.iter().map(|c| c.sim.state.clone()).collect();
         let positions = &clean[upper].positions;
         let centre = positions.iter().map(|x| x.truncate()).sum::<Vec3>() / positions.len() as f32;
         let off = |&v: &usize| positions[v].truncate().distance(centre);

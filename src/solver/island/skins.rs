@@ -26,10 +26,10 @@ impl Island {
         }
         for (part, m) in cloths.iter_mut().enumerate().filter(|(_, m)| m.moves) {
             if let Some(skinned) = m.cloth.input.skinned
-                && skinned.limits(m.state.positions.len())
+                && skinned.limits(m.sim.state.positions.len())
             {
                 let tangled = if self.weighed && !skins.cross[part] { self.weights(part) } else { &[] };
-                m.scratch.tangled_limits.advance(skinned, tangled, dt);
+                m.sim.memory.tangled_limits.advance(skinned, tangled, dt);
             }
         }
         self.skins = skins;

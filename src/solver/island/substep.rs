@@ -12,7 +12,7 @@ use super::{CROWDED, Island, LONGEST_LOOK, LOOK_AGAIN, Member};
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::settings::Stepping;
 use crate::solver::state::StateMut;
-use crate::solver::step::{Scratch, Stepped, substeps_of};
+use crate::solver::step::{Memory, Stepped, substeps_of};
 
 /// Turns in which what contacts stretched is shortened and kept apart again, at most. Light cloth in gusts, eight seeds at 40²:
 /// 105 of 2,400 frames have an edge beyond 1.5 without, one with three, none with six.
@@ -32,7 +32,7 @@ impl Island {
             self.contacts.age_support();
             self.note_start(cloths);
             let lies = self.lies_on_bodies(cloths);
-            self.for_each(cloths, |cloth, state, scratch| _ = cloth.constrain(state, scratch));
+            self.for_each(cloths, |cloth, state, memory| _ = cloth.constrain(state, memory));
             if lies {
                 self.project_provisionally(cloths);
             }
@@ -57,7 +57,8 @@ impl Island {
     /// Counts the substeps, of which all take as many as the one that needs most. Returns the longest of their frames `[s]`,
     /// and whether stray cloth is to be looked for in every substep.
     fn count_substeps(&mut self, cloths: &mut [Member<'_>]) -> (f32, bool) {
-        if self.rollback.stayed() || self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(m.scratch)) {
+        if self.rollback.stayed() || self.rollback.restored_any() && cloths.iter().all(|m| m.cloth.stands_alone(&m.sim.memory))
+        {
             // Twice as many substeps for a while, as in an integrator that rejects a step. Not on bodies where only single
             // particles were rolled back: a character's cape then was twice as often in a bone. Light cloth in gusts, eight
             // seeds each at 40² and 30²: 280 of 4,800 frames cross without it, 51 with this.
@@ -67,10 +68,10 @@ impl Island {
         let (mut longest, mut fast_body) = (0.0f32, false);
         self.count = 0;
         for m in cloths {
-            let count = m.cloth.substeps(m.stepping, &m.state.positions, m.scratch);
+            let count = m.cloth.substeps(m.stepping, &m.sim.state.positions, &mut m.sim.memory);
             let least = if refined { 2 * substeps_of(m.stepping, m.cloth.input.dt) } else { 0 };
             self.count = self.count.max(count).max(least);
-            fast_body |= m.scratch.meets_fast_body();
+            fast_body |= m.sim.memory.meets_fast_body();
             longest = longest.max(m.cloth.input.dt.min(m.stepping.max_frame));
         }
         self.refined_for = (self.refined_for - longest).max(0.0);
@@ -91,17 +92,17 @@ impl Island {
             // Inner steps would draw back what untangling moves.
             let whole = Stepping { inner_rate: 0.0, ..m.stepping.clone() };
             let stepping = if tangled { &whole } else { m.stepping };
-            self.particles.with(part, m, |cloth, state, scratch| cloth.begin(stepping, Some(count), state, scratch));
+            self.particles.with(part, m, |cloth, state, memory| cloth.begin(stepping, Some(count), state, memory));
             if tangled {
-                m.scratch.leave_air();
+                m.sim.memory.leave_air();
             }
             let own = |p: u32| part.particles.contains(&p).then(|| p - part.particles.start);
-            m.scratch.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
+            m.sim.memory.lies_on_cloth(self.contacts.pushes().flat_map(|(particles, ..)| particles).filter_map(own));
         }
     }
 
     /// Calls `act` with each cloth and its particles.
-    fn for_each(&mut self, cloths: &mut [Member<'_>], act: impl Fn(&Stepped<'_>, &mut StateMut<'_>, &mut Scratch)) {
+    fn for_each(&mut self, cloths: &mut [Member<'_>], act: impl Fn(&Stepped<'_>, &mut StateMut<'_>, &mut Memory)) {
         for (part, m) in self.surface.parts.iter().zip(cloths) {
             self.particles.with(part, m, &act);
         }
@@ -109,8 +110,8 @@ impl Island {
 
     /// Puts what lies on bodies where they will put it.
     fn project_provisionally(&mut self, cloths: &mut [Member<'_>]) {
-        self.for_each(cloths, |cloth, state, scratch| {
-            cloth.project_provisionally(state, scratch);
+        self.for_each(cloths, |cloth, state, memory| {
+            cloth.project_provisionally(state, memory);
         });
     }
 
@@ -118,9 +119,9 @@ impl Island {
     fn project(&mut self, cloths: &mut [Member<'_>]) {
         let Self { surface, particles, contacts, .. } = self;
         for (part, m) in surface.parts.iter().zip(cloths) {
-            particles.with(part, m, |cloth, state, scratch| {
-                cloth.project(state, scratch);
-                cloth.each_on_body(state, scratch, |p, bearing| contacts.touch_ground(part.particles.start + p, bearing));
+            particles.with(part, m, |cloth, state, memory| {
+                cloth.project(state, memory);
+                cloth.each_on_body(state, memory, |p, bearing| contacts.touch_ground(part.particles.start + p, bearing));
             });
         }
     }
@@ -131,7 +132,7 @@ impl Island {
     fn finish(&mut self, cloths: &mut [Member<'_>]) {
         let crowded = !self.contacts.is_empty();
         for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
-            *m.report = self.particles.with(part, m, |cloth, state, scratch| cloth.finish(crowded, state, scratch)).flatten();
+            m.sim.report = self.particles.with(part, m, |cloth, state, memory| cloth.finish(crowded, state, memory)).flatten();
         }
         if crowded {
             (*self.before).clone_from(&self.particles.positions);
@@ -140,7 +141,7 @@ impl Island {
             let StepParticles { positions: now, previous: old } = &mut *self.particles;
             for p in self.contacts.stopped() {
                 let m = &cloths[usize::from(self.surface.part(p as u32))];
-                if m.scratch.is_settling() {
+                if m.sim.memory.is_settling() {
                     old[p] += now[p] - self.before[p];
                 }
             }
@@ -151,7 +152,7 @@ impl Island {
     /// motion cross no less without, and a sheet of 64² on a ball takes an eighth longer with it.
     fn lies_on_bodies(&self, cloths: &[Member<'_>]) -> bool {
         let parts = self.surface.parts.len();
-        let lies = |m: &Member<'_>| (parts > 1 || m.scratch.is_settling()) && m.scratch.grounded().next().is_some();
+        let lies = |m: &Member<'_>| (parts > 1 || m.sim.memory.is_settling()) && m.sim.memory.grounded().next().is_some();
         !self.contacts.is_empty() && cloths.iter().any(lies)
     }
 
@@ -162,8 +163,8 @@ impl Island {
         }
         let (StepParticles { positions, previous }, h) = (&*self.particles, Self::substep(cloths));
         self.contacts.note_start(positions, previous, h);
-        for (part, m) in self.surface.parts.iter().zip(cloths).filter(|(_, m)| m.moves && m.state.substep != h) {
-            let share = if m.state.substep > 0.0 { h / m.state.substep } else { 0.0 };
+        for (part, m) in self.surface.parts.iter().zip(cloths).filter(|(_, m)| m.moves && m.sim.state.substep != h) {
+            let share = if m.sim.state.substep > 0.0 { h / m.sim.state.substep } else { 0.0 };
             self.contacts.scale_motion(part.range(), share);
         }
     }
@@ -192,8 +193,8 @@ impl Island {
         for turn in 0..STRAIN_TURNS {
             let mut any = false;
             for (part, m) in self.surface.parts.iter().zip(&mut *cloths) {
-                let shorten = |cloth: &Stepped<'_>, state: &mut StateMut<'_>, scratch: &mut Scratch| {
-                    cloth.shorten_overlong(turn > 0, state, scratch)
+                let shorten = |cloth: &Stepped<'_>, state: &mut StateMut<'_>, memory: &mut Memory| {
+                    cloth.shorten_overlong(turn > 0, state, memory)
                 };
                 any |= self.particles.with(part, m, shorten) == Some(true);
             }
@@ -207,7 +208,7 @@ impl Island {
 
     /// The longest of the last substeps of the cloths that move `[s]`.
     fn substep(cloths: &[Member<'_>]) -> f32 {
-        cloths.iter().filter(|m| m.moves).map(|m| m.state.substep).fold(0.0, f32::max)
+        cloths.iter().filter(|m| m.moves).map(|m| m.sim.state.substep).fold(0.0, f32::max)
     }
 
     /// Sum of what pulls the cloths that move `[m/s²]`, for its direction.
@@ -253,7 +254,7 @@ impl Island {
                 if m.is_stepped(&self.surface.parts[part]) {
                     self.gather_stepped(part, m);
                 } else {
-                    self.gather(part, m.state, m.offset, true);
+                    self.gather(part, &m.sim.state, m.offset, true);
                     self.hold(part);
                 }
             }

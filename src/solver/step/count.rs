@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::strain::LEAST_LIMIT;
-use super::{Scratch, Stepped};
+use super::{Memory, Stepped};
 use crate::solver::body::Body;
 use crate::solver::settings::{Stepping, drape_rate};
 
@@ -32,21 +32,21 @@ impl Stepped<'_> {
     /// that is heavier than the cloth and moves much faster than the pins may meet it, or lies on it. `positions` `[m]`: where
     /// the cloth is.
     #[must_use]
-    pub(crate) fn substeps(&self, stepping: &Stepping, positions: &[Vec4], scratch: &mut Scratch) -> u32 {
+    pub(crate) fn substeps(&self, stepping: &Stepping, positions: &[Vec4], memory: &mut Memory) -> u32 {
         let Self { fabric, anchors, input, .. } = *self;
         let count = self.substeps_of_pull(stepping);
-        scratch.fast_body = false;
+        memory.fast_body = false;
         if input.bodies.is_empty() {
             return count;
         }
         // Of bodies that cloth cannot stop, and of others: those may stay.
-        let (mut for_fast_body, mut for_heavy_body) = (1, scratch.for_heavy_body.max(1));
+        let (mut for_fast_body, mut for_heavy_body) = (1, memory.for_heavy_body.max(1));
         // What hangs on a character that runs goes with it.
         let sum: Vec3 = anchors.from.iter().zip(&anchors.to).map(|(from, to)| *to - *from).sum();
         let mean = sum / anchors.particles.len().max(1) as f32;
         // What is lighter than the cloth gives way to it.
-        let own = self.mass(scratch);
-        let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
+        let own = self.mass(memory);
+        let mass = |body: &Body| body.rigid.map_or(f32::INFINITY, |slot| memory.coupling.mass(slot));
         // How many times as far a body gets in a substep as it may; what cloth can stop may press it, too.
         let haste = |body: &Body| {
             if body.bone {
@@ -67,12 +67,12 @@ impl Stepped<'_> {
         for (index, body) in input.bodies.iter().enumerate().filter(|(_, body)| counts(body)) {
             let (finite, times) = (mass(body).is_finite(), haste(body).min(MOST_FOR_BODIES).ceil() as u32);
             // What cloth is to stop finds it in small steps already.
-            if body.sweeps(low, high) || (finite && scratch.contacts.is_near(index)) {
+            if body.sweeps(low, high) || (finite && memory.contacts.is_near(index)) {
                 let most = if finite { &mut for_heavy_body } else { &mut for_fast_body };
                 *most = (*most).max(times);
             }
         }
-        (scratch.fast_body, scratch.for_heavy_body) = (for_fast_body > 1, for_heavy_body);
+        (memory.fast_body, memory.for_heavy_body) = (for_fast_body > 1, for_heavy_body);
         self.at_most(count * for_heavy_body.max(for_fast_body), stepping)
     }
 
@@ -99,9 +99,9 @@ impl Stepped<'_> {
     }
 
     /// Mass of the cloth `[kg]`, if bodies take what it does to them; 0 otherwise.
-    pub(super) fn mass(&self, scratch: &Scratch) -> f32 {
+    pub(super) fn mass(&self, memory: &Memory) -> f32 {
         let takes = self.input.bodies.iter().any(|body| body.rigid.is_some());
-        if takes { self.fabric.density * scratch.area } else { 0.0 }
+        if takes { self.fabric.density * memory.factors.area } else { 0.0 }
     }
 
     /// Inner steps in a substep of `h` `[s]`: as many as tension needs to get along the cloth.
@@ -111,7 +111,7 @@ impl Stepped<'_> {
     }
 }
 
-impl Scratch {
+impl Memory {
     /// Whether a body that cloth cannot stop, and that moves much faster than its pins, may meet it in the frame to come.
     #[must_use]
     pub(crate) fn meets_fast_body(&self) -> bool {

@@ -1,6 +1,6 @@
 //! Moves cloth without letting time pass.
 
-use super::Scratch;
+use super::Memory;
 use crate::solver::body::{Body, BodyContext, Projection, Touch};
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
@@ -11,14 +11,14 @@ pub(crate) fn displace(
     fabric: &Fabric,
     bodies: &[Body],
     state: &mut ClothState,
-    scratch: &mut Scratch,
+    memory: &mut Memory,
     displace: impl FnOnce(&mut ClothState),
 ) -> bool {
     if bodies.is_empty() {
         displace(state);
         return false;
     }
-    let Scratch { before, displaced, contacts, faces, coupling, .. } = scratch;
+    let Memory { before, displaced, contacts, faces, coupling, .. } = memory;
     let (before, displaced) = (&mut **before, &mut **displaced);
     before.clone_from(&state.positions);
     displace(state);

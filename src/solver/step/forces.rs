@@ -1,30 +1,30 @@
 //! Forces: the wind, and where it and gravity take particles.
 
 use super::frame::Frame;
-use super::{Scratch, Stepped};
+use super::{Memory, Stepped};
 use crate::solver::integrate::predict;
 use crate::solver::state::StateMut;
 use crate::solver::wind::Aerodynamics;
 
 impl Stepped<'_> {
     /// Evaluates the wind and gravity for the substeps until the wind is next evaluated.
-    pub(super) fn blow(&self, frame: &Frame, state: &StateMut<'_>, scratch: &mut Scratch) {
+    pub(super) fn blow(&self, frame: &Frame, state: &StateMut<'_>, memory: &mut Memory) {
         let Self { rest, fabric, input, .. } = *self;
         let (x, old) = (&state.positions, &state.previous);
-        scratch.acceleration.clear();
-        scratch.acceleration.resize(x.len(), input.gravity.extend(0.0));
+        memory.acceleration.clear();
+        memory.acceleration.resize(x.len(), input.gravity.extend(0.0));
         let air = Aerodynamics { drag: fabric.drag_coefficient, lift: fabric.lift_coefficient };
         let hold = frame.dt / frame.gusts as f32;
         let faces = &rest.topology.faces;
-        scratch.wind.apply(input.wind, air, faces, x, old, *state.substep, hold, &mut scratch.acceleration);
+        memory.wind.apply(input.wind, air, faces, x, old, *state.substep, hold, &mut memory.acceleration);
     }
 
     /// Moves free particles by a share `carry` of their way over the last substep (dimensionless), and by their acceleration
     /// times `push` `[s²]`.
-    pub(super) fn predict(&self, (carry, push): (f32, f32), state: &mut StateMut<'_>, scratch: &Scratch) {
+    pub(super) fn predict(&self, (carry, push): (f32, f32), state: &mut StateMut<'_>, memory: &Memory) {
         let (x, old) = (&mut state.positions, &mut state.previous);
         if self.input.wind.density > 0.0 {
-            predict::predict(x, old, &scratch.acceleration, carry, push);
+            predict::predict(x, old, &memory.acceleration, carry, push);
         } else {
             predict::predict_uniform(x, old, self.input.gravity.extend(0.0), carry, push);
         }

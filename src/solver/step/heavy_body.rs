@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::count::MOST_FOR_BODIES;
-use super::{Scratch, Stepped};
+use super::{Memory, Stepped};
 use crate::solver::scales::ALIGNED;
 
 impl Stepped<'_> {
@@ -11,27 +11,27 @@ impl Stepped<'_> {
     /// them by √(mass of the body / mass of the cloth), until it leaves. A factor that its speed asked for stays as long. The
     /// depth does not count: more substeps in cloth that is drawn out already throw it up. A body that the cloth rests on is
     /// left out.
-    pub(super) fn count_for_heavy_bodies(&self, scratch: &mut Scratch) {
-        let (own, bound) = (self.mass(scratch), self.most_pressed());
+    pub(super) fn count_for_heavy_bodies(&self, memory: &mut Memory) {
+        let (own, bound) = (self.mass(memory), self.most_pressed());
         let mut for_heavy_body = 1;
         for (index, body) in self.input.bodies.iter().enumerate() {
-            let mass = body.rigid.map_or(f32::INFINITY, |slot| scratch.coupling.mass(slot));
+            let mass = body.rigid.map_or(f32::INFINITY, |slot| memory.coupling.mass(slot));
             let heavier = mass / own;
             if !(heavier > 1.0 && mass.is_finite()) {
                 continue;
             }
-            let pushes = scratch.touches().filter(|(body, ..)| *body == index);
+            let pushes = memory.touches().filter(|(body, ..)| *body == index);
             let (push, count) = pushes.fold((0.0, 0.0), |(push, count), (_, _, load)| (push + load, count + 1.0));
-            if count > 0.0 || scratch.contacts.is_near(index) {
-                for_heavy_body = for_heavy_body.max(scratch.for_heavy_body);
+            if count > 0.0 || memory.contacts.is_near(index) {
+                for_heavy_body = for_heavy_body.max(memory.for_heavy_body);
             }
-            let given = body.rigid.map_or(Vec3::ZERO, |slot| scratch.coupling.given(slot).linear);
+            let given = body.rigid.map_or(Vec3::ZERO, |slot| memory.coupling.given(slot).linear);
             let lies_on_it = given.dot(self.input.gravity) > ALIGNED * given.length() * self.input.gravity.length();
             if push > bound * count && !lies_on_it {
                 for_heavy_body = for_heavy_body.max(heavier.sqrt().min(MOST_FOR_BODIES).ceil() as u32);
             }
         }
-        scratch.for_heavy_body = for_heavy_body;
+        memory.for_heavy_body = for_heavy_body;
     }
 }
 
@@ -40,6 +40,7 @@ mod tests {
     use glam::vec3;
     use parry3d::math::Pose;
 
+    use super::super::factors::Factors;
     use super::*;
     use crate::solver::anchors::Anchors;
     use crate::solver::body::{Approach, Body, BodyContext, Projection, Touch, shape};
@@ -91,9 +92,10 @@ mod tests {
     fn next_factor(case: &Case) -> u32 {
         let (rest, _) = RestShape::build(&grid(5, 5, |u, v| vec3(u - 0.5, 0.0, v - 0.5))).expect("a sheet");
         let fabric = Fabric::default();
-        let mut scratch = Scratch { area: 1.0, for_heavy_body: case.factors[0], ..Scratch::default() };
+        let factors = Factors { area: 1.0, ..Factors::default() };
+        let mut memory = Memory { factors, for_heavy_body: case.factors[0], ..Memory::default() };
         let inverse_mass = Vec3::splat((case.heavier * fabric.density).recip());
-        let slot = scratch.coupling.add(Rigid { inverse_mass, ..Rigid::immovable(Vec3::ZERO, Vec3::ZERO) });
+        let slot = memory.coupling.add(Rigid { inverse_mass, ..Rigid::immovable(Vec3::ZERO, Vec3::ZERO) });
         // A plate that goes through the place of the cloth.
         let (half, off) = (0.1, 0.1 + fabric.thickness);
         let plate = shape::cuboid(Vec3::new(2.0, half, 2.0)).expect("a plate");
@@ -110,11 +112,11 @@ mod tests {
         let mut positions: Vec<_> = rest.positions.iter().map(|x| x.extend(25.0 / fabric.density)).collect();
         let mut previous = positions.clone();
         let approach = Approach { dt: 0.01, substep: 0.01, gravity: GRAVITY, thickness: fabric.thickness, extra: 0.0 };
-        scratch.contacts.gather(&bodies, &positions, &previous, &approach);
-        let Scratch { contacts, coupling, .. } = &mut scratch;
+        memory.contacts.gather(&bodies, &positions, &previous, &approach);
+        let Memory { contacts, coupling, .. } = &mut memory;
         let mut context = BodyContext { bodies: &bodies, span: (0.0, 1.0), touch: Touch::frictionless(&fabric), coupling };
         contacts.project(&mut context, &mut positions, &mut previous, &[], Projection::First);
-        Stepped { input: FrameInput { bodies: &bodies, ..input }, ..cloth }.count_for_heavy_bodies(&mut scratch);
-        scratch.for_heavy_body
+        Stepped { input: FrameInput { bodies: &bodies, ..input }, ..cloth }.count_for_heavy_bodies(&mut memory);
+        memory.for_heavy_body
     }
 }

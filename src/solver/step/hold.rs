@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use super::frame::Frame;
-use super::{Scratch, Stepped};
+use super::{Memory, Stepped};
 use crate::solver::integrate::{bend, membrane, spring};
 use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
@@ -15,14 +15,14 @@ const TETHER_EVERY: u64 = 2;
 impl Stepped<'_> {
     /// Keeps the cloth from its pins no farther than it is long, in the substep after `substeps` others. What is strained is
     /// drawn in by its coarse level, too.
-    pub(super) fn bound_lengths(&self, frame: &Frame, substeps: u64, scratch: &mut Scratch, positions: &mut [Vec4]) {
+    pub(super) fn bound_lengths(&self, frame: &Frame, substeps: u64, memory: &mut Memory, positions: &mut [Vec4]) {
         let Self { rest, fabric, .. } = *self;
         // They are at a bound, which holds for more than one substep.
         if frame.settling || !substeps.is_multiple_of(TETHER_EVERY) {
-            scratch.tethers.solve(fabric.tether_scale + scratch.give, positions);
+            memory.factors.tethers.solve(fabric.tether_scale + memory.give, positions);
         }
         if frame.strained {
-            scratch.coarse.solve(&rest.coarse, fabric.strain_limit, positions);
+            memory.factors.coarse.solve(&rest.coarse, fabric.strain_limit, positions);
         }
     }
 
@@ -38,17 +38,17 @@ impl Stepped<'_> {
 
 /// Sweeps the springs or triangles once, as a substep does, without letting time pass. Nothing happens before the first
 /// [`step`](super::step()).
-pub fn relax(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions: &mut [Vec4]) {
-    if positions.len() == rest.positions.len() && scratch.factors_for > 0.0 {
-        hold_together(rest, fabric, scratch, positions);
+pub fn relax(rest: &RestShape, fabric: &Fabric, memory: &Memory, positions: &mut [Vec4]) {
+    if positions.len() == rest.positions.len() && memory.factors.substep > 0.0 {
+        hold_together(rest, fabric, memory, positions);
     }
 }
 
 /// Solves the membrane once, for the substep that the factors were computed for.
-pub(super) fn hold_together(rest: &RestShape, fabric: &Fabric, scratch: &Scratch, positions: &mut [Vec4]) {
-    if scratch.triangles {
-        membrane::solve(&rest.membrane, fabric, scratch.factors_for, positions);
+pub(super) fn hold_together(rest: &RestShape, fabric: &Fabric, memory: &Memory, positions: &mut [Vec4]) {
+    if memory.factors.triangles {
+        membrane::solve(&rest.membrane, fabric, memory.factors.substep, positions);
     } else {
-        spring::solve(&rest.springs, &scratch.springs, fabric.strain_limit, positions);
+        spring::solve(&rest.springs, &memory.factors.springs, fabric.strain_limit, positions);
     }
 }

@@ -26,7 +26,8 @@ mod heavy_body;
 mod settling;
 mod strain;
 mod displace;
-mod scratch;
+mod factors;
+mod memory;
 mod frame;
 
 use glam::Vec3;
@@ -34,8 +35,8 @@ use glam::Vec3;
 pub(crate) use count::substeps_of;
 pub(crate) use displace::displace;
 pub use hold::relax;
+pub use memory::Memory;
 pub use prepare::prepare;
-pub use scratch::Scratch;
 
 use super::anchors::Anchors;
 use super::body::Body;
@@ -53,15 +54,15 @@ pub fn step(
     anchors: &Anchors,
     input: &FrameInput<'_>,
     state: &mut ClothState,
-    scratch: &mut Scratch,
+    memory: &mut Memory,
 ) -> StepReport {
     let cloth = Stepped { rest, fabric, anchors, input: *input };
     let state = &mut state.as_mut();
-    cloth.begin(stepping, None, state, scratch);
-    while cloth.constrain(state, scratch) {
-        cloth.project(state, scratch);
+    cloth.begin(stepping, None, state, memory);
+    while cloth.constrain(state, memory) {
+        cloth.project(state, memory);
     }
-    cloth.finish(false, state, scratch).unwrap_or_default()
+    cloth.finish(false, state, memory).unwrap_or_default()
 }
 
 /// What a cloth is stepped with. [`step`] does all of a frame. Cloths that touch each other go through it side by side. They

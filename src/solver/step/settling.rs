@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use super::Scratch;
+use super::Memory;
 use crate::solver::scales::RESPONSE_TIME;
 use crate::solver::state::StateMut;
 
@@ -17,7 +17,7 @@ pub(super) const SETTLING_DRAG: f32 = 6.0;
 /// pull it to and fro between them. In a settling cloth it has the speed of its mean motion.
 const OSCILLATING: f32 = 0.25;
 
-impl Scratch {
+impl Memory {
     /// Whether the cloth has been slow for a while.
     #[must_use]
     pub fn is_settling(&self) -> bool {
@@ -83,14 +83,14 @@ mod tests {
             (0.5, 16, true),
             (f32::INFINITY, 1, false),
         ];
-        let mut scratch = Scratch::default();
+        let mut memory = Memory::default();
         for (row, (speed, frames, settles)) in rows.into_iter().enumerate() {
             let speed = speed * SETTLING_SPEED;
-            (0..frames).for_each(|_| scratch.note_speed(speed * speed, DT));
-            assert_eq!(scratch.is_settling(), settles, "row {row}: slow for {} s", scratch.slow_for);
+            (0..frames).for_each(|_| memory.note_speed(speed * speed, DT));
+            assert_eq!(memory.is_settling(), settles, "row {row}: slow for {} s", memory.slow_for);
         }
-        (0..1000).for_each(|_| scratch.note_speed(0.0, DT));
-        assert_eq!(scratch.slow_for, 1.0, "no more is counted");
+        (0..1000).for_each(|_| memory.note_speed(0.0, DT));
+        assert_eq!(memory.slow_for, 1.0, "no more is counted");
     }
 
     #[test]

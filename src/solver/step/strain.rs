@@ -1,6 +1,6 @@
 //! How far beyond the strain limit the cloth is stretched, and from when on more is done about it.
 
-use super::Scratch;
+use super::Memory;
 use crate::solver::settings::Fabric;
 
 /// Beyond this many strain limits a cloth is strained, until it is within [`EASED`]. Its coarse level is solved in the next
@@ -24,7 +24,7 @@ const EASED: f32 = 0.5;
 /// any cloth would be in a storm.
 pub(super) const LEAST_LIMIT: f32 = 0.01;
 
-impl Scratch {
+impl Memory {
     /// Whether an edge was so far beyond the strain limit that the last frame solved the coarse level, too.
     #[cfg(feature = "debug")]
     #[must_use]
@@ -66,8 +66,8 @@ mod tests {
     #[test]
     fn cloth_that_must_not_stretch_is_strained_by_more_than_one_pass_leaves() {
         let is_strained = |worst_edge: f32, strain_limit: f32| {
-            let mut scratch = Scratch { worst_edge, ..Scratch::default() };
-            scratch.judge(&Fabric { strain_limit, ..Fabric::default() }).0
+            let mut memory = Memory { worst_edge, ..Memory::default() };
+            memory.judge(&Fabric { strain_limit, ..Fabric::default() }).0
         };
         for strain_limit in [0.0, 1.0e-3, LEAST_LIMIT] {
             assert!(!is_strained(1.012, strain_limit) && is_strained(1.02, strain_limit), "{strain_limit}");

@@ -65,7 +65,7 @@ pub(super) fn make(assembly: &mut Assembly, cloth: &BindableItem, wanted: &Wante
         detail: format!("{error}: check the mesh in the program it was made with"),
     };
     let (mut rest, built) = assembly.cache.get_or_build(&shape_at(placement.bake), &authored).map_err(bad_mesh)?;
-    let frozen = cloth.particles.as_ref().is_none_or(|p| p.recovery.is_frozen());
+    let frozen = cloth.particles.as_ref().is_none_or(|p| p.sim.recovery.is_frozen());
     let continues = cloth.error.is_none() && !frozen && cloth.rest.is_some_and(|old| same_topology(&old.0, &rest));
     let old = cloth.inputs.as_ref().filter(|_| continues);
     let origin = match &cloth.particles {

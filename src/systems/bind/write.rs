@@ -10,9 +10,7 @@ use super::{Assembly, BindableItem, Wanted};
 use crate::bind::{Continuing, Crossfade, Skin, bounds_between};
 use crate::components::ClothReport;
 use crate::notices::label;
-use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothScratch, ClothShown, TakenSkin, Worn};
-use crate::solver::island::Display;
-use crate::solver::recover::Recovery;
+use crate::simulation::{Binding, Change, ClothInputs, ClothParticles, ClothRest, ClothShown, IslandPlace, TakenSkin, Worn};
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
 
@@ -50,7 +48,7 @@ pub(super) fn write(commands: &mut Commands, assembly: &mut Assembly, cloth: &mu
     {
         let rescale = if placement.fits(&binding.bake) { Mat3::IDENTITY } else { placement.bake * binding.bake.inverse() };
         rescale_about(particles, inputs, rescale);
-        let positions = &particles.state.positions;
+        let positions = &particles.sim.state.positions;
         let before = Continuing { sets: &inputs.sets, anchors: &inputs.anchors, known: &known, positions, origin, rescale };
         (inputs.anchors, inputs.sets) = resolved.into_anchors(sets, &rest, Some(&before));
         // Its points may be others.
@@ -67,7 +65,8 @@ pub(super) fn write(commands: &mut Commands, assembly: &mut Assembly, cloth: &mu
         shown.forced = true;
         (binding.bake, binding.pending) = (placement.bake, Change::None);
         if wanted.change > Change::Pins {
-            entity.try_insert((ClothRest(rest), ClothScratch::default()));
+            particles.sim.forget();
+            entity.try_insert((ClothRest(rest), IslandPlace::default()));
         }
     } else {
         let (anchors, sets) = resolved.into_anchors(sets, &rest, None);
@@ -80,7 +79,7 @@ pub(super) fn write(commands: &mut Commands, assembly: &mut Assembly, cloth: &mu
         let particles = start(&rest, &inputs, origin);
         let mut shown = ClothShown { surface, fine, forced: true, ..ClothShown::default() };
         shown.fit(vertices);
-        entity.try_insert((ClothRest(rest), particles, inputs, shown, ClothScratch::default()));
+        entity.try_insert((ClothRest(rest), particles, inputs, shown, IslandPlace::default()));
         *cloth.report = ClothReport::default();
         if let Some(binding) = &mut cloth.binding {
             (binding.bake, binding.pending) = (placement.bake, Change::None);
@@ -137,19 +136,7 @@ fn give_instance(
 fn start(rest: &RestShape, inputs: &ClothInputs, origin: DVec3) -> ClothParticles {
     let positions: Vec<Vec4> = inputs.pose(rest, origin).map(|p| p.extend(1.0)).collect();
     let state = ClothState { previous: positions.clone(), positions, ..ClothState::default() };
-    let mut recovery = Recovery::default();
-    recovery.start(&state);
-    ClothParticles {
-        state,
-        origin,
-        before: Vec::new(),
-        recovery,
-        display: Display::default(),
-        carrier: Some(inputs.carrier()),
-        space: None,
-        disturbed: false,
-        written: false,
-    }
+    ClothParticles { carrier: Some(inputs.carrier()), ..ClothParticles::new(state, origin) }
 }
 
 /// Scales state and anchors about the place of the cloth.
@@ -163,7 +150,7 @@ fn rescale_about(particles: &mut ClothParticles, inputs: &mut ClothInputs, resca
     let motion = |x: Vec3| matrix * (x - at) + at;
     particles.carry(motion);
     inputs.carry(motion);
-    particles.display.reset();
+    particles.sim.display.reset();
 }
 
 /// Radius of the ball around the box of the shape at rest `[m]`.

@@ -152,7 +152,7 @@ fn sheet(n: u32, layer: i32, height: impl Fn(f32, f32) -> f32) -> SceneCloth {
 fn disordered(scene: &Scene) -> usize {
     let mut cloths: Vec<&SceneCloth> = scene.cloths.iter().collect();
     cloths.sort_by_key(|c| c.garment_layer);
-    let pairs = cloths.windows(2).flat_map(|w| w[0].state.positions.iter().zip(&w[1].state.positions));
+    let pairs = cloths.windows(2).flat_map(|w| w[0].sim.state.positions.iter().zip(&w[1].sim.state.positions));
     pairs.filter(|(inner, outer)| inner.z > outer.z).count()
 }
 

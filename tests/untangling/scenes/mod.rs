@@ -15,7 +15,7 @@ fn floating(cloths: Vec<SceneCloth>) -> Scene {
 }
 
 fn positions(scene: &Scene) -> Vec<Vec3> {
-    scene.cloths.iter().flat_map(|c| c.state.positions.iter().map(|p| p.truncate())).collect()
+    scene.cloths.iter().flat_map(|c| c.sim.state.positions.iter().map(|p| p.truncate())).collect()
 }
 
 /// Longest edge over rest length (dimensionless).
@@ -25,7 +25,7 @@ fn worst_edge(scene: &Scene) -> f32 {
 
 /// Speed of the fastest particle [m/s].
 fn fastest(scene: &Scene) -> f32 {
-    let speed = |c: &SceneCloth| (0..c.state.positions.len()).map(|i| c.state.velocity(i).length()).fold(0.0, f32::max);
+    let speed = |c: &SceneCloth| (0..c.sim.state.positions.len()).map(|i| c.sim.state.velocity(i).length()).fold(0.0, f32::max);
     scene.cloths.iter().map(speed).fold(0.0, f32::max)
 }
 

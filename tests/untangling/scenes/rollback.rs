@@ -19,7 +19,7 @@ fn a_knot_that_is_torn_at_does_not_get_more_tangled() {
     for _ in 0..10 {
         // It knows nothing of how it was before.
         let mut scene = untangled(knot.clone(), true);
-        let state = &mut scene.cloths[0].state;
+        let state = &mut scene.cloths[0].sim.state;
         let heart = state.positions.iter().map(|x| x.truncate()).min_by(|a, b| a.length().total_cmp(&b.length()));
         let heart = heart.unwrap_or_default();
         for (x, previous) in state.positions.iter_mut().zip(&mut state.previous) {
@@ -52,20 +52,20 @@ fn what_came_to_cross_within_a_frame_is_taken_back_and_keeps_its_velocity() {
     let mut scene = untangled(scenes::sheets(12), true);
     scene.step(FRAME);
     assert_eq!(scene.crossings(), 0);
-    let [first, second] = [0, 1].map(|k| scene.cloths[k].state.positions[0].y);
+    let [first, second] = [0, 1].map(|k| scene.cloths[k].sim.state.positions[0].y);
     let (upper, gap) = if first > second { (0, first - second) } else { (1, second - first) };
     // The particle over the middle of both goes through the other sheet, as a whole.
-    let positions = &scene.cloths[upper].state.positions;
+    let positions = &scene.cloths[upper].sim.state.positions;
     let v = middle(positions);
-    let (before, velocity) = (positions[v], scene.cloths[upper].state.velocity(v));
-    let state = &mut scene.cloths[upper].state;
+    let (before, velocity) = (positions[v], scene.cloths[upper].sim.state.velocity(v));
+    let state = &mut scene.cloths[upper].sim.state;
     for x in [&mut state.positions[v], &mut state.previous[v]] {
         x.y -= 2.0 * gap;
     }
     assert!(scene.look().crossings > 0);
     scene.finish_frame(FRAME);
     assert_eq!(scene.crossings(), 0);
-    let state = &scene.cloths[upper].state;
+    let state = &scene.cloths[upper].sim.state;
     assert!(state.positions[v].distance(before) < 0.01 * gap && state.velocity(v).distance(velocity) < 1e-3);
 }
 
@@ -74,16 +74,16 @@ fn what_came_from_far_is_taken_back_if_it_flew_there() {
     let taken_back = |flies: bool| {
         let mut scene = untangled(scenes::sheets(12), true);
         scene.step(FRAME);
-        let upper = usize::from(scene.cloths[0].state.positions[0].y < scene.cloths[1].state.positions[0].y);
+        let upper = usize::from(scene.cloths[0].sim.state.positions[0].y < scene.cloths[1].sim.state.positions[0].y);
         let cloth = &mut scene.cloths[upper];
-        let positions = &mut cloth.state.positions;
+        let positions = &mut cloth.sim.state.positions;
         let v = middle(positions);
         let (before, way) = (positions[v], 6.0 * cloth.rest.mean_edge);
         positions[v].y -= way;
-        let flown = if flies { way * cloth.state.substep / FRAME } else { 0.0 };
-        cloth.state.previous[v].y = positions[v].y + flown;
+        let flown = if flies { way * cloth.sim.state.substep / FRAME } else { 0.0 };
+        cloth.sim.state.previous[v].y = positions[v].y + flown;
         scene.finish_frame(FRAME);
-        scene.cloths[upper].state.positions[v].distance(before) < 0.01 * way
+        scene.cloths[upper].sim.state.positions[v].distance(before) < 0.01 * way
     };
     assert!(taken_back(true));
     assert!(!taken_back(false));

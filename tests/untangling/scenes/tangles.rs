@@ -37,7 +37,7 @@ fn weigh(scene: &mut Scene, masses: Masses) {
         Masses::Heavy(k) => scene.cloths[k].fabric.density *= 1000.0,
         Masses::Pinned(k) => {
             let cloth = &mut scene.cloths[k];
-            let targets: Vec<Vec3> = cloth.state.positions.iter().map(|p| p.truncate()).collect();
+            let targets: Vec<Vec3> = cloth.sim.state.positions.iter().map(|p| p.truncate()).collect();
             let particles = (0..targets.len() as u32).collect();
             cloth.anchors = Anchors { particles, weights: vec![1.0; targets.len()], from: targets.clone(), to: targets };
         }
@@ -134,7 +134,7 @@ fn at_load_everything_comes_apart_without_velocity() {
         let what = format!("{}: {report:?}", tangle.name());
         assert!(report.before.crossings > 0 && report.after.is_clean() && scene.look().is_clean(), "{what}");
         assert!(report.farthest <= depth(tangle), "{what}");
-        let states = scene.cloths.iter().map(|c| &c.state);
+        let states = scene.cloths.iter().map(|c| &c.sim.state);
         let moves = states.flat_map(|s| s.positions.iter().zip(&s.previous)).map(|(a, b)| (*a - *b).truncate().length());
         let fastest = moves.fold(0.0, f32::max);
         assert!(fastest < 1.0e-5, "{what}: {fastest} m per substep");
@@ -156,7 +156,7 @@ fn what_nothing_takes_apart_is_drawn_to_its_shape_at_rest_in_the_end() {
     let mut seen = Vec::new();
     let clean = (1..=600).find(|_| {
         scene.step(FRAME);
-        let outcome = scene.cloths[0].display.outcome();
+        let outcome = scene.cloths[0].sim.display.outcome();
         if outcome.became_last_resort || seen.last() != Some(&outcome.escalation) {
             seen.push(outcome.escalation);
         }

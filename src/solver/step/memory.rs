@@ -1,40 +1,33 @@
-//! What is kept of one cloth from frame to frame, beside its state.
+//! Memory: what is kept of one cloth from frame to frame, beside its particles.
 
 use glam::Vec4;
 
+use super::factors::Factors;
 use super::frame::Frame;
 use crate::solver::body::{BodyContacts, FaceContacts, Pierced, Pinches, Provisional};
 use crate::solver::buffer::Buffer;
 use crate::solver::couple::Coupling;
-use crate::solver::integrate::{air, bend, coarse, follow_the_leader, pull, spring, tether};
+use crate::solver::integrate::{air, pull, spring};
+use crate::solver::rest::RestShape;
 use crate::solver::skinned::TangledLimits;
 #[cfg(feature = "debug")]
 use crate::solver::state::ClothState;
 use crate::solver::state::StateMut;
 use crate::solver::wind::WindForces;
 
-/// Memory of one cloth that decides its next frame, such as contacts and loads. It also holds the factors that
-/// [`prepare`](super::prepare) derives, and buffers, which decide nothing. No allocation once warm.
+/// Memory of one cloth that decides its next frame, such as contacts and loads. With it are the [`Factors`] that
+/// [`prepare`](super::prepare) derives, and what the app sets for the next frame: the bodies that the cloth moves, and what
+/// pulls at it. No allocation once warm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
-pub struct Scratch {
-    pub(super) springs: spring::SpringFactors,
-    /// Whether triangles hold it together in its plane, in place of springs.
-    pub(super) triangles: bool,
-    pub(super) bends: bend::BendFactors,
-    pub(super) tethers: tether::Tethers,
-    pub(super) coarse: coarse::CoarseLevel,
-    pub(super) follow_the_leader: follow_the_leader::FollowTheLeader,
+pub struct Memory {
+    pub(super) factors: Factors,
     pub(super) overlong: spring::Overlong,
     pub(super) tight: spring::Tight,
     pub(super) contacts: BodyContacts,
     pub(super) faces: FaceContacts,
     pub(super) provisional: Provisional,
     pub(super) carried: air::Carried,
-    /// Area at rest `[m²]`.
-    pub(super) area: f32,
-    /// Longest edge at rest `[m]`.
-    pub(super) longest_edge: f32,
     pub(super) coupling: Coupling,
     /// Particles that are pinned to bodies that cloth can move.
     pub(super) pinned_to_bodies: Vec<u32>,
@@ -46,7 +39,6 @@ pub struct Scratch {
     pub(in crate::solver) tangled_limits: TangledLimits,
     pub(super) wind: WindForces,
     pub(super) pulls: pull::Pulls,
-    pub(super) rigid: Vec<u32>,
     pub(super) acceleration: Buffer<Vec<Vec4>>,
     /// What particles did in the last substep `[m]`, `w` their inverse mass `[1/kg]`, while it is damped.
     pub(super) motion: Buffer<Vec<Vec4>>,
@@ -58,8 +50,6 @@ pub struct Scratch {
     pub(super) late: Buffer<Vec<Vec4>>,
     /// Inner steps of the last substep; 0 before the first.
     pub(super) inner_steps: u32,
-    /// Whether springs run along the threads of the fabric, as far as anything tells those.
-    pub(super) along_threads: bool,
     /// Worst edge of the last frame before it was finished (dimensionless).
     pub(super) worst_edge: f32,
     /// Whether the last frame took it for strained, and for taut.
@@ -67,23 +57,28 @@ pub struct Scratch {
     pub(super) taut: bool,
     /// By how much of their length at rest tethers give way to bodies (dimensionless).
     pub(super) give: f32,
-    /// See [`Scratch::meets_fast_body`].
+    /// See [`Memory::meets_fast_body`].
     pub(super) fast_body: bool,
     /// How many times as many substeps it takes for the bodies that it bears; 0 before the first frame.
     pub(super) for_heavy_body: u32,
     /// For how long it was slow `[s]`.
     pub(super) slow_for: f32,
     pub(super) frame: Option<Frame>,
-    /// Substep the factors were computed for `[s]`; 0: none yet.
-    pub(super) factors_for: f32,
 }
 
-impl Scratch {
+impl Memory {
     /// Forgets all that it knows of the last frames. What was set for the next one stays: the bodies that cloth moves, and what
     /// pulls at it.
     pub(crate) fn forget(&mut self) {
         let Self { coupling, pulls, .. } = core::mem::take(self);
         *self = Self { coupling, pulls, ..Self::default() };
+    }
+
+    /// Whether [`prepare`](super::prepare) was called for this rest shape since the memory was made or
+    /// [forgot](Self::forget).
+    #[must_use]
+    pub fn is_prepared_for(&self, rest: &RestShape) -> bool {
+        self.factors.sizes == Some(Factors::sizes_of(rest))
     }
 
     /// What pulls at the cloth in the frames to come; it stays until it is changed.
@@ -159,14 +154,10 @@ impl Scratch {
         &mut self.coupling
     }
 
-    /// Memory held by factors, tethers and forces `[B]`; contacts and gusts come on top where there are any.
+    /// Heap of factors and forces `[B]`; contacts and gusts come on top where there are any.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.springs.bytes()
-            + self.bends.bytes()
-            + self.tethers.bytes()
-            + self.coarse.bytes()
-            + self.follow_the_leader.bytes()
+        self.factors.bytes()
             + self.carried.bytes()
             + size_of_val(&self.acceleration[..])
             + size_of_val(&self.motion[..])

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::solver::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown};
-use crate::solver::state::ClothState;
-use crate::solver::verdict::Verdict;
+use super::evaluate::{EvaluateSettings, Evaluator, Outcome, Pose, Shown};
+use super::state::ClothState;
+use super::verdict::Verdict;
 
 /// What one cloth shows, and what it showed before.
 #[derive(Clone, Debug, Default, PartialEq)]

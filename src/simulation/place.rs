@@ -1,0 +1,14 @@
+//! Place: where a cloth is among the others.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+
+/// Place: the island of a cloth, and the box it was in at the last look.
+#[derive(Component, Clone, Default)]
+#[component(clone_behavior = Ignore)]
+pub(crate) struct IslandPlace {
+    /// Box of the cloth in the world at the last look `[m]`.
+    pub bounds: Option<(DVec3, DVec3)>,
+    /// The island of cloths it can meet, and its number there.
+    pub island: Option<(u32, u32)>,
+}
