@@ -15,9 +15,9 @@ use crate::solver::state::ClothState;
 use crate::solver::state::StateMut;
 use crate::solver::wind::WindForces;
 
-/// Memory of one cloth that decides its next frame, such as contacts and loads. With it are the [`Factors`] that
-/// [`prepare`](super::prepare) derives, and what the app sets for the next frame: the bodies that the cloth moves, and what
-/// pulls at it. No allocation once warm.
+/// Memory of one cloth that decides its next frame, such as contacts and loads. With it are the factors of
+/// constraints that [`prepare`](super::prepare) derives, and what the app sets for the next frame: the bodies that the cloth
+/// moves, and what pulls at it. No allocation once warm.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Memory {
@@ -74,8 +74,7 @@ impl Memory {
         *self = Self { coupling, pulls, ..Self::default() };
     }
 
-    /// Whether [`prepare`](super::prepare) was called for this rest shape since the memory was made or
-    /// [forgot](Self::forget).
+    /// Whether [`prepare`](super::prepare) was called for a rest shape of these sizes, and nothing was forgotten since.
     #[must_use]
     pub fn is_prepared_for(&self, rest: &RestShape) -> bool {
         self.factors.sizes == Some(Factors::sizes_of(rest))

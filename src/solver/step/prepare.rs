@@ -8,11 +8,11 @@ use crate::solver::rest::RestShape;
 use crate::solver::settings::Fabric;
 use crate::solver::state::ClothState;
 
-/// Sets inverse masses from density and anchors, and the [`Factors`] of constraints. What `memory` holds of a rest shape of
-/// other sizes is forgotten.
+/// Sets inverse masses from density and anchors, and the factors of constraints. What `memory` holds of a rest shape of other
+/// sizes is forgotten.
 ///
 /// Call after bind and whenever what [`Fabric::prepared`] tells of the fabric, the set of anchored particles or which of them
-/// are held rigidly changed. Keeps positions and velocities.
+/// are held rigidly changed, or where [`Memory::is_prepared_for`] is false. Keeps positions and velocities.
 pub fn prepare(rest: &RestShape, fabric: &Fabric, anchors: &Anchors, state: &mut ClothState, memory: &mut Memory) {
     if memory.factors.sizes.is_some() && !memory.is_prepared_for(rest) {
         memory.forget();
