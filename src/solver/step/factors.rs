@@ -23,7 +23,7 @@ pub(super) struct Factors {
     pub(super) longest_edge: f32,
     /// Whether springs run along the threads of the fabric, as far as anything tells those.
     pub(super) along_threads: bool,
-    /// Substep that springs are for `[s]`; 0: none yet.
+    /// Step that springs, triangles and the coarse level are for `[s]`; 0: none yet.
     pub(super) substep: f32,
     /// Sizes of the rest shape that they are derived from; none yet.
     pub(super) sizes: Option<[usize; 3]>,
