@@ -177,7 +177,7 @@ impl Island {
         let weights = if *weighed { weights.as_slice() } else { &[] };
         let tangled =
             |ids: &[u32]| ids.iter().any(|&v| caught[v as usize] || weights.get(v as usize).is_some_and(|&w| w > 0.0));
-        if contacts.clamp_motion_except(now, asked, |a, b| tangled(a) && tangled(b)) {
+        if contacts.clamp_motion_of_few(now, asked, |a, b| tangled(a) && tangled(b)) {
             for v in contacts.stopped() {
                 let x = now[v] + offset(contacts, v);
                 previous[v] += x - positions[v];

@@ -13,6 +13,8 @@ pub(super) struct Incidence {
     /// A bit for each pair.
     due: Vec<u64>,
     due_next: Vec<u64>,
+    /// Whether the pairs are those that were listed last.
+    is_listed: bool,
 }
 
 /// Particles of a pair.
@@ -22,8 +24,7 @@ impl Incidence {
     /// Makes room for `particles` and `pairs`.
     pub(super) fn reserve(&mut self, particles: usize, pairs: usize) {
         fn room<T>(of: &mut Vec<T>, count: usize) {
-            of.clear();
-            of.reserve(count);
+            of.reserve(count.saturating_sub(of.len()));
         }
         room(&mut self.first, particles);
         room(&mut self.next, pairs);
@@ -32,17 +33,25 @@ impl Incidence {
         room(&mut self.due_next, words);
     }
 
-    /// Takes in all pairs; none is due.
+    /// Says that the pairs are not those that were listed.
+    pub(super) fn forget(&mut self) {
+        self.is_listed = false;
+    }
+
+    /// Takes in all pairs, unless they are those that were listed last; none is due.
     pub(super) fn list(&mut self, particles: usize, pairs: &[Contact]) {
-        let Self { first, next, due, due_next } = self;
-        first.clear();
-        first.resize(particles, NONE);
-        next.clear();
-        for (pair, number) in pairs.iter().zip(0_u32..) {
-            next.push(core::array::from_fn(|place| {
-                let entry = PER_PAIR as u32 * number + place as u32;
-                core::mem::replace(&mut first[pair.particles[place] as usize], entry)
-            }));
+        let Self { first, next, due, due_next, is_listed } = self;
+        let are_these = core::mem::replace(is_listed, true) && (first.len(), next.len()) == (particles, pairs.len());
+        if !are_these {
+            first.clear();
+            first.resize(particles, NONE);
+            next.clear();
+            for (pair, number) in pairs.iter().zip(0_u32..) {
+                next.push(core::array::from_fn(|place| {
+                    let entry = PER_PAIR as u32 * number + place as u32;
+                    core::mem::replace(&mut first[pair.particles[place] as usize], entry)
+                }));
+            }
         }
         for due in [due, due_next] {
             due.clear();
@@ -57,7 +66,7 @@ impl Incidence {
 
     /// Says that the pairs of a particle are due in the next pass, and those after pair `at` in this one, too.
     pub(super) fn ask_again(&mut self, particle: u32, at: Option<usize>) {
-        let Self { first, next, due, due_next } = self;
+        let Self { first, next, due, due_next, .. } = self;
         for pair in pairs_of(first, next, particle) {
             let (word, bit) = (pair / u64::BITS as usize, 1 << (pair % u64::BITS as usize));
             due_next[word] |= bit;
@@ -119,5 +128,12 @@ mod tests {
         assert_eq!(all.collect::<Vec<_>>(), [68, 69, 70]);
         incidence.ask_again(1, None);
         assert_eq!((incidence.take(0), incidence.take(0)), (Some(0), Some(1)));
+        // Others, as many, are listed when they are said to be others.
+        let others: Vec<Contact> = pairs.iter().rev().copied().collect();
+        incidence.forget();
+        incidence.list(201, &others);
+        let mut of: Vec<usize> = incidence.of(70).collect();
+        of.sort_unstable();
+        assert_eq!((of, incidence.take(0)), (vec![29, 30, 31], None));
     }
 }

@@ -63,8 +63,6 @@ pub(crate) struct Contacts {
     start: Buffer<Start>,
     /// Pass of the CCD in which each particle was last stopped.
     cut: Buffer<Vec<u8>>,
-    /// How far each particle may go at last `[m]`.
-    bounds: Buffer<Vec<f32>>,
     /// What divides each pair when the substep begins, where the CCD asks again.
     dividers: Buffer<Vec<Vec4>>,
     /// The pairs of each particle, where the CCD asks again.
@@ -119,6 +117,7 @@ const RESTITUTION_PASSES: u32 = 3;
 impl Contacts {
     /// Forgets all pairs.
     pub(crate) fn clear(&mut self) {
+        self.incidence.forget();
         self.paired.fill(false);
         self.pairs.clear();
         self.borne.clear();
@@ -221,8 +220,9 @@ impl Contacts {
 
     /// Forgets all pairs except those to `keep`, and notes what the others bear.
     fn forget_all_but(&mut self, keep: impl Fn(&Contact) -> bool) {
-        let Self { pairs, borne, loads, constraints, impacts, .. } = self;
+        let Self { pairs, borne, loads, constraints, impacts, incidence, .. } = self;
         // They index pairs.
+        incidence.forget();
         constraints.clear();
         impacts.clear();
         loads.clear();
@@ -283,6 +283,7 @@ impl Contacts {
     /// Lists a pair, with what it bore when it was listed before.
     #[inline]
     fn push(&mut self, pair: Contact) {
+        self.incidence.forget();
         note_paired(&mut self.paired, pair.particles);
         let load = self.loads.of(pair.kind, pair.particles);
         if load.push > 0.0 {
@@ -299,8 +300,6 @@ impl Contacts {
         self.start.per_second = if h > 0.0 { h.recip() } else { 0.0 };
         // For the CCD, which mostly needs none of them.
         self.ground.begin(n, self.paired.iter().filter(|paired| **paired).count());
-        self.bounds.clear();
-        self.bounds.reserve(n);
         self.dividers.clear();
         self.dividers.reserve(self.pairs.len());
         self.incidence.reserve(n, self.pairs.len());
