@@ -26,6 +26,10 @@ pub enum SceneName {
     Crosswise,
     /// A strip whose ends are turned against each other.
     Twist,
+    /// A tube whose ends are turned against each other.
+    TwistedTube,
+    /// Two ribbons in a reef knot that is pulled tight.
+    ReefKnot,
     /// A sheet that falls through a funnel.
     Funnel,
     /// A curtain into which a ball swings.
@@ -34,6 +38,8 @@ pub enum SceneName {
     Skirt,
     /// A corner pinched between two balls.
     Pinch,
+    /// A stack of sheets that a ball presses on the floor.
+    Pressed,
     /// A sheet dropped on twenty needles.
     Needles,
     /// A sheet that hangs from a corner and is let go: a heap.

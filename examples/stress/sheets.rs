@@ -71,10 +71,13 @@ fn scene(arguments: &Arguments) -> Result<Scene, String> {
         SceneName::Stack => scenes::stack(cloths.unwrap_or(10), size),
         SceneName::Crosswise => scenes::crosswise(size),
         SceneName::Twist => scenes::twist(size),
+        SceneName::TwistedTube => scenes::twisted_tube(size),
+        SceneName::ReefKnot => scenes::reef_knot(size),
         SceneName::Funnel => scenes::funnel(size),
         SceneName::Curtain => scenes::curtain(size),
         SceneName::Skirt => scenes::skirt(size),
         SceneName::Pinch => scenes::pinch(size),
+        SceneName::Pressed => scenes::pressed(size),
         SceneName::Needles => scenes::needles(size),
         SceneName::Heap => scenes::heap(size, 0),
         SceneName::Spin => match &arguments.garment {
@@ -115,9 +118,11 @@ fn look(scene: &mut Scene) -> Option<u32> {
 
 /// Whether a scene is about cloth that meets itself.
 fn folds(arguments: &Arguments) -> bool {
-    use SceneName::{Crosswise, Curtain, Funnel, Heap, Needles, Pinch, Skirt, Spin, Stack, Tablecloth, TurningBall, Twist};
-    let driven = matches!(arguments.scene, Curtain | Skirt | Pinch | Spin | TurningBall | Tablecloth);
-    driven || matches!(arguments.scene, Stack | Crosswise | Twist | Funnel | Needles | Heap)
+    use SceneName::{Crosswise, Curtain, Funnel, Heap, Needles, Pinch, Pressed, ReefKnot, Skirt, Spin, Stack, TwistedTube};
+    use SceneName::{Tablecloth, TurningBall, Twist};
+    let driven = matches!(arguments.scene, Curtain | Skirt | Pinch | Pressed | Spin | TurningBall | Tablecloth);
+    let tight = matches!(arguments.scene, Twist | TwistedTube | ReefKnot | Funnel);
+    driven || tight || matches!(arguments.scene, Stack | Crosswise | Needles | Heap)
 }
 
 /// The method asked for, or the one that suits the scene.

@@ -9,6 +9,8 @@ pub mod heap;
 pub mod needles;
 mod obj;
 mod pinch;
+mod pressed;
+mod reef_knot;
 mod seeds;
 pub mod shown;
 pub mod skirt;
@@ -18,6 +20,7 @@ pub mod tablecloth;
 mod tangles;
 pub mod turning_ball;
 pub mod twist;
+mod twisted_tube;
 mod units;
 
 use std::sync::Arc;
@@ -39,6 +42,8 @@ pub use heap::heap;
 pub use needles::needles;
 pub use obj::obj;
 pub use pinch::pinch;
+pub use pressed::pressed;
+pub use reef_knot::reef_knot;
 pub use seeds::{Seed, SeedKind, SeedRun};
 pub use skirt::skirt;
 pub use spin::{spin, spin_of};
@@ -47,6 +52,7 @@ pub use tablecloth::tablecloth;
 pub use tangles::Tangle;
 pub use turning_ball::turning_ball;
 pub use twist::twist;
+pub use twisted_tube::twisted_tube;
 pub use units::Unit;
 
 /// The scene with default untangling from now on: each cloth with the others and, if `self_collision`, with itself.
