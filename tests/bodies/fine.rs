@@ -142,7 +142,7 @@ fn a_sheet_over_the_corners_of_a_box_is_not_drawn_out() {
 #[test]
 fn no_edge_of_a_table_cloth_that_is_pulled_away_is_drawn_through_the_table() {
     let half = tablecloth::TABLE.as_dvec3();
-    // Of eight starts of 36² three still have an edge in it, for a frame or two; none jams.
+    // Of eight starts of 36² start 3 jams.
     for (n, starts, has_none) in [(30, 1..=4, true), (36, 1..=2, false), (40, 1..=2, true)] {
         for seed in starts {
             let mut scene = untangled(tablecloth(n).jittered(seed), true);

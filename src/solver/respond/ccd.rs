@@ -48,7 +48,7 @@ const KEPT: f32 = 0.2;
 
 impl Contacts {
     /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to `now` (`[m]`, `w` inverse
-    /// mass); whether any. Once `effort` is spent on pairs that are asked again, what still passes is bounded at once.
+    /// mass); whether any. Once `effort` is spent on pairs that are asked again, what still passes is truncated at once.
     pub(crate) fn clamp_motion(&mut self, now: &mut [Vec4], effort: &mut Effort) -> bool {
         self.clamp(now, effort, false, |_, _| false)
     }
@@ -285,18 +285,6 @@ impl<F: Fn(&Contact) -> bool> Dividers<'_, F> {
     /// What is left of the `own` way `[m]` of a particle, so that it stays on its side of what divides any of its pairs.
     fn truncate(&mut self, particle: u32, own: Vec3, incidence: &Incidence) -> Vec3 {
         let mut share = 1.0f32;
-        self.each_side(particle, incidence, |inwards, room| {
-            let towards = inwards.dot(own);
-            if towards > room {
-                share = share.min(room / towards);
-            }
-        });
-        own * share
-    }
-
-    /// Calls `side` for each pair of a particle, with the unit normal towards what divides it, and how far it may go along that
-    /// `[m]`.
-    fn each_side(&mut self, particle: u32, incidence: &Incidence, mut side: impl FnMut(Vec3, f32)) {
         for i in incidence.of(particle) {
             let pair = &self.pairs[i];
             if pair.was_inverted || (self.is_free)(pair) {
@@ -306,9 +294,13 @@ impl<F: Fn(&Contact) -> bool> Dividers<'_, F> {
             let Some(k) = pair.particles.iter().position(|&p| p == particle).filter(|_| gap > 0.0) else { continue };
             let first = pair.first();
             let margin = 0.5 * (gap - closable(gap, pair.thickness));
-            let room = room(n, k, first, &self.points(pair)) - margin;
-            side(if k < first { -n } else { n }, room.max(0.0));
+            let room = (room(n, k, first, &self.points(pair)) - margin).max(0.0);
+            let towards = if k < first { -n.dot(own) } else { n.dot(own) };
+            if towards > room {
+                share = share.min(room / towards);
+            }
         }
+        own * share
     }
 
     /// Where a pair was when the substep began `[m]`.
