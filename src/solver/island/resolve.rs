@@ -199,7 +199,7 @@ impl Island {
         // What touched before may cross by rounding.
         self.put_back(MOST_ROUNDS, true, Rollback::restore_exactly);
         self.put_back(MOST_ROUNDS, true, Rollback::follow_pins);
-        self.stay_whole();
+        self.put_back_whole();
     }
 
     /// Puts crossing cloth back and looks again, until nothing is left to put. It ends after `rounds` rounds, or when the work
@@ -236,13 +236,14 @@ impl Island {
         }
         self.look();
         let there = self.put_back(MOST_ROUNDS, true, Rollback::restore_exactly);
-        self.stay_whole() || there
+        self.put_back_whole() || there
     }
 
-    /// Leaves the cloths that cross where they were, as a whole, whatever work that is: no other place is known to be clean. A
-    /// cloth that stays may be met by one that went on.
-    fn stay_whole(&mut self) -> bool {
-        self.put_back(self.surface.parts.len().min(MOST_ROUNDS), false, Rollback::restore_cloths)
+    /// Puts the cloths that cross back as a whole, whatever work that is. A cloth that was may be met by one that went on.
+    fn put_back_whole(&mut self) -> bool {
+        let rounds = self.surface.parts.len().min(MOST_ROUNDS);
+        let any = self.put_back(rounds, false, Rollback::follow_pins_whole);
+        self.put_back(rounds, false, Rollback::restore_whole) || any
     }
 
     /// Uses stronger means from now on; `None` goes back to the ordinary ones.

@@ -5,7 +5,7 @@
 //!                   u: motion since of the particle of the contour that moved least
 //!   x ─► x0         where that is not enough; goes on with u
 //!   x ─► R x0 + c   where pins went on: along with those that it crosses ([`pins`])
-//!   all of it ─► x0 where none of these is enough, as long as pins and bodies let it
+//!   all of a cloth ─► R x0 + c, else x0   where none of these is enough; R, c: the rigid motion of all its pins since
 //! ```
 //!
 //! What was clean together and moves together is clean, so each look adds the particles that still cross until none do.
@@ -271,10 +271,30 @@ impl Rollback {
         *self.least = least;
     }
 
-    /// Puts the cloths that cross where they were, as a whole, and returns whether any was elsewhere: no other place is known
-    /// to be clean. No more than a few frames in a row. Velocity is kept, except that particles that were rolled back go on
-    /// with what they had kept: they would do the same again. A cloth that came from far does not stay.
-    pub(crate) fn restore_cloths(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+    /// Puts the cloths that cross back as a whole, each along with its pins since: its edges stay as long as they were. Whether
+    /// any was elsewhere. No more than a few frames in a row. Velocity is kept, except that particles that were rolled back go
+    /// on with what they had kept: they would do the same again. A cloth that came from far is let be.
+    pub(crate) fn follow_pins_whole(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        self.put_whole(tangle, positions, previous, |this, part, positions| {
+            let all = || this.clean[part.clone()].iter().zip(&positions[part.clone()]);
+            let pins = || all().filter(|(_, now)| now.w == 0.0).map(|(before, now)| (before.truncate(), now.truncate()));
+            if pins().any(|(before, now)| now != before) { Rigid::fit(pins) } else { Rigid::shift(Vec3::ZERO) }
+        })
+    }
+
+    /// The same, to the very place where each was: no other is known to be clean.
+    pub(crate) fn restore_whole(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
+        self.put_whole(tangle, positions, previous, |_, _, _| Rigid::shift(Vec3::ZERO))
+    }
+
+    /// Puts the cloths that cross where they were, moved as `motion` says of the particles of each.
+    fn put_whole(
+        &mut self,
+        tangle: &Tangle<'_>,
+        positions: &mut [Vec4],
+        previous: &mut [Vec4],
+        motion: impl Fn(&Self, Range<usize>, &[Vec4]) -> Rigid,
+    ) -> bool {
         if self.stays >= MOST_STAYS {
             return false;
         }
@@ -289,8 +309,9 @@ impl Rollback {
             if positions[part.range()].iter().zip(&self.clean[part.range()]).any(is_far) {
                 continue;
             }
+            let motion = motion(self, part.range(), positions);
             for v in part.range() {
-                let by = (self.clean[v] - positions[v]).truncate().extend(0.0);
+                let by = (motion.point(self.clean[v].truncate()) - positions[v].truncate()).extend(0.0);
                 if positions[v].w > 0.0 && by.is_finite() {
                     any |= by != Vec4::ZERO;
                     positions[v] += by;
@@ -422,7 +443,7 @@ mod tests {
         rollback.restore_relative(&tangle, &mut positions, &mut previous);
         rollback.restore_exactly(&tangle, &mut positions, &mut previous);
         assert_eq!(positions[3], there);
-        assert!(rollback.restore_cloths(&tangle, &mut positions, &mut previous));
+        assert!(rollback.restore_whole(&tangle, &mut positions, &mut previous));
         assert!(positions.iter().zip(&clean).all(|(x, clean)| x.distance(*clean) < 1e-6), "{positions:?}");
     }
 
@@ -458,7 +479,7 @@ mod tests {
         let tangle = look(&mut untangler, &surface, &positions);
         for frame in 0..=MOST_STAYS {
             positions.clone_from(&crossing);
-            let stayed = rollback.restore_cloths(&tangle, &mut positions, &mut previous);
+            let stayed = rollback.restore_whole(&tangle, &mut positions, &mut previous);
             assert_eq!(stayed, frame < MOST_STAYS, "frame {frame}");
             assert_eq!(positions, if stayed { clean.clone() } else { crossing.clone() });
             rollback.note(&surface, &clean, &clean, true);
@@ -467,10 +488,32 @@ mod tests {
     }
 
     #[test]
+    fn whole_cloths_go_back_along_with_their_pins() {
+        let (surface, mut clean) = surface();
+        clean[5].w = 0.0;
+        let mut rollback = Rollback::default();
+        rollback.note(&surface, &clean, &clean, true);
+        // Its pin takes the upper triangle aside, and its corner goes through the lower one.
+        let mut positions = clean.clone();
+        positions[3].z = -0.1;
+        positions[5] += Vec4::X * 0.02;
+        let mut untangler = Untangler::new(&surface);
+        let mut previous = positions.clone();
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!tangle.crossings.is_empty() && rollback.begin(&surface, &positions, &previous, &[true; 2], 4));
+        assert!(rollback.follow_pins_whole(&tangle, &mut positions, &mut previous));
+        assert_eq!(positions[..3], clean[..3]);
+        for v in 3..5 {
+            assert!(positions[v].distance(clean[v] + Vec4::X * 0.02) < 1.0e-6, "{positions:?}");
+        }
+        assert!(look(&mut untangler, &surface, &positions).crossings.is_empty());
+    }
+
+    #[test]
     fn cloth_that_no_contact_keeps_apart_is_not_taken_back() {
         let (surface, _, mut rollback, mut untangler, mut positions, mut previous) = after_a_frame(false);
         let tangle = look(&mut untangler, &surface, &positions);
         assert!(!rollback.restore_relative(&tangle, &mut positions, &mut previous));
-        assert!(!rollback.restore_cloths(&tangle, &mut positions, &mut previous));
+        assert!(!rollback.restore_whole(&tangle, &mut positions, &mut previous));
     }
 }
