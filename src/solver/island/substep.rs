@@ -137,7 +137,8 @@ impl Island {
         if crowded {
             (*self.before).clone_from(&self.particles.positions);
         }
-        if self.clamp_motion() {
+        // Only what was shortened moved.
+        if crowded && self.contacts.clamp_motion_of_few(&mut self.particles.positions, &mut self.asked, |_, _| false) {
             let StepParticles { positions: now, previous: old } = &mut *self.particles;
             for p in self.contacts.stopped() {
                 let m = &cloths[usize::from(self.surface.part(p as u32))];
@@ -202,7 +203,7 @@ impl Island {
                 return;
             }
             self.contacts.push_apart(&mut self.particles.positions);
-            self.clamp_motion();
+            self.contacts.clamp_motion_again(&mut self.particles.positions, &mut self.asked);
         }
     }
 

@@ -50,7 +50,12 @@ impl Contacts {
     /// Shortens the motion of pairs that would pass through each other, from [`Self::note_start`] to `now` (`[m]`, `w` inverse
     /// mass); whether any. Once `effort` is spent on pairs that are asked again, what still passes is truncated at once.
     pub(crate) fn clamp_motion(&mut self, now: &mut [Vec4], effort: &mut Effort) -> bool {
-        self.clamp(now, effort, false, |_, _| false)
+        self.clamp(now, effort, Asked::All, |_, _| false)
+    }
+
+    /// As [`Self::clamp_motion`] once more in the same substep: only pairs of what moved since the last time are asked.
+    pub(crate) fn clamp_motion_again(&mut self, now: &mut [Vec4], effort: &mut Effort) -> bool {
+        self.clamp(now, effort, Asked::MovedSinceLast, |_, _| false)
     }
 
     /// As [`Self::clamp_motion`] where few particles move: only pairs of those are asked. Pairs of which both sides are `free`
@@ -61,32 +66,41 @@ impl Contacts {
         effort: &mut Effort,
         free: impl Fn(&[u32], &[u32]) -> bool,
     ) -> bool {
-        self.clamp(now, effort, true, free)
+        self.clamp(now, effort, Asked::MovedSinceStart, free)
     }
 
-    fn clamp(&mut self, now: &mut [Vec4], effort: &mut Effort, few: bool, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
-        let Self { pairs, paired, offsets, start, cut, dividers, incidence, ground, .. } = self;
+    fn clamp(&mut self, now: &mut [Vec4], effort: &mut Effort, asked: Asked, free: impl Fn(&[u32], &[u32]) -> bool) -> bool {
+        let Self { pairs, paired, offsets, start, clamped, newly_inverted, cut, dividers, incidence, ground, .. } = self;
         let start = start.positions.as_slice();
+        let before = match asked {
+            Asked::All => None,
+            Asked::MovedSinceStart => Some(start),
+            // Nothing is known of pairs that may have passed.
+            Asked::MovedSinceLast => Some(clamped.as_slice()).filter(|clamped| clamped.len() == now.len()),
+        };
         let is_free = |pair: &Contact| {
             let (first, second) = pair.particles.split_at(pair.first());
             free(first, second)
         };
         cut.clear();
         cut.resize(now.len(), 0);
-        let (mut any, mut inverted) = (few, false);
-        let mut ways = Ways { start, now, cut, ground, shared: Vec3::ZERO, pass: u8::from(!few) };
-        dividers.clear();
+        let mut any = before.is_some_and(|before| before != now);
+        let mut ways = Ways { start, now, cut, ground, shared: Vec3::ZERO, pass: u8::from(before.is_none()) };
         let mut dividers = Dividers { pairs, offsets, start, known: dividers, is_free };
-        for (i, pair) in pairs.iter().enumerate() {
-            inverted |= pair.inverted && !pair.was_inverted;
-            any |= !few && ways.clamp(i, &mut dividers, incidence);
+        if before.is_none() {
+            for i in 0..pairs.len() {
+                any |= ways.clamp(i, &mut dividers, incidence);
+            }
         }
-        let mut is_cut = any && !few;
+        let mut is_cut = any && before.is_none();
         if any {
             dividers.known.resize(pairs.len(), Vec4::NAN);
             incidence.list(ways.now.len(), pairs);
             // What did not move meets only what did.
-            let is_due = |particle: u32| if few { ways.moved(particle) } else { ways.is_new(particle) };
+            let is_due = |particle: u32| match before {
+                Some(before) => before[particle as usize] != ways.now[particle as usize],
+                None => ways.is_new(particle),
+            };
             (0..ways.now.len() as u32)
                 .filter(|&particle| is_due(particle))
                 .for_each(|particle| incidence.ask_again(particle, None));
@@ -118,8 +132,10 @@ impl Contacts {
                 }
             }
         }
+        clamped.clear();
         if !any {
-            if inverted {
+            clamped.extend_from_slice(now);
+            if core::mem::take(newly_inverted) {
                 pairs.iter_mut().for_each(|pair| pair.inverted &= pair.was_inverted);
             }
             return is_cut;
@@ -139,6 +155,14 @@ impl Contacts {
     }
 }
 
+/// Which pairs are asked: all, or those of what moved since the substep began or since they were asked last.
+#[derive(Clone, Copy)]
+enum Asked {
+    All,
+    MovedSinceStart,
+    MovedSinceLast,
+}
+
 /// The ways of all particles in a substep.
 struct Ways<'a> {
     start: &'a [Vec4],
@@ -156,11 +180,6 @@ impl Ways<'_> {
     /// The particles that were last stopped in a pass, or [`WITH_HELD`].
     fn cut_in(&self, pass: u8) -> impl Iterator<Item = u32> + '_ {
         (0..).zip(self.cut.iter()).filter(move |(_, cut)| **cut == pass).map(|(particle, _)| particle)
-    }
-
-    /// Whether a particle moves.
-    fn moved(&self, particle: u32) -> bool {
-        self.start[particle as usize] != self.now[particle as usize]
     }
 
     /// Whether a particle was stopped in this pass.
@@ -569,6 +588,41 @@ mod tests {
                 let (mut now, mut contacts) = (end.clone(), Contacts::of_pairs(&pairs, &start));
                 let any = if few {
                     contacts.clamp_motion_of_few(&mut now, &mut effort(), |_, _| false)
+                } else {
+                    contacts.clamp_motion(&mut now, &mut effort())
+                };
+                (any, now, contacts.stopped().collect::<Vec<_>>())
+            };
+            let all = clamped(false);
+            assert_eq!(clamped(true), all);
+            cut += all.2.len();
+        }
+        assert!(cut > 500, "{cut}");
+    }
+
+    #[test]
+    fn pairs_of_what_moved_since_are_clamped_as_all_pairs_are() {
+        let mut rng = fastrand::Rng::with_seed(19);
+        let mut cut = 0;
+        for _ in 0..500 {
+            let mut point = |size: f32| (vec3(rng.f32(), rng.f32(), rng.f32()) - 0.5) * size;
+            let start: Vec<Vec4> = (0..24).map(|_| point(1.0).extend(1.0)).collect();
+            let end: Vec<Vec4> = start.iter().map(|x| *x + point(0.5).extend(0.0)).collect();
+            let then: Vec<Vec4> = (0..24).map(|i| if i < 4 { point(1.0).extend(0.0) } else { Vec4::ZERO }).collect();
+            let mut all: [u32; 24] = core::array::from_fn(|i| i as u32);
+            let pairs: Vec<Contact> = (0..20)
+                .map(|n| {
+                    let kind = if n % 2 == 0 { ProximityKind::VertexFace } else { ProximityKind::EdgeEdge };
+                    rng.shuffle(&mut all);
+                    Contact { particles: [all[0], all[1], all[2], all[3]], ..Contact::bare(kind, 0.01) }
+                })
+                .collect();
+            let clamped = |again: bool| {
+                let (mut now, mut contacts) = (end.clone(), Contacts::of_pairs(&pairs, &start));
+                contacts.clamp_motion(&mut now, &mut effort());
+                now.iter_mut().zip(&then).for_each(|(x, by)| *x += *by);
+                let any = if again {
+                    contacts.clamp_motion_again(&mut now, &mut effort())
                 } else {
                     contacts.clamp_motion(&mut now, &mut effort())
                 };

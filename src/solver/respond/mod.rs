@@ -61,6 +61,8 @@ pub(crate) struct Contacts {
     /// Constraints of pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
     impacts: Buffer<Vec<(u32, f32)>>,
     start: Buffer<Start>,
+    /// Positions when nothing passed any more in the CCD of this substep `[m]`; empty before, and where something may have.
+    clamped: Buffer<Vec<Vec4>>,
     /// Pass of the CCD in which each particle was last stopped.
     cut: Buffer<Vec<u8>>,
     /// What divides each pair when the substep begins, where the CCD asks again.
@@ -70,6 +72,8 @@ pub(crate) struct Contacts {
     depths: Depths,
     /// What bodies bear in the substep.
     ground: Buffer<Ground>,
+    /// Whether a pair may have got on the wrong side in this substep.
+    newly_inverted: bool,
     /// Pairs that were kept at the last look since they are on the wrong side.
     inverted: Vec<(u8, [u32; 4])>,
     /// What pairs bore that the last look forgot.
@@ -300,6 +304,8 @@ impl Contacts {
         self.start.per_second = if h > 0.0 { h.recip() } else { 0.0 };
         // For the CCD, which mostly needs none of them.
         self.ground.begin(n, self.paired.iter().filter(|paired| **paired).count());
+        self.clamped.clear();
+        self.clamped.reserve(n);
         self.dividers.clear();
         self.dividers.reserve(self.pairs.len());
         self.incidence.reserve(n, self.pairs.len());
@@ -321,13 +327,15 @@ impl Contacts {
         let ratio = if self.substep > 0.0 { (h / self.substep) * (h / self.substep) } else { 1.0 };
         self.substep = h;
         let (up, recovery) = (-gravity.normalize_or_zero(), RECOVERY_SPEED * h);
-        let Self { pairs, borne, depths, constraints, offsets, .. } = self;
+        let Self { pairs, borne, depths, constraints, offsets, newly_inverted, .. } = self;
+        *newly_inverted = false;
         debug_assert!(borne.is_sorted_by(|a, b| a.pair < b.pair), "loads are found in the order of pairs");
         constraints.clear();
         let (cloths, mut borne) = (Cloths { offsets, touch: fabrics }, borne.iter().peekable());
         for (i, pair) in (0..).zip(pairs) {
             let load = borne.next_if(|borne| borne.pair == i).map(|borne| borne.load.scaled(ratio)).unwrap_or_default();
             let touched = pair.touch(i, load, &mut Particles { now, old, depths, cloths, up });
+            *newly_inverted |= pair.inverted && !pair.was_inverted;
             if let Some(mut constraint) = touched {
                 constraint.bring_out(recovery, now, old);
                 constraints.push(constraint);
