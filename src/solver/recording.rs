@@ -21,7 +21,7 @@ use super::step::{FrameInput, Stepped, prepare, step};
 use super::wind::Wind;
 
 /// What files of this form begin with: the name and the number of the form. Another number is another form.
-const MAGIC: &[u8; 8] = b"drape\0\0\x0a";
+const MAGIC: &[u8; 8] = b"drape\0\0\x0b";
 /// The version that wrote a file stands in it: what is recorded is private, and changes.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 

@@ -364,8 +364,9 @@ fn an_outfit_in_a_clip() {
     let outfit: Vec<&str> = outfit.split(',').collect();
     let repeats = !matches!(clip.as_str(), "Sit" | "LieDown");
     let phases: u32 = of("PHASES", "1").parse().expect("a number");
+    let second: u32 = rate.parse().expect("a rate [Hz]");
     for phase in 0..phases {
-        dressed(&outfit, &clip, (repeats, 0.1 * phase as f32), rate.parse().expect("a rate [Hz]"), [60, 180]);
+        dressed(&outfit, &clip, (repeats, 0.1 * phase as f32), second as f32, [second, 3 * second]);
     }
 }
 

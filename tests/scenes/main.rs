@@ -66,8 +66,8 @@ fn a_finer_cloth_is_pulled_off_a_table() {
     shows_no_crossing_from([0], "tablecloth", 150, 3.5, || scenes::tablecloth(45));
 }
 
-/// Where nothing else helps a cloth is put back as a whole. Had it to stay where it was while its pins went on, it would be torn
-/// at ever harder: edges of this start got 181 times as long, and 47 frames crossed.
+/// Where nothing else helps a cloth is put back as a whole. If it stayed where it was while its pins went on, it would be torn at
+/// ever harder: edges of this start got 181 times as long, and 47 frames crossed.
 #[test]
 fn a_cloth_that_is_put_back_goes_along_with_its_pins() {
     shows_no_crossing_from([3], "tablecloth", 150, 5.5, || scenes::tablecloth(36));

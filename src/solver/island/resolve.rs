@@ -228,8 +228,8 @@ impl Island {
     }
 
     /// For the case that bodies pushed what was rolled back, and something crosses again. The crossing particles go to the very
-    /// place where they were when nothing crossed, or the cloths that cross as a whole. Returns whether anything was put back,
-    /// and is to be [scattered](Self::scatter) once more.
+    /// place where they were when nothing crossed, or the cloths that cross as a whole. Bodies take what went into them with its
+    /// pins out in the next frame. Returns whether anything was put back, and is to be [scattered](Self::scatter) once more.
     pub(super) fn stay(&mut self) -> bool {
         if !(self.stale && self.rollback.rolls_back()) {
             return false;
@@ -239,7 +239,8 @@ impl Island {
         self.put_back_whole() || there
     }
 
-    /// Puts the cloths that cross back as a whole, whatever work that is. A cloth that was may be met by one that went on.
+    /// Puts the cloths that cross back as a whole, whatever work that is. A cloth that was put back may be met by one that went
+    /// on.
     fn put_back_whole(&mut self) -> bool {
         let rounds = self.surface.parts.len().min(MOST_ROUNDS);
         let any = self.put_back(rounds, false, Rollback::follow_pins_whole);

@@ -230,9 +230,11 @@ impl Island {
         self.contacts.apply_restitution(now, old);
     }
 
-    /// Stops on its way what would have passed through since [`Self::note_start`]; whether anything.
-    fn clamp_motion(&mut self) -> bool {
-        !self.contacts.is_empty() && self.contacts.clamp_motion(&mut self.particles.positions, &mut self.asked)
+    /// Stops on its way what would have passed through since [`Self::note_start`].
+    fn clamp_motion(&mut self) {
+        if !self.contacts.is_empty() {
+            self.contacts.clamp_motion(&mut self.particles.positions, &mut self.asked);
+        }
     }
 
     /// Looks for pairs again everywhere when the time looked ahead is up. Before that only when it is `due`, and where cloth

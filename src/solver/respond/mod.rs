@@ -61,7 +61,7 @@ pub(crate) struct Contacts {
     /// Constraints of pairs that met fast in the last substep, and how fast each is to part `[m/s]`.
     impacts: Buffer<Vec<(u32, f32)>>,
     start: Buffer<Start>,
-    /// Positions when nothing passed any more in the CCD of this substep `[m]`; empty before, and where something may have.
+    /// Positions when the CCD of this substep had nothing more to cut `[m]`; empty before, and where it gave up.
     clamped: Buffer<Vec<Vec4>>,
     /// Pass of the CCD in which each particle was last stopped.
     cut: Buffer<Vec<u8>>,

@@ -32,7 +32,7 @@ const FARTHEST_EDGES: f32 = 4.0;
 /// a whole.
 const ALONE_EDGES: f32 = 1.0;
 
-/// Frames in a row in which whole cloths stay where they were.
+/// Frames in a row in which whole cloths are put back.
 const MOST_STAYS: u32 = 8;
 
 /// What crosses: the crossings, and the contours that they are of.
@@ -77,7 +77,7 @@ pub(crate) struct Rollback {
     fastest: Vec<f32>,
     /// How far particles of each cloth may be put back in this frame `[m]`.
     farthest: Vec<f32>,
-    /// Whether this frame is to be rolled back, and whether whole cloths stayed.
+    /// Whether this frame is to be rolled back, and whether whole cloths were put back.
     rolls_back: bool,
     stayed: bool,
     /// Frames in a row in which they did.
@@ -98,7 +98,7 @@ impl Rollback {
         self.was_restored.contains(&true)
     }
 
-    /// Whether whole cloths stayed in the frame that ended last.
+    /// Whether whole cloths were put back in the frame that ended last.
     pub(crate) fn stayed(&self) -> bool {
         self.stays > 0
     }
@@ -271,13 +271,15 @@ impl Rollback {
         *self.least = least;
     }
 
-    /// Puts the cloths that cross back as a whole, each along with its pins since: its edges stay as long as they were. Whether
-    /// any was elsewhere. No more than a few frames in a row. Velocity is kept, except that particles that were rolled back go
-    /// on with what they had kept: they would do the same again. A cloth that came from far is let be.
+    /// Puts the cloths that cross back as a whole, each along with its pins since. Where these moved as one, its edges stay as
+    /// long as they were. Whether any was elsewhere. No more than a few frames in a row. Velocity is kept, except that particles
+    /// that were rolled back go on with what they had kept, or with the pins: they would do the same again. A cloth that came
+    /// from far, or would go far, stays where it is: of pins nearly in a row, a bend looks like a turn.
     pub(crate) fn follow_pins_whole(&mut self, tangle: &Tangle<'_>, positions: &mut [Vec4], previous: &mut [Vec4]) -> bool {
         self.put_whole(tangle, positions, previous, |this, part, positions| {
             let all = || this.clean[part.clone()].iter().zip(&positions[part.clone()]);
             let pins = || all().filter(|(_, now)| now.w == 0.0).map(|(before, now)| (before.truncate(), now.truncate()));
+            // Nothing fits no pins, and pins at rest change no bit.
             if pins().any(|(before, now)| now != before) { Rigid::fit(pins) } else { Rigid::shift(Vec3::ZERO) }
         })
     }
@@ -303,21 +305,26 @@ impl Rollback {
         let substeps = self.substeps.max(1.0);
         self.note_crossed(tangle);
         for (i, part) in tangle.surface.parts.iter().enumerate().filter(|(part, _)| self.crossed[*part]) {
+            let motion = motion(self, part.range(), positions);
             let is_far = |(now, then): (&Vec4, &Vec4)| {
-                now.w > 0.0 && Vec3A::from_vec4(*now - *then).length_squared() > self.farthest[i] * self.farthest[i]
+                let (then, most) = (then.truncate(), self.farthest[i] * self.farthest[i]);
+                let is_far = |at: Vec3| at.distance_squared(then) > most;
+                now.w > 0.0 && (is_far(now.truncate()) || is_far(motion.point(then)))
             };
             if positions[part.range()].iter().zip(&self.clean[part.range()]).any(is_far) {
                 continue;
             }
-            let motion = motion(self, part.range(), positions);
             for v in part.range() {
-                let by = (motion.point(self.clean[v].truncate()) - positions[v].truncate()).extend(0.0);
+                let clean = self.clean[v].truncate();
+                let to = motion.point(clean);
+                let by = (to - positions[v].truncate()).extend(0.0);
                 if positions[v].w > 0.0 && by.is_finite() {
                     any |= by != Vec4::ZERO;
                     positions[v] += by;
                     previous[v] += by;
                     if self.restored[v] {
-                        previous[v] = positions[v].truncate().extend(previous[v].w) - (self.kept[v] / substeps).extend(0.0);
+                        let way = if to == clean { self.kept[v].into() } else { to - clean };
+                        previous[v] = positions[v].truncate().extend(previous[v].w) - (way / substeps).extend(0.0);
                     }
                 }
             }
@@ -507,6 +514,33 @@ mod tests {
             assert!(positions[v].distance(clean[v] + Vec4::X * 0.02) < 1.0e-6, "{positions:?}");
         }
         assert!(look(&mut untangler, &surface, &positions).crossings.is_empty());
+    }
+
+    #[test]
+    fn a_bend_of_pins_in_a_row_does_not_throw_the_cloth() {
+        // Two strips, one through the other; the upper one hangs from a row of pins that bends.
+        let topology = Arc::new(Topology::new(4, vec![[0, 1, 3], [1, 2, 3]]));
+        let rest = [Vec3::ZERO, vec3(0.2, 0.0, 0.01), vec3(0.4, 0.0, 0.0), vec3(0.2, 1.2, 0.0)];
+        let lower = rest.map(|x| x + vec3(0.0, 0.0, -0.2));
+        let part = |rest| PartRef { topology: &topology, rest, garment_layer: 0, self_collision: true, thickness: 0.01 };
+        let surface = Surface::new(&[part(&lower), part(&rest)]).expect("two cloths");
+        let mut clean: Vec<Vec4> = lower.into_iter().chain(rest).map(|x| x.extend(1.0)).collect();
+        clean[4..7].iter_mut().for_each(|x| x.w = 0.0);
+        let mut rollback = Rollback::default();
+        rollback.note(&surface, &clean, &clean, true);
+        let mut positions = clean.clone();
+        positions[5].y += 0.005;
+        positions[5].z -= 0.005;
+        positions[7].z -= 0.3;
+        let (mut previous, mut untangler) = (positions.clone(), Untangler::new(&surface));
+        let tangle = look(&mut untangler, &surface, &positions);
+        assert!(!tangle.crossings.is_empty() && rollback.begin(&surface, &positions, &previous, &[true; 2], 4));
+        rollback.farthest.fill(0.4);
+        let crossing = positions[7];
+        rollback.follow_pins_whole(&tangle, &mut positions, &mut previous);
+        assert_eq!(positions[7], crossing, "pins that bend look like {:?}", positions[7]);
+        assert!(rollback.restore_whole(&tangle, &mut positions, &mut previous));
+        assert!(positions[7].distance(clean[7]) < 1.0e-6);
     }
 
     #[test]
