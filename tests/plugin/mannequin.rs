@@ -356,6 +356,45 @@ fn a_clip_that_takes_over_at_once_tangles_nothing() {
     assert!(recoveries <= 1, "{recoveries}");
 }
 
+/// Mean height and reach of the hem of a piece from where it is pinned `[m]`, over the third cycle of a walk.
+fn hem(piece: &str, rate: f32) -> [f32; 2] {
+    let folder = drape_tests::root().join("assets");
+    let mut app = character(&folder, "character.glb", "Walk", true, rate, 0.0, Some(&[piece]));
+    let Clips(gltf) = app.world().resource();
+    let gltf = app.world().resource::<Assets<Gltf>>().get(gltf).expect("a character");
+    let clips = app.world().resource::<Assets<AnimationClip>>();
+    let cycle = (clips.get(&gltf.named_animations["Walk"]).expect("a clip").duration() * rate).round() as usize;
+    let (_, cloth) = clothes(&mut app).remove(0);
+    let (at, state) = (particles(&app, cloth), app.world().get::<ClothParticles>(cloth).expect("a cloth").state());
+    let mut hem: Vec<usize> = (0..at.len()).collect();
+    hem.sort_by(|&a, &b| at[a].y.total_cmp(&at[b].y));
+    hem.truncate(at.len() / 10);
+    let pinned: Vec<usize> = (0..at.len()).filter(|&v| state.positions[v].w == 0.0).collect();
+    run(&mut app, 2 * cycle);
+    let (mut height, mut reach) = (0.0, 0.0);
+    for _ in 0..cycle {
+        run(&mut app, 1);
+        let at = particles(&app, cloth);
+        let mean = |of: &[usize]| of.iter().map(|&v| at[v]).sum::<Vec3>() / of.len() as f32;
+        let from = mean(&pinned);
+        height += (mean(&hem).y - from.y) / cycle as f32;
+        reach += hem.iter().map(|&v| (at[v] - from).xz().length()).sum::<f32>() / (hem.len() * cycle) as f32;
+    }
+    [height, reach]
+}
+
+#[test]
+fn a_hem_hangs_as_high_and_swings_as_far_at_any_frame_rate() {
+    for piece in ["Skirt", "Cape"] {
+        let all = [30.0, 60.0, 144.0].map(|rate| hem(piece, rate));
+        println!("{piece}: height and reach at 30, 60, 144 Hz {all:?}");
+        for i in 0..2 {
+            let (least, most) = all.iter().map(|x| x[i]).fold((f32::MAX, f32::MIN), |(a, b), x| (a.min(x), b.max(x)));
+            assert!(most - least < 0.005, "{piece}: {all:?}");
+        }
+    }
+}
+
 #[test]
 #[ignore = "for measuring: OUTFIT=Coat,Shirt CLIP=Walk RATE=60 PHASES=1"]
 fn an_outfit_in_a_clip() {
