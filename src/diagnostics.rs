@@ -4,14 +4,14 @@ use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnost
 use bevy::prelude::*;
 
 use crate::components::{Cloth, ClothDetail, ClothReport};
-use crate::islands::ClothIslands;
+use crate::islands::{ClothIsland, ClothIslands};
 use crate::schedule;
 use crate::simulation::{ClothParticles, ClothRest};
 
 /// Measures all cloths together, once for every frame that is shown.
 ///
-/// Times are those of the last simulated frame, summed over cloths: with several threads the frame takes less. [`ClothReport`]
-/// has them for each cloth.
+/// Times are those of the last simulated frame, summed over cloths that are not stepped in the background. With several threads
+/// the frame takes less. [`ClothReport`] has them for each cloth.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -56,6 +56,8 @@ impl ClothDiagnosticsPlugin {
     pub const HELD_FRAMES: DiagnosticPath = DiagnosticPath::const_new("cloth/held_frames");
     /// Cloths that [`ClothBudget`](crate::ClothBudget) leaves less than all detail.
     pub const LOWERED: DiagnosticPath = DiagnosticPath::const_new("cloth/lowered");
+    /// Cloths whose frames run in the background, since one takes longer than [`ClothBudget`](crate::ClothBudget).
+    pub const IN_BACKGROUND: DiagnosticPath = DiagnosticPath::const_new("cloth/in_background");
     /// Cloths that sleep.
     pub const SLEEPING: DiagnosticPath = DiagnosticPath::const_new("cloth/sleeping");
 
@@ -63,7 +65,7 @@ impl ClothDiagnosticsPlugin {
     pub const TIMES: [DiagnosticPath; 6] =
         [Self::INTEGRATE, Self::DETECT, Self::RESOLVE, Self::EVALUATE, Self::RESPOND, Self::SYNC];
     /// The counts.
-    pub const COUNTS: [DiagnosticPath; 9] = [
+    pub const COUNTS: [DiagnosticPath; 10] = [
         Self::PARTICLES,
         Self::SPRINGS,
         Self::CONTACTS,
@@ -72,6 +74,7 @@ impl ClothDiagnosticsPlugin {
         Self::DEFERRED,
         Self::HELD_FRAMES,
         Self::LOWERED,
+        Self::IN_BACKGROUND,
         Self::SLEEPING,
     ];
 }
@@ -101,22 +104,24 @@ fn measure(
     let times: [fn(&ClothReport) -> f32; 6] =
         [|r| r.integrate_ms, |r| r.detect_ms, |r| r.resolve_ms, |r| r.evaluate_ms, |r| r.respond_ms, |r| r.sync_ms];
     for (path, of) in Plugin::TIMES.into_iter().zip(times) {
-        diagnostics.add_measurement(&path, || cloths.iter().map(|(report, ..)| f64::from(of(report))).sum());
+        let in_frame = cloths.iter().map(|(report, ..)| report).filter(|report| !report.in_background);
+        diagnostics.add_measurement(&path, || in_frame.map(|report| f64::from(of(report))).sum());
     }
     let sum = |of: fn((&ClothReport, &ClothRest, &ClothParticles)) -> usize| cloths.iter().map(of).sum::<usize>() as f64;
     diagnostics.add_measurement(&Plugin::PARTICLES, || sum(|(_, _, particles)| particles.len()));
     diagnostics.add_measurement(&Plugin::SPRINGS, || sum(|(_, rest, _)| rest.shape().springs.count));
     // What two cloths share is counted once.
-    let total = |of: fn(&crate::islands::ClothIsland) -> u32| islands.list.iter().map(of).sum::<u32>();
+    let total = |of: fn(&ClothIsland) -> u32| islands.list.iter().map(of).sum::<u32>();
     diagnostics.add_measurement(&Plugin::CONTACTS, || {
-        sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(|island| island.solver.contacts().touching()))
+        sum(|(report, ..)| report.body_contacts as usize) + f64::from(total(ClothIsland::touching))
     });
-    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|island| island.solver.total().all_crossings())));
-    diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|island| island.solver.total().contours)));
+    diagnostics.add_measurement(&Plugin::CROSSINGS, || f64::from(total(|island| island.total().all_crossings())));
+    diagnostics.add_measurement(&Plugin::CONTOURS, || f64::from(total(|island| island.total().contours)));
     diagnostics.add_measurement(&Plugin::DEFERRED, || sum(|(report, ..)| usize::from(report.deferred)));
     diagnostics.add_measurement(&Plugin::HELD_FRAMES, || {
         f64::from(cloths.iter().map(|(report, ..)| report.held_frames).max().unwrap_or(0))
     });
     diagnostics.add_measurement(&Plugin::LOWERED, || sum(|(report, ..)| usize::from(report.by_budget > ClothDetail::Full)));
+    diagnostics.add_measurement(&Plugin::IN_BACKGROUND, || sum(|(report, ..)| usize::from(report.in_background)));
     diagnostics.add_measurement(&Plugin::SLEEPING, || sum(|(report, ..)| usize::from(report.asleep)));
 }

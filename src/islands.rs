@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use bevy::math::{DVec3, Vec4};
 use bevy::prelude::*;
+use bevy::tasks::Task;
 
-use crate::components::{ClothCollision, ClothCollisionLayers};
+use crate::components::{ClothCollision, ClothCollisionLayers, ClothReport};
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace};
 use crate::solver::detect::tree::TreeTopology;
 use crate::solver::detect::{PartRef, PartSettings};
@@ -18,6 +19,7 @@ use crate::solver::island::{Island, Stage, UntangleSettings};
 use crate::solver::resolve::ContourKind;
 use crate::solver::rest::RestShape;
 use crate::solver::state::ClothState;
+use crate::solver::verdict::Verdict;
 
 /// Farthest coordinate from a cloth's origin at which it is looked at `[m]`.
 const FARTHEST: f64 = 1.0e6;
@@ -57,9 +59,74 @@ pub(crate) struct ClothIsland {
     pub built: bool,
     /// Whether its members are stepped side by side in this frame.
     pub together: bool,
+    pub background: Background,
+}
+
+/// Frames of an island in the background.
+#[derive(Default)]
+pub(crate) struct Background {
+    /// Whether its frames run there.
+    pub is_on: bool,
+    /// The frame under way. It has the solver of the island.
+    pub frame: Option<Task<BackgroundFrame>>,
+    /// Length of the frame that was done just now `[s]`.
+    pub done: Option<f32>,
+    /// What the last frame came to, and how many pairs touched, while the next has the solver.
+    pub total: Verdict,
+    pub touching: u32,
+}
+
+impl Clone for Background {
+    /// What is under way stays with the island.
+    fn clone(&self) -> Self {
+        Self { frame: None, ..*self }
+    }
+}
+
+/// A frame of an island that is stepped in the background, with all that it takes.
+pub(crate) struct BackgroundFrame {
+    pub island: ClothIsland,
+    /// Its members.
+    pub cloths: Vec<BackgroundCloth>,
+    /// Length of the frame `[s]`.
+    pub dt: f32,
+}
+
+/// A cloth in the background.
+pub(crate) struct BackgroundCloth {
+    pub rest: ClothRest,
+    pub inputs: ClothInputs,
+    pub particles: ClothParticles,
+    pub report: ClothReport,
+    /// Its particles as the frame began.
+    pub start: ClothState,
+    /// How much of [`ClothInputs::waited`] the frame covers `[s]`.
+    pub waited: f32,
+    /// Whether time passes for it.
+    pub live: bool,
 }
 
 impl ClothIsland {
+    /// Whether it has a solver for its members: it has none while a frame is under way in the background, or before the first.
+    pub(crate) fn is_built(&self) -> bool {
+        self.solver.surface().parts.len() == self.members.len()
+    }
+
+    /// The verdict on all of its cloths together.
+    pub(crate) fn total(&self) -> Verdict {
+        if self.is_built() { self.solver.total() } else { self.background.total }
+    }
+
+    /// Pairs of its cloths that touch.
+    pub(crate) fn touching(&self) -> u32 {
+        if self.is_built() { self.solver.contacts().touching() } else { self.background.touching }
+    }
+
+    /// Builds the solver anew for its members. Without one they go through each other.
+    pub(crate) fn build(&mut self) {
+        self.solver = build(&self.members).unwrap_or_default();
+    }
+
     /// Whether its cloths rest on each other, or on themselves, so that they are stepped side by side.
     pub(crate) fn has_contact(&self) -> bool {
         self.members.iter().any(|member| member.collision.contact)
@@ -114,6 +181,8 @@ struct Candidate {
     high: DVec3,
     /// How much wider its box is `[m]`.
     margin: f64,
+    /// Whether it is stepped in the background.
+    background: bool,
     /// Island of the last frame.
     last: Option<u32>,
 }
@@ -129,7 +198,8 @@ impl Candidate {
 }
 
 impl ClothIslands {
-    /// Segments of all intersection curves in the world `[m]`, each with how its curve ends; as of the last look.
+    /// Segments of all intersection curves in the world `[m]`, each with how its curve ends; as of the last look. None of cloth
+    /// that is stepped in the background.
     pub fn contours(&self) -> impl Iterator<Item = (ContourKind, [DVec3; 2])> + '_ {
         self.list.iter().flat_map(|island| {
             let place = |p: Vec3| island.origin + p.as_dvec3();
@@ -180,8 +250,8 @@ impl ClothIslands {
         };
         let motion = last_box.map_or(0.0, |(a, b)| (low - a).abs().max((high - b).abs()).max_element());
         let margin = f64::from(member.thickness + member.rest.mean_edge) + motion;
-        let (settings, origin) = (inputs.untangle, particles.origin);
-        self.candidates.push(Candidate { member, settings, layers, origin, low, high, margin, last });
+        let (settings, origin, background) = (inputs.untangle, particles.origin, inputs.background);
+        self.candidates.push(Candidate { member, settings, layers, origin, low, high, margin, background, last });
         Some((low, high))
     }
 
@@ -210,8 +280,13 @@ impl ClothIslands {
             let rank = |c: &&Candidate| (c.settings.iterations, Reverse(c.member.entity.index_u32()));
             let best = run.iter().map(of).filter(|c| !c.member.fixed).max_by_key(rank).unwrap_or(first);
             while before.next_if(|old| old.members.first().is_none_or(|m| m.entity < first.member.entity)).is_some() {}
+            let background = run.iter().map(of).any(|c| c.background);
+            // What is under way in the background is of these very shapes, seen from there.
+            let fits = |old: &ClothIsland, [a, b]: [&Member; 2]| {
+                a.fits(b) && (old.is_built() || (background && Arc::ptr_eq(&a.rest, &b.rest) && old.origin == first.origin))
+            };
             let old = before.next_if(|old| {
-                old.members.len() == members.len() && old.members.iter().zip(members.iter()).all(|(a, b)| a.fits(b))
+                old.members.len() == members.len() && old.members.iter().zip(members.iter()).all(|(a, b)| fits(old, [a, b]))
             });
             #[cfg(feature = "record")]
             let known = old.is_some();
@@ -222,20 +297,26 @@ impl ClothIslands {
                     }
                 }
                 island.members.clone_from(members);
+                let built = island.is_built();
                 for (part, member) in members.iter().enumerate() {
                     let ClothCollision { garment_layer, self_collision, .. } = member.collision;
                     let thickness = member.thickness;
-                    island.solver.tune(part, PartSettings { garment_layer, self_collision, thickness });
+                    if built {
+                        island.solver.tune(part, PartSettings { garment_layer, self_collision, thickness });
+                    }
                 }
                 if island.origin != first.origin {
                     island.solver.carry((island.origin - first.origin).as_vec3());
                 }
                 island
             } else {
-                let Some(solver) = build(members) else { continue };
+                // In the background it is built there.
+                let unbuilt = background.then(Island::default);
+                let Some(solver) = unbuilt.or_else(|| build(members)) else { continue };
                 *builds += 1;
                 ClothIsland { solver, members: members.clone(), ..ClothIsland::default() }
             };
+            island.background.is_on = background;
             (island.settings, island.origin) = (best.settings, first.origin);
             island.last_ms = core::mem::take(&mut island.times).iter().sum();
             island.together = false;

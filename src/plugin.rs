@@ -33,8 +33,9 @@ use crate::schedule::ClothClock;
 use crate::schedule::ClothSystems;
 use crate::simulation::{ClothInputs, WorldAir, WorldBodies};
 use crate::systems::{
-    bind, budget, carriers, character, colliders, couple, defaults, detect, evaluate, grab, inputs, integrate, lod, pieces,
-    poses, release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, strays, subdivide, sync, touch, warm_up,
+    background, bind, budget, carriers, character, colliders, couple, defaults, detect, evaluate, grab, inputs, integrate, lod,
+    pieces, poses, release, render_mesh, resolve, respond, skeleton, skin, sleep, sources, strays, subdivide, sync, touch,
+    warm_up,
 };
 use crate::time;
 
@@ -205,7 +206,9 @@ fn stages(app: &mut App, schedule: Interned<dyn ScheduleLabel>, shows: Interned<
                 .chain()
                 .in_set(ClothSystems::Prepare),
             (
-                (integrate::alone, integrate::together, integrate::judge, couple::give).chain().run_if(time::flows),
+                (integrate::alone, integrate::together, integrate::judge, couple::give, background::finish)
+                    .chain()
+                    .run_if(time::flows),
                 couple::rest.run_if(not(time::flows)),
             )
                 .chain()
@@ -218,7 +221,10 @@ fn stages(app: &mut App, schedule: Interned<dyn ScheduleLabel>, shows: Interned<
             )
                 .chain()
                 .in_set(ClothSystems::Evaluate),
-            (respond::respond, touch::touches, sleep::doze).chain().run_if(time::flows).in_set(ClothSystems::Respond),
+            (respond::respond, touch::touches, sleep::doze, background::begin)
+                .chain()
+                .run_if(time::flows)
+                .in_set(ClothSystems::Respond),
         ),
     )
     .add_systems(

@@ -49,7 +49,7 @@ pub struct ClothRecorder {
     /// Most files that are written. Default 16.
     pub most: u32,
     /// Cloths of which a frame is recorded, whatever happens. It is the next in which they move, keep their scale, and meet no
-    /// others than in the frame before.
+    /// others than in the frame before. No frame in the background is recorded.
     pub next: Vec<Entity>,
 }
 
@@ -151,6 +151,7 @@ fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<Und
         let seen = island.members.iter().zip(&members);
         if members.len() != entities.len()
             || !seen.into_iter().all(|(seen, now)| seen.is_as_seen(now.rest, now.particles, now.place))
+            || members.iter().any(|cloth| cloth.inputs.background)
         {
             continue;
         }
@@ -159,7 +160,9 @@ fn begin(time: Res<ClothTime>, islands: Res<ClothIslands>, mut frame: ResMut<Und
         let kept = Recording { island: Some(island.solver.clone()), together, untangle: island.settings, ..recording(members) };
         frame.frames.push((entities, kept, island.origin));
     }
-    let is_alone = |cloth: &RecordableItem| cloth.inputs.active && !cloth.inputs.asleep && cloth.place.island.is_none();
+    let is_alone = |cloth: &RecordableItem| {
+        cloth.inputs.active && !cloth.inputs.asleep && !cloth.inputs.background && cloth.place.island.is_none()
+    };
     for cloth in cloths.iter().filter(is_alone) {
         let origin = cloth.particles.origin;
         frame.frames.push((vec![cloth.entity], recording(vec![cloth.record(origin, dt)]), origin));

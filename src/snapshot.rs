@@ -145,7 +145,9 @@ impl ClothSnapshot {
         cloths.sort_unstable_by_key(|cloth| cloth.entity);
         let is_saved = |entity: Entity| cloths.binary_search_by_key(&entity, |cloth| cloth.entity).is_ok();
         let islands = world.get_resource::<ClothIslands>().map_or(&[][..], |islands| &islands.list);
-        let islands = islands.iter().filter(|island| island.members.iter().all(|m| is_saved(m.entity))).cloned().collect();
+        // What is under way in the background has the contacts of its island: they are found anew.
+        let islands = islands.iter().filter(|island| island.is_built() && island.members.iter().all(|m| is_saved(m.entity)));
+        let islands = islands.cloned().collect();
         Self { islands, cloths, surroundings: None, world: world.id() }
     }
 

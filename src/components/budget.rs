@@ -14,6 +14,16 @@ use super::checked::Checked;
 ///
 /// [`ClothReport::by_budget`](crate::ClothReport::by_budget) says what it left of each cloth.
 ///
+/// A large cloth may not fit even by itself, with a quarter of its substeps. Then its frames run on Bevy's
+/// `AsyncComputeTaskPool`, in full detail, and no frame of the app waits for them. The cloth is shown as it was until one is
+/// done. The next one covers the time since then: such cloth moves in fewer, longer frames. It begins there, too, until its cost
+/// is known, so that its first untangling holds no frame. Large is what [`ClothLoading`](crate::ClothLoading) prepares in the
+/// background; cloths that can meet count together. [`ClothReport::in_background`](crate::ClothReport::in_background) says so.
+///
+/// What the app does to a cloth meanwhile is done. Where it teleports, what is under way is dropped. Cloth on a skin or with
+/// [`ClothInertia`](crate::ClothInertia) is never stepped there, nor is one that a two-way body hangs on or lies in. Without
+/// threads, as on the web, none is.
+///
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_drape::prelude::*;

@@ -24,7 +24,8 @@ use bevy::prelude::*;
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ClothLoading {
     /// Vertices from which on a mesh is prepared in the background (count). Default 1000, any value. Larger: frames wait for
-    /// the mesh; smaller: small cloths begin a frame or two later.
+    /// the mesh; smaller: small cloths begin a frame or two later. With a [`ClothBudget`](crate::ClothBudget), also particles
+    /// from which on cloth is stepped there that does not fit.
     pub in_background_from: u32,
 }
 

@@ -36,6 +36,9 @@ pub struct ClothReport {
     pub detail: ClothDetail,
     /// The most that [`ClothBudget`](crate::ClothBudget) leaves of it.
     pub by_budget: ClothDetail,
+    /// Whether its frames run in the background, by [`ClothBudget`](crate::ClothBudget): one takes longer, or nobody knows yet.
+    /// Then what a frame did, and the times of its stages, are those of the last frame that is done there.
+    pub in_background: bool,
     /// Particles, and faces held by what is finer than the mesh, that touched a body at the end of the frame.
     pub body_contacts: u32,
     /// Bodies that could touch the cloth.

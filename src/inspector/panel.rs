@@ -50,7 +50,7 @@ fn panel(ui: &mut Ui, world: &mut World, state: &mut ClothInspector) {
         return;
     };
     let islands = world.get_resource::<ClothIslands>();
-    let crossings = islands.map_or(0, |islands| islands.list.iter().map(|island| island.solver.total().crossings).sum());
+    let crossings = islands.map_or(0, |islands| islands.list.iter().map(|island| island.total().crossings).sum());
     status(ui, world, cloth, crossings);
     let mut edit = Edit::new(settings);
     actions(ui, state, cloth);

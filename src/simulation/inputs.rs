@@ -54,6 +54,17 @@ pub(crate) struct ClothInputs {
     pub carried: bool,
     /// Whether it was carried anywhere in this frame.
     pub rode: bool,
+    /// Whether its frames run in the background.
+    pub background: bool,
+    /// Whether nothing came of that in this frame.
+    pub under_way: bool,
+    /// Whether the frame under way is of this cloth.
+    pub taken: bool,
+    /// Time since the end of its last frame that is done, while frames run in the background `[s]`. Anchors and bodies begin
+    /// there.
+    pub waited: f32,
+    /// Targets of its grips at that end `[m]`.
+    pub pulled_to: Vec<Vec3>,
     /// The character it belongs to.
     pub character: Option<Entity>,
     /// How much of the motion of its carrier it feels, if that was said.
@@ -149,6 +160,11 @@ impl ClothInputs {
             warmed: None,
             carried: false,
             rode: false,
+            background: false,
+            under_way: false,
+            taken: false,
+            waited: 0.0,
+            pulled_to: Vec::new(),
             character: None,
             inertia: None,
             journey: None,
@@ -212,9 +228,19 @@ impl ClothInputs {
         self.on_skin = self.frames > FIRST_FRAMES && before == 0.0 && self.fade == 0.0;
     }
 
-    /// Whether the cloth is stepped in a frame in which time passes; it is not while it is frozen after `recovery`.
-    pub(crate) fn moves(&self, recovery: &Recovery) -> bool {
+    /// Whether time passes for the cloth; it does not while it is frozen after `recovery`.
+    pub(crate) fn is_live(&self, recovery: &Recovery) -> bool {
         self.active && !self.asleep && !recovery.is_frozen() && self.time_scale > 0.0
+    }
+
+    /// Whether the cloth is stepped in a frame in which time passes.
+    pub(crate) fn moves(&self, recovery: &Recovery) -> bool {
+        self.is_live(recovery) && !self.background
+    }
+
+    /// Whether the frame leaves it as it is: there is nothing new to judge or to tell.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.asleep || self.carried || self.under_way
     }
 
     /// Whether what carries it is looked at in a frame in which time passes.
@@ -237,7 +263,10 @@ impl ClothInputs {
     /// Starts the anchors' frame where the last one ended, and ends it where their targets are now, as seen from `origin`.
     pub(crate) fn aim(&mut self, origin: DVec3) {
         let Anchors { particles, from, to, .. } = &mut self.anchors;
-        core::mem::swap(from, to);
+        // In the background a frame may begin long ago.
+        if self.waited == 0.0 || from.len() != to.len() {
+            core::mem::swap(from, to);
+        }
         let AnchorSets { sets, set_of, local, .. } = &self.sets;
         let mut space = (u32::MAX, Affine3A::IDENTITY);
         for (i, to) in to.iter_mut().enumerate() {
@@ -301,6 +330,9 @@ impl ClothInputs {
     /// Moves where anchors and targets were last, to be [swapped](Self::aim) in.
     pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
         self.anchors.to.iter_mut().chain(&mut self.skinned.to).for_each(|x| *x = motion(*x));
+        if self.waited > 0.0 {
+            self.anchors.from.iter_mut().for_each(|x| *x = motion(*x));
+        }
     }
 
     /// Moves joints along: where they were in the frame before, or where they are.

@@ -25,6 +25,8 @@ pub struct ClothParticles {
     pub(crate) disturbed: bool,
     /// Whether the app may have put particles elsewhere, which is judged before others meet them there.
     pub(crate) written: bool,
+    /// How often it was carried or put elsewhere as a whole: what was stepped meanwhile does not count.
+    pub(crate) moves: u32,
 }
 
 impl ClothParticles {
@@ -38,6 +40,7 @@ impl ClothParticles {
             space: None,
             disturbed: false,
             written: false,
+            moves: 0,
         }
     }
 
@@ -108,6 +111,12 @@ impl ClothParticles {
         moved
     }
 
+    /// Notes that it is put elsewhere.
+    fn note_moved(&mut self) {
+        self.disturbed = true;
+        self.moves = self.moves.wrapping_add(1);
+    }
+
     /// Origin of the frame of simulation in the world `[m]`.
     #[must_use]
     pub fn origin(&self) -> DVec3 {
@@ -116,7 +125,7 @@ impl ClothParticles {
 
     /// Moves every position the particles remember.
     pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
-        self.disturbed = true;
+        self.note_moved();
         for x in self.sim.state.positions.iter_mut().chain(&mut self.sim.state.previous) {
             *x = motion(x.truncate()).extend(x.w);
         }
@@ -129,7 +138,7 @@ impl ClothParticles {
 
     /// Moves every particle with what is beneath it; one of which nothing is known stays.
     pub(crate) fn carry_each(&mut self, motion: impl Fn(usize) -> Option<Affine3A>) {
-        self.disturbed = true;
+        self.note_moved();
         let ClothState { positions, previous, .. } = &mut self.sim.state;
         for (i, (x, old)) in positions.iter_mut().zip(previous).enumerate() {
             if let Some(motion) = motion(i) {
@@ -142,7 +151,7 @@ impl ClothParticles {
 
     /// Puts every particle at `pose` `[m]`, without velocity.
     pub(crate) fn place(&mut self, pose: impl Iterator<Item = Vec3>) {
-        self.disturbed = true;
+        self.note_moved();
         let state = &mut self.sim.state;
         for ((x, old), at) in state.positions.iter_mut().zip(&mut state.previous).zip(pose) {
             *x = at.extend(x.w);

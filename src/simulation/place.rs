@@ -11,4 +11,6 @@ pub(crate) struct IslandPlace {
     pub bounds: Option<(DVec3, DVec3)>,
     /// The island of cloths it can meet, and its number there.
     pub island: Option<(u32, u32)>,
+    /// Whether it was in none when it last moved: it can meet nothing, and not itself.
+    pub alone: bool,
 }

@@ -25,11 +25,24 @@ pub(crate) struct Share {
     measured_for: f32,
     /// Share of its substeps that it took in the last frame (dimensionless).
     pub taken: f32,
+    /// Frames of the app that its last frame covers (dimensionless): more than one where it ran in the background.
+    pub frames: f32,
+    /// Whether its frames are to run in the background.
+    pub to_background: bool,
 }
 
 impl Default for Share {
     fn default() -> Self {
-        Self { detail: ClothDetail::Full, settled_for: SETTLED, has_fallen: false, cost: None, measured_for: 0.0, taken: 1.0 }
+        Self {
+            detail: ClothDetail::Full,
+            settled_for: SETTLED,
+            has_fallen: false,
+            cost: None,
+            measured_for: 0.0,
+            taken: 1.0,
+            frames: 1.0,
+            to_background: false,
+        }
     }
 }
 
@@ -41,7 +54,7 @@ impl Share {
             return;
         }
         let fixed = report.detect_ms + report.resolve_ms + report.evaluate_ms + report.respond_ms + report.sync_ms;
-        let now = [fixed, report.integrate_ms / self.taken];
+        let now = [fixed, report.integrate_ms / (self.taken * self.frames)];
         let cost = self.cost.get_or_insert(now);
         let sum = |cost: [f32; 2]| cost[0] + cost[1];
         self.measured_for += dt;
@@ -62,7 +75,7 @@ impl Share {
     }
 
     /// Whether its cost is known.
-    fn is_known(&self) -> bool {
+    pub(crate) fn is_known(&self) -> bool {
         self.measured_for > AVERAGED
     }
 
@@ -78,8 +91,8 @@ impl Share {
 
     /// Leaves everything, as without a budget; what it costs stays known.
     pub(crate) fn lift(&mut self) {
-        let Self { cost, measured_for, taken, .. } = *self;
-        *self = Self { cost, measured_for, taken, ..Self::default() };
+        let Self { cost, measured_for, taken, frames, .. } = *self;
+        *self = Self { cost, measured_for, taken, frames, ..Self::default() };
     }
 
     /// Leaves another level.

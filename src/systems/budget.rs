@@ -2,23 +2,31 @@
 //!
 //! ```text
 //! measure   what a cloth costs: per frame, and per share of its substeps; over a quarter of a second
+//! move out  what is large and does not even fit by itself: it runs in the background
 //! lower     what is worth least for what it saves, until the sum fits
 //! raise     what is worth most for what it takes, as long as it still fits with room to spare
 //! ```
 
+use bevy::ecs::system::SystemParam;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 
-use super::lod::{LEAST_RATE, eyes};
+use super::lod::{LEAST_RATE, bears, eyes};
 use crate::components::checked::Checked;
-use crate::components::{Cloth, ClothBudget, ClothDetail, ClothPriority, ClothReport};
+use crate::components::{Cloth, ClothBudget, ClothCollisionLayers, ClothDetail, ClothLoading, ClothPriority, ClothReport};
+use crate::islands::ClothIslands;
 use crate::notices::Notices;
-use crate::simulation::{ClothInputs, IslandPlace};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace, WorldBodies};
 use crate::time::ClothTime;
 
 /// Share of the budget that is filled (dimensionless): what costs somewhat more in the next frame still fits, and what was
 /// raised stays.
 const FILLED: f32 = 0.9;
+/// Share of what is filled below which a cloth in the background is stepped in the frame again (dimensionless), so that it does
+/// not come and go.
+const RETURNS: f32 = 0.5;
+/// Whether something can run in the background at all.
+const HAS_THREADS: bool = cfg!(all(feature = "multi_threaded", not(target_family = "wasm")));
 /// What a cloth is worth that no camera sees, over what it would be (dimensionless).
 const UNSEEN: f64 = 0.01;
 /// Nearest distance that counts `[m]`.
@@ -39,6 +47,15 @@ struct Group {
     steps: f32,
     /// What its detail is worth, in squares of the angle that it fills.
     worth: f64,
+    /// What it would cost awake, as [`Self::fixed`] and [`Self::steps`] `[ms]`.
+    awake: [f32; 2],
+    /// Particles, and those of cloths whose cost is not known yet (count).
+    particles: usize,
+    unknown: usize,
+    /// Whether all of it can be stepped in the background.
+    movable: bool,
+    /// Whether it was there in the last frame.
+    was_in_background: bool,
     /// Whether it may be given less detail, and more.
     may_fall: bool,
     may_rise: bool,
@@ -52,6 +69,22 @@ impl Group {
     /// Cost at a level `[ms]`.
     fn cost(&self, detail: ClothDetail) -> f32 {
         if detail == ClothDetail::Still { 0.0 } else { self.fixed + self.steps * detail.share().max(self.least) }
+    }
+
+    /// Whether its frames are to run in the background, by a budget of `ms`. It is as large as what is prepared there, and its
+    /// cost is not known, or not even the least detail that moves fits.
+    fn is_too_much(&self, ms: f32, loading: &ClothLoading) -> bool {
+        let is_large = |particles: usize| particles > 0 && particles >= loading.in_background_from as usize;
+        let most = FILLED * ms * if self.was_in_background { RETURNS } else { 1.0 };
+        let [fixed, steps] = self.awake;
+        let least = fixed + steps * ClothDetail::Quarter.share().max(self.least);
+        self.movable && (is_large(self.unknown) || (is_large(self.particles) && least > most))
+    }
+
+    /// Leaves everything of it, at no cost: it runs in the background.
+    fn move_out(&mut self) {
+        (self.fixed, self.steps, self.by_budget) = (0.0, 0.0, ClothDetail::Full);
+        (self.may_fall, self.may_rise) = (false, false);
     }
 
     /// What is lost of its worth between two levels, for each millisecond.
@@ -106,14 +139,33 @@ pub(crate) struct Buffers {
     checked: Checked,
     watched_from: Vec<DVec3>,
     groups: Vec<Group>,
+    /// Which groups run in the background.
+    moved_out: Vec<bool>,
     /// The group of each cloth.
     of: Vec<usize>,
+}
+
+/// What the budget goes by.
+#[derive(SystemParam)]
+pub(crate) struct Known<'w> {
+    budget: Option<Res<'w, ClothBudget>>,
+    loading: Res<'w, ClothLoading>,
+    islands: Res<'w, ClothIslands>,
+    bodies: Res<'w, WorldBodies>,
+}
+
+impl Known<'_> {
+    /// Whether a frame of the island of a cloth is under way in the background.
+    fn is_under_way(&self, place: &IslandPlace) -> bool {
+        let island = place.island.and_then(|(island, _)| self.islands.list.get(island as usize));
+        island.is_some_and(|island| island.background.frame.is_some())
+    }
 }
 
 /// Finds out what every cloth costs, and what the budget leaves of it.
 pub(crate) fn budget(
     time: Res<ClothTime>,
-    budget: Option<Res<ClothBudget>>,
+    known: Known,
     mut notices: ResMut<Notices>,
     cameras: Query<(&Camera, &GlobalTransform), Without<Camera2d>>,
     mut cloths: Query<
@@ -122,7 +174,10 @@ pub(crate) fn budget(
             Option<&Name>,
             Option<&ViewVisibility>,
             Option<&ClothPriority>,
+            Option<&ClothCollisionLayers>,
             &IslandPlace,
+            &ClothRest,
+            &ClothParticles,
             &mut ClothInputs,
             &mut ClothReport,
         ),
@@ -130,26 +185,27 @@ pub(crate) fn budget(
     >,
     mut buffers: Local<Buffers>,
 ) {
-    let Some(budget) = budget else {
-        for (.., mut inputs, mut report) in &mut cloths {
-            inputs.share.measure(&report, time.delta_secs());
+    let Some(budget) = &known.budget else {
+        for (.., place, _, _, mut inputs, mut report) in &mut cloths {
+            measure(&mut inputs, &report, time.delta_secs());
             inputs.share.lift();
+            inputs.background = known.is_under_way(place);
             if report.by_budget != ClothDetail::Full {
                 report.by_budget = ClothDetail::Full;
             }
         }
         return;
     };
-    let Buffers { checked, watched_from, groups, of } = &mut *buffers;
+    let Buffers { checked, watched_from, groups, moved_out, of } = &mut *buffers;
     checked.clear();
     let ms = budget.checked(checked);
     notices.clamped_in::<ClothBudget>(checked);
     eyes(&cameras, watched_from);
     groups.clear();
     of.clear();
-    for (entity, name, seen, priority, place, mut inputs, report) in &mut cloths {
+    for (entity, name, seen, priority, layers, place, rest, particles, mut inputs, report) in &mut cloths {
         let inputs = &mut *inputs;
-        inputs.share.measure(&report, time.delta_secs());
+        measure(inputs, &report, time.delta_secs());
         checked.clear();
         let priority = priority.map_or(1.0, |priority| priority.checked(checked));
         notices.clamped(entity, name, "cloth", checked);
@@ -164,9 +220,9 @@ pub(crate) fn budget(
         let worth = f64::from(priority) * seen * (f64::from(inputs.radius) / distance).powi(2);
         let island = place.island.map(|(island, _)| island);
         // Those alone are looked for nowhere: there may be thousands.
-        let known = island.and_then(|_| groups.iter().position(|group| group.island == island));
-        let number = known.unwrap_or(groups.len());
-        if known.is_none() {
+        let listed = island.and_then(|_| groups.iter().position(|group| group.island == island));
+        let number = listed.unwrap_or(groups.len());
+        if listed.is_none() {
             groups.push(Group {
                 island,
                 by_distance: ClothDetail::Still,
@@ -175,6 +231,11 @@ pub(crate) fn budget(
                 fixed: 0.0,
                 steps: 0.0,
                 worth: 0.0,
+                awake: [0.0; 2],
+                particles: 0,
+                unknown: 0,
+                movable: true,
+                was_in_background: false,
                 may_fall: true,
                 may_rise: true,
             });
@@ -189,20 +250,52 @@ pub(crate) fn budget(
         group.fixed += costs * fixed;
         group.steps += costs * steps;
         group.worth += worth;
+        group.awake[0] += fixed;
+        group.awake[1] += steps;
+        group.particles += rest.0.positions.len();
+        let costs_time = inputs.is_live(&particles.sim.recovery) && !inputs.carried && !inputs.is_animated();
+        if costs_time && !inputs.share.is_known() {
+            group.unknown += rest.0.positions.len();
+        }
+        // What takes cloth along does so in every frame, and bodies that it moves wait for it.
+        let follows =
+            inputs.skin.is_some() || inputs.skinned.is_active() || inputs.inertia.is_some() || inputs.warmed.is_some();
+        let bears = || bears(entity, (low, high), layers, inputs, &known.bodies);
+        group.movable &= HAS_THREADS && !place.alone && !follows && !bears();
+        group.was_in_background |= inputs.share.to_background;
         group.may_fall &= inputs.share.may_fall() && !inputs.bears;
         group.may_rise &= inputs.share.may_rise() && !inputs.bears;
         of.push(number);
     }
+    moved_out.clear();
+    for group in groups.iter_mut() {
+        let moves_out = group.is_too_much(ms, &known.loading);
+        if moves_out {
+            group.move_out();
+        }
+        moved_out.push(moves_out);
+    }
     govern(groups, ms);
-    for ((.., mut inputs, mut report), number) in cloths.iter_mut().zip(of.iter()) {
-        let detail = groups[*number].by_budget;
+    for ((.., place, _, _, mut inputs, mut report), number) in cloths.iter_mut().zip(of.iter()) {
+        let (detail, moved_out) = (groups[*number].by_budget, moved_out[*number]);
+        // A frame under way is done first.
+        inputs.background = moved_out || known.is_under_way(place);
         let share = &mut inputs.share;
+        share.to_background = moved_out;
         if share.detail != detail {
             share.change(detail);
         }
         if report.by_budget != detail {
             report.by_budget = detail;
         }
+    }
+}
+
+/// Takes in what the last frame of a cloth cost, `dt` `[s]` after the one before; nothing while one is under way.
+fn measure(inputs: &mut ClothInputs, report: &ClothReport, dt: f32) {
+    if !inputs.under_way {
+        let frames = inputs.share.frames;
+        inputs.share.measure(report, dt * frames);
     }
 }
 
@@ -220,6 +313,11 @@ mod tests {
             fixed: 0.1,
             steps: 0.3,
             worth,
+            awake: [0.1, 0.3],
+            particles: 100,
+            unknown: 0,
+            movable: false,
+            was_in_background: false,
             may_fall: true,
             may_rise: true,
         }
@@ -298,5 +396,26 @@ mod tests {
         govern(&mut nothing, 0.01);
         assert_eq!(nothing[0].by_budget, Full);
         govern(&mut [], 1.0);
+    }
+
+    #[test]
+    fn what_is_large_and_does_not_fit_by_itself_moves_out_and_comes_back_when_it_clearly_does() {
+        let loading = ClothLoading { in_background_from: 100 };
+        // At a quarter of its substeps it takes 0.175 ms.
+        let mut large = Group { movable: true, ..group(1.0) };
+        assert!(large.is_too_much(0.19, &loading) && !large.is_too_much(0.2, &loading));
+        large.was_in_background = true;
+        assert!(large.is_too_much(0.38, &loading) && !large.is_too_much(0.4, &loading));
+        assert!(!Group { particles: 99, ..large }.is_too_much(0.01, &loading), "it is small");
+        assert!(!Group { movable: false, ..large }.is_too_much(0.01, &loading));
+        // What it costs is not known.
+        let new = Group { awake: [0.0; 2], unknown: 100, ..large };
+        assert!(new.is_too_much(1000.0, &loading) && !Group { unknown: 99, ..new }.is_too_much(1000.0, &loading));
+        // What is out costs nothing, and is not lowered.
+        large.move_out();
+        let mut groups = [large, group(1.0)];
+        govern(&mut groups, 0.2);
+        assert_eq!(groups.map(|group| group.by_budget), [Full, Quarter]);
+        assert!(total(&groups) < 0.2);
     }
 }

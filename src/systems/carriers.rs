@@ -337,7 +337,7 @@ fn carry(jump: &Motion, inputs: &mut ClothInputs, particles: &mut ClothParticles
 }
 
 /// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
-fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
+pub(super) fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
     let Some(first) = particles.sim.state.positions.first().map(|x| x.truncate()) else { return };
     if first.length() <= REBASE.max(2.0 * inputs.radius) || !first.is_finite() {
         return;

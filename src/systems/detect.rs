@@ -27,7 +27,7 @@ pub(crate) fn form_islands(
         (
             Entity,
             &ClothRest,
-            &ClothInputs,
+            &mut ClothInputs,
             &ClothParticles,
             &ClothCollision,
             &ClothUntangling,
@@ -54,14 +54,23 @@ pub(crate) fn form_islands(
         let (rest, rode) = (rest.0.clone(), inputs.rode);
         let member = Member { entity, rest, collision: *collision, thickness, fixed, still, rode, asleep, at_load };
         let layers = layers.copied().unwrap_or_default();
-        place.bounds = islands.add(member, inputs, particles, layers, last_box, last);
+        place.alone |= !still;
+        place.bounds = islands.add(member, &inputs, particles, layers, last_box, last);
     }
     islands.form(|entity, island, part, roused| {
         if let Ok((.., mut place, mut slumber)) = cloths.get_mut(entity) {
-            place.island = Some((island, part));
+            (place.island, place.alone) = (Some((island, part)), false);
             slumber.roused |= roused;
         }
     });
+    // Who comes to meet what is stepped in the background goes there, too.
+    for member in islands.list.iter().filter(|island| island.background.is_on).flat_map(|island| &island.members) {
+        if let Ok((_, _, mut inputs, ..)) = cloths.get_mut(member.entity)
+            && !inputs.background
+        {
+            (inputs.background, inputs.under_way) = (true, true);
+        }
+    }
 }
 
 /// Looks for crossings and for what may touch in the next frame.

@@ -9,7 +9,7 @@ use crate::components::{
     Cloth, ClothError, ClothErrorKind, ClothFailed, ClothHeld, ClothRecovered, ClothRecoveryCause, ClothRecoveryLevel,
     ClothReport, ClothStatus, ClothTangled, ClothUntangled, ClothUntanglingDisabled, ClothUntanglingEscalated,
 };
-use crate::islands::ClothIslands;
+use crate::islands::{ClothIsland, ClothIslands};
 use crate::notices::{Notices, label};
 use crate::simulation::{ClothInputs, ClothParticles, IslandPlace};
 use crate::solver::evaluate::{Pose, Shown};
@@ -34,44 +34,54 @@ pub(crate) fn judge(
     let dt = time.delta_secs();
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(
         |(inputs, place, mut particles, mut report)| {
-            if !inputs.active || inputs.asleep || inputs.carried {
+            if !inputs.active || inputs.is_idle() || inputs.background {
                 return;
             }
-            let clock = stopwatch();
             let at = place.island.and_then(|(g, part)| islands.list.get(g as usize).map(|island| (island, part as usize)));
-            let (verdict, weights) = match at {
-                Some((island, part)) => (island.solver.verdict(part), island.solver.weights(part)),
-                None => (Verdict::default(), [].as_slice()),
-            };
-            let particles = &mut *particles;
-            if matches!(particles.sim.recovery.taken_back(), Some((Level::Rest | Level::Frozen, _))) {
-                particles.sim.display.reset();
-            }
-            let carrier = inputs.carrier();
-            let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
-            let pose = Pose { translation, rotation: carrier.rotation };
-            if let Some(skin) = inputs.skin.as_ref().filter(|_| !verdict.is_clean()) {
-                // Held shapes stay on a character that moves.
-                let moves = [inputs.joints_before.as_slice(), inputs.joints.as_slice()];
-                particles.sim.display.follow(pose, |i, x| skin.motion(moves, i).map(|motion| motion.transform_point3(x)));
-            }
-            let outcome = particles.sim.display.decide(&verdict, &particles.sim.state, weights, pose, dt, &inputs.evaluate);
-
-            report.crossings = verdict.all_crossings();
-            report.authored = at.map_or(0, |(island, part)| island.solver.authored(part));
-            report.contours = verdict.contours;
-            report.contour_length = verdict.contour_length;
-            report.regions = verdict.regions;
-            report.held = outcome.shown == Shown::Held;
-            report.held_frames = outcome.held_frames;
-            report.iterations = at.map_or(0, |(island, _)| island.solver.iterations());
-            report.deferred = at.is_some_and(|(island, _)| !island.solver.deferred().is_nothing());
-            let of = |stage: Stage| at.map_or(0.0, |(island, part)| island.cost(stage, part));
-            (report.detect_ms, report.resolve_ms) = (of(Stage::Detect), of(Stage::Resolve));
-            (report.respond_ms, report.contacts) = (0.0, 0);
-            report.evaluate_ms = of(Stage::Evaluate) + clock();
+            decide(dt, at, inputs, &mut particles, &mut report);
         },
     );
+}
+
+/// Decides what a cloth shows after a frame of `dt` `[s]`; `at`: its island, and its number there.
+pub(super) fn decide(
+    dt: f32,
+    at: Option<(&ClothIsland, usize)>,
+    inputs: &ClothInputs,
+    particles: &mut ClothParticles,
+    report: &mut ClothReport,
+) {
+    let clock = stopwatch();
+    let (verdict, weights) = match at {
+        Some((island, part)) => (island.solver.verdict(part), island.solver.weights(part)),
+        None => (Verdict::default(), [].as_slice()),
+    };
+    if matches!(particles.sim.recovery.taken_back(), Some((Level::Rest | Level::Frozen, _))) {
+        particles.sim.display.reset();
+    }
+    let carrier = inputs.carrier();
+    let translation = (Vec3::from(carrier.translation).as_dvec3() - particles.origin).as_vec3();
+    let pose = Pose { translation, rotation: carrier.rotation };
+    if let Some(skin) = inputs.skin.as_ref().filter(|_| !verdict.is_clean()) {
+        // Held shapes stay on a character that moves.
+        let moves = [inputs.joints_before.as_slice(), inputs.joints.as_slice()];
+        particles.sim.display.follow(pose, |i, x| skin.motion(moves, i).map(|motion| motion.transform_point3(x)));
+    }
+    let outcome = particles.sim.display.decide(&verdict, &particles.sim.state, weights, pose, dt, &inputs.evaluate);
+
+    report.crossings = verdict.all_crossings();
+    report.authored = at.map_or(0, |(island, part)| island.solver.authored(part));
+    report.contours = verdict.contours;
+    report.contour_length = verdict.contour_length;
+    report.regions = verdict.regions;
+    report.held = outcome.shown == Shown::Held;
+    report.held_frames = outcome.held_frames;
+    report.iterations = at.map_or(0, |(island, _)| island.solver.iterations());
+    report.deferred = at.is_some_and(|(island, _)| !island.solver.deferred().is_nothing());
+    let of = |stage: Stage| at.map_or(0.0, |(island, part)| island.cost(stage, part));
+    (report.detect_ms, report.resolve_ms) = (of(Stage::Detect), of(Stage::Resolve));
+    (report.respond_ms, report.contacts) = (0.0, 0);
+    report.evaluate_ms = of(Stage::Evaluate) + clock();
 }
 
 /// Events for cloths that became tangled, held or clean.
@@ -81,7 +91,7 @@ pub(crate) fn tell(
 ) {
     for (entity, inputs, particles, not_untangled, mut report) in &mut cloths {
         // Of a cloth that was not judged there is nothing new.
-        if !inputs.active || inputs.asleep || inputs.carried {
+        if !inputs.active || inputs.is_idle() {
             continue;
         }
         let outcome = particles.sim.display.outcome();

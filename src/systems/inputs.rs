@@ -235,6 +235,14 @@ pub(crate) fn surroundings(
         near.clear();
         near.extend((0..world.bodies.len()).filter(|&index| meets(&world.bodies[index])));
         let listed = || near.iter().map(|&index| &world.bodies[index]);
+        // In the background a frame may begin long ago. What jumped since begins where it is.
+        let waits = inputs.waited > 0.0;
+        let known = inputs.body_entities.iter().zip(&inputs.bodies).filter(|_| waits);
+        let earlier: Vec<(Entity, [Pose; 2])> = known.map(|(entity, body)| (*entity, [body.from, body.to])).collect();
+        let began = |entity: Entity, from: Pose| {
+            let stayed = earlier.iter().find(|(known, [_, to])| *known == entity && *to == from);
+            stayed.map_or(from, |(_, [began, _])| *began)
+        };
         if !inputs.body_entities.iter().copied().eq(listed().map(|body| body.entity)) {
             let number = |before: u32| {
                 let entity = inputs.body_entities.get(before as usize)?;
@@ -269,7 +277,7 @@ pub(crate) fn surroundings(
             let [from, to] = if bone && body.rigid.is_none() { on_joint(body, places).unwrap_or(places) } else { places };
             Body {
                 shape: body.shape.clone(),
-                from,
+                from: began(body.entity, from),
                 to,
                 static_friction: body.static_friction,
                 dynamic_friction: body.dynamic_friction,

@@ -4,7 +4,7 @@
 use bevy::ecs::batching::BatchingStrategy;
 use bevy::prelude::*;
 
-use super::islands::{Cloths, run};
+use super::islands::{Cloths, is_awake, run};
 use super::stopwatch;
 use crate::components::{Cloth, ClothReport};
 use crate::islands::{ClothIsland, ClothIslands, Member};
@@ -31,6 +31,8 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
     let _span = debug_span!("cloth/integrate").entered();
     let (dt, interpolates) = (time.delta_secs(), clock.interpolates);
     for island in &mut islands.list {
+        let in_background = |member: &Member| cloths.get(member.entity).is_ok_and(|(_, inputs, ..)| inputs.background);
+        island.background.is_on = island.members.iter().any(in_background);
         island.together = steps_together(island, &cloths);
     }
     let list = &islands.list;
@@ -40,10 +42,7 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
             return;
         }
         if !place.island.is_some_and(|(island, _)| list.get(island as usize).is_some_and(|island| island.together)) {
-            let ClothSim { state, memory, .. } = &mut particles.sim;
-            let input = inputs.frame(dt);
-            let done = step(&rest.0, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, memory);
-            finish(rest, done, &inputs, &mut particles, &mut report);
+            step_alone(rest, dt, &inputs, &mut particles, &mut report);
             report.integrate_ms = clock();
         }
     });
@@ -87,11 +86,25 @@ fn steps_together(island: &ClothIsland, cloths: &StepQuery) -> bool {
     let fits = |member: &Member| {
         cloths.get(member.entity).is_ok_and(|(rest, _, particles, place, _)| member.is_as_seen(rest, particles, place))
     };
-    !island.asleep && island.has_contact() && island.members.iter().all(fits)
+    is_awake(island) && island.has_contact() && island.members.iter().all(fits)
+}
+
+/// Steps a cloth by a frame of `dt` `[s]` that touches no other, and itself neither.
+pub(super) fn step_alone(
+    rest: &ClothRest,
+    dt: f32,
+    inputs: &ClothInputs,
+    particles: &mut ClothParticles,
+    report: &mut ClothReport,
+) {
+    let ClothSim { state, memory, .. } = &mut particles.sim;
+    let input = inputs.frame(dt);
+    let done = step(&rest.0, &inputs.fabric, &inputs.stepping, &inputs.anchors, &input, state, memory);
+    finish(rest, done, inputs, particles, report);
 }
 
 /// Prepares a frame of `dt` `[s]`; false when the cloth does not move in it.
-fn begin(
+pub(super) fn begin(
     rest: &ClothRest,
     dt: f32,
     interpolates: bool,
@@ -108,6 +121,8 @@ fn begin(
         }
         return false;
     }
+    // It was in the background before.
+    report.lost_time += (core::mem::take(&mut inputs.waited) * inputs.time_scale - dt).max(0.0);
     judge_written(rest, inputs, particles, report);
     if interpolates {
         particles.before.clear();
@@ -165,7 +180,13 @@ fn take_back(
 }
 
 /// Judges and records what a frame did.
-fn finish(rest: &ClothRest, done: StepReport, inputs: &ClothInputs, particles: &mut ClothParticles, report: &mut ClothReport) {
+pub(super) fn finish(
+    rest: &ClothRest,
+    done: StepReport,
+    inputs: &ClothInputs,
+    particles: &mut ClothParticles,
+    report: &mut ClothReport,
+) {
     let edges = take_back(rest, (done.worst_edge, done.mean_edge), &inputs.limits, inputs, particles, report);
     report.substeps = done.substeps;
     report.inner_steps = done.inner_steps;

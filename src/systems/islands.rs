@@ -71,9 +71,9 @@ pub(super) fn run_without_cloths(islands: &mut ClothIslands, stage: Stage, dt: f
     );
 }
 
-/// Whether an island has a frame: not all of its members sleep or stand still.
+/// Whether an island has a frame: not all of its members sleep or stand still, and it does not run in the background.
 pub(super) fn is_awake(island: &ClothIsland) -> bool {
-    !island.asleep
+    !island.asleep && !island.background.is_on
 }
 
 /// Share of the time of all islands from which on threads share one, rather than take islands (dimensionless). Two threads
@@ -112,7 +112,7 @@ fn dominant(times: &[f32]) -> Option<usize> {
 }
 
 /// Cloth `part` of an island, as the solver sees it in a frame of `dt` `[s]`.
-fn member<'a>(
+pub(super) fn member<'a>(
     island: &ClothIsland,
     part: u32,
     dt: f32,

@@ -1,5 +1,6 @@
 //! One short system per stage: query, call the solver, record. [`crate::plugin`] orders them.
 
+pub(crate) mod background;
 pub(crate) mod bind;
 pub(crate) mod budget;
 pub(crate) mod carriers;

@@ -85,7 +85,8 @@ pub(crate) fn watch(
             || cloth.inputs.stale
             || cloth.inputs.tuned
             || !cloth.inputs.active
-            || !cloth.particles.sim.memory.is_prepared_for(&cloth.rest.0)
+            // In the background it is prepared there.
+            || !(cloth.inputs.background || cloth.particles.sim.memory.is_prepared_for(&cloth.rest.0))
             || core::mem::take(&mut cloth.particles.disturbed)
             || core::mem::take(&mut slumber.roused);
         let layers = cloth.layers.copied().unwrap_or_default();
@@ -181,9 +182,11 @@ pub(crate) fn doze(
     mut cloths: Query<Sleeper, With<Cloth>>,
 ) {
     let dt = time.delta_secs();
+    let list = &islands.list;
     cloths.par_iter_mut().batching_strategy(BatchingStrategy::new().batches_per_thread(5)).for_each(|mut cloth| {
         if !cloth.slumber.asleep {
-            rest(&mut cloth, dt);
+            let done = cloth.place.island.and_then(|(island, _)| list.get(island as usize)?.background.done);
+            rest(&mut cloth, done.unwrap_or(dt));
         }
     });
     for island in islands.list.iter_mut().filter(|island| !island.asleep) {
@@ -211,8 +214,8 @@ pub(crate) fn doze(
 fn rest(cloth: &mut SleeperItem, dt: f32) {
     let slumber = &mut *cloth.slumber;
     let dt = dt * cloth.inputs.time_scale;
-    if dt == 0.0 {
-        // What is paused may be in flight.
+    if dt == 0.0 || cloth.inputs.under_way {
+        // What is paused, or stepped in the background, may be in flight.
         slumber.ready = false;
         return;
     }

@@ -37,8 +37,8 @@ pub(crate) fn touches(
     mut checked: Local<Checked>,
 ) {
     for (entity, name, rest, inputs, particles, place, report, events, mut contacts) in &mut cloths {
-        // Nothing begins or ends while it sleeps or is carried along.
-        if inputs.active && (inputs.asleep || inputs.carried) {
+        // Nothing begins or ends while it sleeps, is carried along, or its frame is under way.
+        if inputs.active && inputs.is_idle() {
             continue;
         }
         if !inputs.active {
@@ -59,10 +59,12 @@ pub(crate) fn touches(
         }
         now.sort_unstable_by_key(|touch| touch.other);
         let touching = now.len();
+        let island = place.island.and_then(|(island, _)| islands.list.get(island as usize));
+        let dt = island.and_then(|island| island.background.done).unwrap_or(time.delta_secs());
         for old in &contacts.touches {
             // What is added below stands behind them.
             if now[..touching].binary_search_by_key(&old.other, |touch| touch.other).is_err() {
-                let since = old.since + time.delta_secs();
+                let since = old.since + dt;
                 if since > patience {
                     commands.trigger(ClothContactEnded { entity, other: old.other });
                 } else {

@@ -146,11 +146,15 @@ pub fn world(stage: &mut Stage, rng: &mut Rng) -> String {
         2 => {
             stage.by_clock = true;
             stage.world().insert_resource(ClothBudget { ms: if wildly { number(rng) } else { span(rng, 0.01, 10.0) } });
+            // Of a small budget and size, everything goes to the background.
+            let in_background_from = one_of(rng, &[0, 50, 1000, u32::MAX]);
+            stage.world().insert_resource(ClothLoading { in_background_from });
         }
         _ => {
             stage.world().insert_resource(ClothGravity::default());
             stage.world().insert_resource(ClothGlobalWind::default());
             stage.world().remove_resource::<ClothBudget>();
+            stage.world().insert_resource(ClothLoading::AT_ONCE);
         }
     }
     format!("gravity, wind or budget: {v:?}")

@@ -3,6 +3,7 @@
 use drape_tests::common;
 
 mod avian;
+mod background;
 mod bind;
 mod bits;
 mod bodies;

@@ -45,6 +45,18 @@ impl Pulls {
         self.pulls.push((pull, self.grips.len()));
     }
 
+    /// Targets at the end of the frame `[m]`.
+    pub(crate) fn targets(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.pulls.iter().map(|(pull, _)| pull.to)
+    }
+
+    /// Begins the frame at other targets `[m]`, where there are as many.
+    pub(crate) fn begin_at(&mut self, targets: &[Vec3]) {
+        if targets.len() == self.pulls.len() {
+            self.pulls.iter_mut().zip(targets).for_each(|((pull, _), from)| pull.from = *from);
+        }
+    }
+
     /// How far a grip can move a particle in a frame of `dt` `[s]`, at most `[m]`.
     pub(crate) fn reach(&self, dt: f32, positions: &[Vec4]) -> f32 {
         let (mut first, mut farthest) = (0, 0.0f32);

@@ -74,6 +74,11 @@ impl Memory {
         *self = Self { coupling, pulls, ..Self::default() };
     }
 
+    /// Takes over what was set for the next frame: the bodies that cloth moves, and what pulls at it.
+    pub(crate) fn take_surroundings(&mut self, of: Self) {
+        (self.coupling, self.pulls) = (of.coupling, of.pulls);
+    }
+
     /// Whether [`prepare`](super::prepare) was called for a rest shape of these sizes, and nothing was forgotten since.
     #[must_use]
     pub fn is_prepared_for(&self, rest: &RestShape) -> bool {
