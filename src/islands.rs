@@ -234,22 +234,25 @@ impl ClothIslands {
     }
 
     /// Adds a cloth; one with a position that is not finite or absurdly far out meets nothing. Returns its box in the world
-    /// `[m]`.
+    /// `[m]`, and writes how far that went since the last look.
     pub(crate) fn add(
         &mut self,
         member: Member,
         inputs: &ClothInputs,
         particles: &ClothParticles,
         layers: ClothCollisionLayers,
-        last_box: Option<(DVec3, DVec3)>,
-        last: Option<u32>,
+        (last, last_box): (Option<u32>, Option<(DVec3, DVec3)>),
+        motion: &mut f64,
     ) -> Option<(DVec3, DVec3)> {
         let (low, high) = match last_box {
             Some(last) if member.asleep => last,
             _ => bounds(&particles.sim.state).map(|(low, high)| (low + particles.origin, high + particles.origin))?,
         };
-        let motion = last_box.map_or(0.0, |(a, b)| (low - a).abs().max((high - b).abs()).max_element());
-        let margin = f64::from(member.thickness + member.rest.mean_edge) + motion;
+        // While its frame is under way it goes as far as in the last one, for all that is known.
+        if !inputs.under_way {
+            *motion = last_box.map_or(0.0, |(a, b)| (low - a).abs().max((high - b).abs()).max_element());
+        }
+        let margin = f64::from(member.thickness + member.rest.mean_edge) + *motion;
         let (settings, origin, background) = (inputs.untangle, particles.origin, inputs.background);
         self.candidates.push(Candidate { member, settings, layers, origin, low, high, margin, background, last });
         Some((low, high))

@@ -331,7 +331,7 @@ impl ClothInputs {
     pub(crate) fn carry(&mut self, motion: impl Fn(Vec3) -> Vec3) {
         self.anchors.to.iter_mut().chain(&mut self.skinned.to).for_each(|x| *x = motion(*x));
         if self.waited > 0.0 {
-            self.anchors.from.iter_mut().for_each(|x| *x = motion(*x));
+            self.anchors.from.iter_mut().chain(&mut self.pulled_to).for_each(|x| *x = motion(*x));
         }
     }
 

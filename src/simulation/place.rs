@@ -9,6 +9,8 @@ use bevy::prelude::*;
 pub(crate) struct IslandPlace {
     /// Box of the cloth in the world at the last look `[m]`.
     pub bounds: Option<(DVec3, DVec3)>,
+    /// How far its box went between the last two looks at which it had moved `[m]`.
+    pub motion: f64,
     /// The island of cloths it can meet, and its number there.
     pub island: Option<(u32, u32)>,
     /// Whether it was in none when it last moved: it can meet nothing, and not itself.

@@ -12,17 +12,18 @@
 //! particles is added to what comes of the frame. A frame of cloths that were put elsewhere is dropped, and so is one of an
 //! island that is no more. The next one covers its time, too: anchors and bodies begin where the last frame ended that is done.
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::tasks::AsyncComputeTaskPool;
 use bevy::tasks::futures::check_ready;
 
-use super::carriers::rebase;
+use super::carriers::off_origin;
 use super::islands::member;
 use super::{evaluate, integrate, stopwatch};
 use crate::components::{Cloth, ClothReport};
 use crate::islands::{Background, BackgroundCloth, BackgroundFrame, ClothIsland, ClothIslands, Member};
 use crate::schedule::ClothClock;
-use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace, STILL};
+use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace, NEAR, STILL};
 use crate::solver::anchors::Anchors;
 use crate::solver::island::{self, Stage};
 use crate::solver::sim::ClothSim;
@@ -45,11 +46,11 @@ pub(crate) fn finish(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: 
         let inputs = &mut *inputs;
         inputs.under_way = inputs.background;
         let live = inputs.background && inputs.is_live(&particles.sim.recovery);
-        if live {
-            inputs.waited += dt;
-        } else {
+        if !inputs.background || inputs.asleep {
             // Nothing is left to be made up for.
             inputs.waited = 0.0;
+        } else if live {
+            inputs.waited += dt;
         }
         if !inputs.background {
             inputs.share.frames = 1.0;
@@ -101,9 +102,15 @@ fn take_over(frame: BackgroundFrame, island: &mut ClothIsland, dt: f32, interpol
     for (cloth, member) in done.into_iter().zip(&island.members) {
         let Ok((_, mut inputs, mut particles, _, mut report)) = cloths.get_mut(member.entity) else { continue };
         let (inputs, particles) = (&mut *inputs, &mut *particles);
-        let BackgroundCloth { inputs: then, particles: ClothParticles { mut sim, .. }, report: told, start, waited, .. } =
-            cloth;
-        let ClothParticles { sim: now, before, .. } = particles;
+        let BackgroundCloth {
+            inputs: then,
+            particles: ClothParticles { mut sim, written: unjudged, .. },
+            report: told,
+            start,
+            waited,
+            ..
+        } = cloth;
+        let ClothParticles { sim: now, before, written, .. } = particles;
         if interpolates {
             before.clear();
             match now.display.held() {
@@ -111,7 +118,9 @@ fn take_over(frame: BackgroundFrame, island: &mut ClothIsland, dt: f32, interpol
                 None => before.extend(now.state.positions.iter().map(|x| x.truncate())),
             }
         }
-        add_written(&start, &now.state, &mut sim.state);
+        // What moves is prepared and judged; what stands still is not yet.
+        *written = add_written(&start, &now.state, &mut sim.state) || unjudged;
+        inputs.stale |= then.stale;
         inputs.pulled_to.clear();
         inputs.pulled_to.extend(sim.memory.pulls_mut().targets());
         let was = core::mem::replace(now, sim);
@@ -122,7 +131,7 @@ fn take_over(frame: BackgroundFrame, island: &mut ClothIsland, dt: f32, interpol
         };
         now.memory.renumber_bodies(number);
         begin_where_it_ended(inputs, &then);
-        (inputs.under_way, inputs.taken, inputs.waited) = (false, false, inputs.waited - waited);
+        (inputs.under_way, inputs.taken, inputs.waited) = (false, false, (inputs.waited - waited).max(0.0));
         inputs.share.frames = length / dt;
         *report = ClothReport {
             asleep: report.asleep,
@@ -135,33 +144,37 @@ fn take_over(frame: BackgroundFrame, island: &mut ClothIsland, dt: f32, interpol
             clamped: core::mem::take(&mut report.clamped),
             ..told
         };
-        rebase(inputs, particles);
     }
 }
 
-/// Adds what was written to particles since a frame began to what came of it: places `[m]` and velocities.
-fn add_written(start: &ClothState, written: &ClothState, state: &mut ClothState) {
+/// Adds what was written to particles since a frame began to what came of it: places `[m]` and velocities. Whether anything was.
+fn add_written(start: &ClothState, written: &ClothState, state: &mut ClothState) -> bool {
     let scale = if written.substep > 0.0 { state.substep / written.substep } else { 1.0 };
     let came = state.positions.iter_mut().zip(&mut state.previous);
     let before = start.positions.iter().zip(&start.previous);
     let now = written.positions.iter().zip(&written.previous);
+    let mut any = false;
     for (((x, old), (x0, old0)), (x1, old1)) in came.zip(before).zip(now) {
         if (x0, old0) != (x1, old1) {
+            any = true;
             let by = (*x1 - *x0).truncate();
             let velocity = by - (*old1 - *old0).truncate();
             *x += by.extend(0.0);
             *old += (by - velocity * scale).extend(0.0);
         }
     }
+    any
 }
 
 /// Lets the next frame begin its anchors and bodies where one ended.
 fn begin_where_it_ended(inputs: &mut ClothInputs, then: &ClothInputs) {
     let Anchors { from, particles, .. } = &mut inputs.anchors;
-    if *particles == then.anchors.particles {
-        from.clone_from(&then.anchors.to);
+    for (from, particle) in from.iter_mut().zip(particles) {
+        if let Ok(anchor) = then.anchors.particles.binary_search(particle) {
+            *from = then.anchors.to[anchor];
+        }
     }
-    for (entity, body) in inputs.body_entities.iter().zip(&mut inputs.bodies) {
+    for (entity, body) in inputs.body_entities.iter().zip(&mut inputs.bodies).filter(|(_, body)| body.rigid.is_none()) {
         let ended = then.body_entities.iter().zip(&then.bodies).find(|(known, _)| *known == entity);
         // One that jumped since begins where it is.
         if let Some((_, ended)) = ended.filter(|(_, ended)| ended.from == body.from) {
@@ -179,7 +192,10 @@ pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut
     for island in islands.list.iter_mut().filter(is_free) {
         let fits = |member: &Member| {
             cloths.get(member.entity).is_ok_and(|(rest, inputs, particles, place, _)| {
-                member.is_as_seen(rest, particles, place) && inputs.share.to_background
+                // What left its origin gets another one first.
+                member.is_as_seen(rest, particles, place)
+                    && inputs.share.to_background
+                    && off_origin(inputs, particles).is_none()
             })
         };
         if !island.members.iter().all(fits) {
@@ -198,6 +214,8 @@ pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut
             cloths: Vec::with_capacity(members.len()),
             dt: length,
         };
+        // Frames of the app are not to wait for it.
+        frame.island.solver.share(None);
         let solver = &frame.island.solver;
         (island.background.total, island.background.touching) = (solver.total(), solver.contacts().touching());
         for member in &members {
@@ -213,19 +231,34 @@ pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut
 
 /// How long the next frame of an island is `[s]`, in a frame of the app of `dt` `[s]`: the time since the last that is done, as
 /// far as it is simulated. Untangling goes by frames. So one of what crosses, or was never looked at, is no longer than the
-/// app's, unless pins go on meanwhile.
+/// app's, unless pins or bodies go on meanwhile.
 fn length(island: &ClothIsland, dt: f32, cloths: &Cloths) -> f32 {
     let members = || island.members.iter().filter_map(|member| cloths.get(member.entity).ok());
     let live = || members().filter(|(_, inputs, particles, ..)| inputs.is_live(&particles.sim.recovery));
     let waited = |inputs: &ClothInputs| inputs.waited.min(inputs.stepping.max_frame / inputs.time_scale);
-    let waited = live().map(|(_, inputs, ..)| waited(inputs)).fold(f32::INFINITY, f32::min);
-    let pins_stand = |inputs: &ClothInputs| {
-        let Anchors { from, to, .. } = &inputs.anchors;
-        from.iter().zip(to).all(|(from, to)| from.distance(*to) <= STILL)
-    };
+    let waited = live().map(|(_, inputs, ..)| waited(inputs)).fold(dt, f32::max);
     let is_clean = island.is_built() && island.solver.total().is_clean();
-    let short = !is_clean && live().all(|(_, inputs, ..)| pins_stand(inputs));
-    if short || !waited.is_finite() { dt } else { waited.max(dt) }
+    let stands = |(_, inputs, particles, place, _): (_, &ClothInputs, &ClothParticles, &IslandPlace, _)| {
+        pins_stand(inputs) && bodies_stand(inputs, particles.origin, place)
+    };
+    if !is_clean && live().all(stands) { dt } else { waited }
+}
+
+fn pins_stand(inputs: &ClothInputs) -> bool {
+    let Anchors { from, to, .. } = &inputs.anchors;
+    from.iter().zip(to).all(|(from, to)| from.distance(*to) <= STILL)
+}
+
+/// Whether no body that moves is near.
+fn bodies_stand(inputs: &ClothInputs, origin: DVec3, place: &IslandPlace) -> bool {
+    let Some((low, high)) = place.bounds else { return true };
+    let [low, high] = [low, high].map(|corner| (corner - origin).as_vec3());
+    inputs.bodies.iter().filter(|body| body.from != body.to).all(|body| {
+        let boxes = [&body.from, &body.to].map(|at| body.shape.compute_aabb(at));
+        let keep = inputs.fabric.thickness + body.margin + NEAR;
+        let (least, most) = (boxes[0].mins.min(boxes[1].mins) - keep, boxes[0].maxs.max(boxes[1].maxs) + keep);
+        least.cmpgt(high).any() || most.cmplt(low).any()
+    })
 }
 
 /// Takes what a frame of `length` `[s]` needs of a cloth, and leaves its particles as they are shown.
@@ -246,8 +279,7 @@ fn take(
     let stays = ClothSim { state: start.clone(), display: display.clone(), recovery: recovery.clone(), ..ClothSim::default() };
     let mut sim = core::mem::replace(&mut particles.sim, stays);
     sim.memory.pulls_mut().begin_at(&inputs.pulled_to);
-    let written = core::mem::take(&mut particles.written);
-    let particles = ClothParticles { sim, written, before: Vec::new(), ..*particles };
+    let particles = ClothParticles { sim, before: Vec::new(), ..*particles };
     let waited = inputs.waited;
     let mut report = report.clone();
     if live {

@@ -190,6 +190,7 @@ pub(crate) fn budget(
             measure(&mut inputs, &report, time.delta_secs());
             inputs.share.lift();
             inputs.background = known.is_under_way(place);
+            catch_up(&mut inputs, time.delta_secs());
             if report.by_budget != ClothDetail::Full {
                 report.by_budget = ClothDetail::Full;
             }
@@ -280,6 +281,7 @@ pub(crate) fn budget(
         let (detail, moved_out) = (groups[*number].by_budget, moved_out[*number]);
         // A frame under way is done first.
         inputs.background = moved_out || known.is_under_way(place);
+        catch_up(&mut inputs, time.delta_secs());
         let share = &mut inputs.share;
         share.to_background = moved_out;
         if share.detail != detail {
@@ -288,6 +290,13 @@ pub(crate) fn budget(
         if report.by_budget != detail {
             report.by_budget = detail;
         }
+    }
+}
+
+/// The first frame of `dt` `[s]` after those in the background covers the time since the last of them.
+fn catch_up(inputs: &mut ClothInputs, dt: f32) {
+    if !inputs.background {
+        inputs.time_scale *= 1.0 + inputs.waited / dt;
     }
 }
 

@@ -131,7 +131,8 @@ pub(crate) fn inertia(
 ) {
     let dt = time.delta_secs();
     let share = |inputs: &ClothInputs| (inputs.stepping.max_frame / (dt * inputs.time_scale)).min(1.0);
-    let is_carried = |inputs: &ClothInputs| inputs.inertia.is_some() || share(inputs) < 1.0;
+    // Frames in the background are cut to what is simulated.
+    let is_carried = |inputs: &ClothInputs| inputs.inertia.is_some() || (share(inputs) < 1.0 && !inputs.background);
     if !cloths.iter().any(|(_, _, inputs, _)| is_carried(inputs)) {
         return;
     }
@@ -336,13 +337,15 @@ fn carry(jump: &Motion, inputs: &mut ClothInputs, particles: &mut ClothParticles
     inputs.skinned.normals_to.iter_mut().for_each(|normal| *normal = turn * *normal);
 }
 
+/// Whole metres by which a cloth is too far from the origin of its frame of simulation; none while it is not.
+pub(super) fn off_origin(inputs: &ClothInputs, particles: &ClothParticles) -> Option<Vec3> {
+    let first = particles.sim.state.positions.first()?.truncate();
+    (first.length() > REBASE.max(2.0 * inputs.radius) && first.is_finite()).then(|| first.round())
+}
+
 /// Moves the frame of simulation along with the cloth, by whole metres, so that numbers stay small and exact.
-pub(super) fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
-    let Some(first) = particles.sim.state.positions.first().map(|x| x.truncate()) else { return };
-    if first.length() <= REBASE.max(2.0 * inputs.radius) || !first.is_finite() {
-        return;
-    }
-    let shift = first.round();
+fn rebase(inputs: &mut ClothInputs, particles: &mut ClothParticles) {
+    let Some(shift) = off_origin(inputs, particles) else { return };
     particles.origin += shift.as_dvec3();
     particles.carry(|x| x - shift);
     inputs.carry(|x| x - shift);

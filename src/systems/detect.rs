@@ -55,7 +55,7 @@ pub(crate) fn form_islands(
         let member = Member { entity, rest, collision: *collision, thickness, fixed, still, rode, asleep, at_load };
         let layers = layers.copied().unwrap_or_default();
         place.alone |= !still;
-        place.bounds = islands.add(member, &inputs, particles, layers, last_box, last);
+        place.bounds = islands.add(member, &inputs, particles, layers, (last, last_box), &mut place.motion);
     }
     islands.form(|entity, island, part, roused| {
         if let Ok((.., mut place, mut slumber)) = cloths.get_mut(entity) {

@@ -224,7 +224,8 @@ pub(crate) fn surroundings(
             Pose::from_parts(translation, at.rotation)
         };
         let dt = time.delta_secs() * inputs.time_scale;
-        let room = if crowded || !air.zones.is_empty() { room(inputs, &particles, dt) } else { None };
+        let waited = (inputs.waited * inputs.time_scale).min(inputs.stepping.max_frame);
+        let room = if crowded || !air.zones.is_empty() { room(inputs, &particles, dt.max(waited)) } else { None };
         let (character, carried, jumped) = (inputs.character, inputs.carried_by, inputs.jumped);
         let reaches_it = |body: &WorldBody| {
             let own = body.character.is_none() || body.character == character;
@@ -277,7 +278,7 @@ pub(crate) fn surroundings(
             let [from, to] = if bone && body.rigid.is_none() { on_joint(body, places).unwrap_or(places) } else { places };
             Body {
                 shape: body.shape.clone(),
-                from: began(body.entity, from),
+                from: if body.rigid.is_none() { began(body.entity, from) } else { from },
                 to,
                 static_friction: body.static_friction,
                 dynamic_friction: body.dynamic_friction,

@@ -33,6 +33,9 @@ pub(crate) fn alone(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: R
     for island in &mut islands.list {
         let in_background = |member: &Member| cloths.get(member.entity).is_ok_and(|(_, inputs, ..)| inputs.background);
         island.background.is_on = island.members.iter().any(in_background);
+        if !(island.background.is_on || island.is_built()) {
+            island.build();
+        }
         island.together = steps_together(island, &cloths);
     }
     let list = &islands.list;
@@ -121,8 +124,7 @@ pub(super) fn begin(
         }
         return false;
     }
-    // It was in the background before.
-    report.lost_time += (core::mem::take(&mut inputs.waited) * inputs.time_scale - dt).max(0.0);
+    inputs.waited = 0.0;
     judge_written(rest, inputs, particles, report);
     if interpolates {
         particles.before.clear();
