@@ -18,9 +18,10 @@ use bevy::tasks::AsyncComputeTaskPool;
 use bevy::tasks::futures::check_ready;
 
 use super::carriers::off_origin;
+use super::integrate::StepQuery;
 use super::islands::member;
 use super::{evaluate, integrate, stopwatch};
-use crate::components::{Cloth, ClothReport};
+use crate::components::ClothReport;
 use crate::islands::{Background, BackgroundCloth, BackgroundFrame, ClothIsland, ClothIslands, Member};
 use crate::schedule::ClothClock;
 use crate::simulation::{ClothInputs, ClothParticles, ClothRest, IslandPlace, NEAR, STILL};
@@ -30,16 +31,8 @@ use crate::solver::sim::ClothSim;
 use crate::solver::state::ClothState;
 use crate::time::ClothTime;
 
-/// What a frame in the background reads and writes of cloths.
-pub(crate) type Cloths<'w, 's, 'a> = Query<
-    'w,
-    's,
-    (&'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a IslandPlace, &'a mut ClothReport),
-    With<Cloth>,
->;
-
 /// Takes over what is done, unless its cloths were put elsewhere meanwhile.
-pub(crate) fn finish(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: ResMut<ClothIslands>, mut cloths: Cloths) {
+pub(crate) fn finish(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: ResMut<ClothIslands>, mut cloths: StepQuery) {
     let _span = debug_span!("cloth/integrate").entered();
     let dt = time.delta_secs();
     for (_, mut inputs, particles, _, mut report) in &mut cloths {
@@ -79,7 +72,7 @@ pub(crate) fn finish(time: Res<ClothTime>, clock: Res<ClothClock>, mut islands: 
 
 impl BackgroundFrame {
     /// Whether it is of the cloths as they are.
-    fn fits(&self, island: &ClothIsland, cloths: &Cloths) -> bool {
+    fn fits(&self, island: &ClothIsland, cloths: &StepQuery) -> bool {
         let fits = |cloth: &BackgroundCloth, entity: Entity| {
             cloths.get(entity).is_ok_and(|(rest, inputs, particles, ..)| {
                 inputs.taken
@@ -96,7 +89,7 @@ impl BackgroundFrame {
 }
 
 /// Gives an island and its cloths what came of a frame in the background, in a frame of the app of `dt` `[s]`.
-fn take_over(frame: BackgroundFrame, island: &mut ClothIsland, dt: f32, interpolates: bool, cloths: &mut Cloths) {
+fn take_over(frame: BackgroundFrame, island: &mut ClothIsland, dt: f32, interpolates: bool, cloths: &mut StepQuery) {
     let BackgroundFrame { island: ClothIsland { solver, times, .. }, cloths: done, dt: length } = frame;
     (island.solver, island.times) = (solver, times);
     for (cloth, member) in done.into_iter().zip(&island.members) {
@@ -184,7 +177,7 @@ fn begin_where_it_ended(inputs: &mut ClothInputs, then: &ClothInputs) {
 }
 
 /// Begins the next frame of every island in the background that has none under way.
-pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut cloths: Cloths) {
+pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut cloths: StepQuery) {
     let _span = debug_span!("cloth/respond").entered();
     let Some(pool) = AsyncComputeTaskPool::try_get() else { return };
     let dt = time.delta_secs();
@@ -201,7 +194,6 @@ pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut
         if !island.members.iter().all(fits) {
             continue;
         }
-        let members = island.members.clone();
         let length = length(island, dt, &cloths);
         let mut frame = BackgroundFrame {
             island: ClothIsland {
@@ -211,14 +203,14 @@ pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut
                 solver: core::mem::take(&mut island.solver),
                 ..default()
             },
-            cloths: Vec::with_capacity(members.len()),
+            cloths: Vec::with_capacity(island.members.len()),
             dt: length,
         };
         // Frames of the app are not to wait for it.
         frame.island.solver.share(None);
         let solver = &frame.island.solver;
         (island.background.total, island.background.touching) = (solver.total(), solver.contacts().touching());
-        for member in &members {
+        for member in &island.members {
             let Ok((rest, mut inputs, mut particles, _, report)) = cloths.get_mut(member.entity) else { continue };
             frame.cloths.push(take(rest, &mut inputs, &mut particles, &report, length));
         }
@@ -232,7 +224,7 @@ pub(crate) fn begin(time: Res<ClothTime>, mut islands: ResMut<ClothIslands>, mut
 /// How long the next frame of an island is `[s]`, in a frame of the app of `dt` `[s]`: the time since the last that is done, as
 /// far as it is simulated. Untangling goes by frames. So one of what crosses, or was never looked at, is no longer than the
 /// app's, unless pins or bodies go on meanwhile.
-fn length(island: &ClothIsland, dt: f32, cloths: &Cloths) -> f32 {
+fn length(island: &ClothIsland, dt: f32, cloths: &StepQuery) -> f32 {
     let members = || island.members.iter().filter_map(|member| cloths.get(member.entity).ok());
     let live = || members().filter(|(_, inputs, particles, ..)| inputs.is_live(&particles.sim.recovery));
     let waited = |inputs: &ClothInputs| inputs.waited.min(inputs.stepping.max_frame / inputs.time_scale);

@@ -19,7 +19,8 @@ use crate::solver::state::ClothState;
 use crate::solver::step::{StepReport, prepare, step};
 use crate::time::ClothTime;
 
-type StepQuery<'w, 's, 'a> = Query<
+/// What stepping reads and writes of cloths, in the frame and in the background.
+pub(crate) type StepQuery<'w, 's, 'a> = Query<
     'w,
     's,
     (&'a ClothRest, &'a mut ClothInputs, &'a mut ClothParticles, &'a IslandPlace, &'a mut ClothReport),
